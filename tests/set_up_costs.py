@@ -20,8 +20,7 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.system import machine
-from rollbench.comparison.wings.bench.costs.run_times import today
-from rollbench.comparison.wings.bench.costs.set_up_costs import FILE
+from rollbench.comparison.wings.bench.costs.kept import SET_UP_COSTS, today
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.hifi import setup
 from rollbench.hifi.bodies import patch
@@ -189,4 +188,4 @@ if __name__ == "__main__":
     with threadpool_limits(1):
         found = {"machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
         found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
-    (shipped_store() / FILE).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    (shipped_store() / SET_UP_COSTS).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

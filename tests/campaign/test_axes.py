@@ -33,7 +33,7 @@ def test_axes_that_were_wrong_once(number, verdict):
 
 
 def test_random_axes_are_right_or_refused_with_proof():
-    found = scenes.judge_scenes(5, 12, "lin", draw=axis_text)
+    found = scenes.judge_scenes(scenes.Campaign(5, 12, axes=True))
     assert not [o for o in found if o.verdict in scenes.BAD]
     assert sum(o.verdict == scenes.RIGHT for o in found) >= 6
 

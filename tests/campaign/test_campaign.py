@@ -16,14 +16,14 @@ from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.wings.extremes.campaign import check, files, record, scenes
 from rollbench.comparison.wings.extremes.campaign.draw import scene_text
-from rollbench.comparison.wings.extremes.campaign.part import Part
+from rollbench.comparison.wings.extremes.campaign.scenes import Campaign, Part, judge_scenes
 from rollbench.comparison.wings.extremes.command import captured
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, Support
 
 
 def test_random_extreme_scenes_are_right_or_refused_with_proof():
-    found = scenes.judge_scenes(7, 40, "lin")
+    found = judge_scenes(Campaign(7, 40))
     bad = [o for o in found if o.verdict in scenes.BAD]
     assert not bad, bad
     assert sum(o.verdict == scenes.RIGHT for o in found) >= 8
@@ -60,14 +60,16 @@ def test_scenes_that_did_not_converge_once_are_right_in_the_refined_model(number
 
 def test_an_interrupted_campaign_goes_on(tmp_path):
     kept = Part(tmp_path / "kept.part", 7, "lin")
-    first = scenes.judge_scenes(7, 2, "lin", keep=kept.add)
+    first = judge_scenes(Campaign(7, 2), kept=kept)
     with kept.path.open("ab") as file:
         file.write(b"00000000 {torn")
     again = Part(kept.path, 7, "lin")
     assert again.outcomes == {o.number: o for o in first}
     new = []
-    assert scenes.judge_scenes(7, 3, "lin", known=again.outcomes, keep=new.append)[:2] == first
-    assert [o.number for o in new] == [2]
+    add = again.add
+    again.add = lambda outcome: (new.append(outcome.number), add(outcome))
+    assert judge_scenes(Campaign(7, 3), kept=again)[:2] == first
+    assert new == [2]
     assert Part(kept.path, 8, "lin").outcomes == {}
 
 
@@ -186,7 +188,7 @@ def test_scenes_do_not_depend_on_what_was_drawn_before():
 def test_scenes_go_through_the_command_line_too():
     """As text and as JSON, and what these say otherwise is a fault."""
     command = partial(captured, partial(commands(), exit_on_error=False, print_error=False, result_action="return_value"))
-    found = scenes.judge_scenes(7, 12, "lin", command=command)
+    found = judge_scenes(Campaign(7, 12, command=command))
     assert not [o for o in found if o.verdict in scenes.BAD]
     assert {scenes.RIGHT, scenes.REFUSED} <= {o.verdict for o in found}
     # its text said "residual nan" of what was refused before anything was solved for

@@ -13,9 +13,10 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.costs.kept import save_rows
 from rollbench.comparison.wings.bench.costs.timing import Job
-from rollbench.comparison.wings.bench.long import kept, now_and_here, save
-from rollbench.comparison.wings.bench.typed import as_typed, scaling, spent_table
+from rollbench.comparison.wings.bench.growth import scaling
+from rollbench.comparison.wings.bench.waits import TYPED, kept, now_and_here, spent_table
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 #: File of a store that holds the jobs of this section.
@@ -24,9 +25,9 @@ JOBS = "jobs.json"
 
 def jobs_now(step: Callable[[str], None]) -> Iterator[Job]:
     """Every job, measured now."""
-    for one in as_typed():
+    for one in TYPED:
         step(one.job)
-        yield one
+        yield one.measured()
     yield from run_bench(step)
     yield from (job for added in offered("timing jobs") for job in added())
     yield from axis_jobs(5)
@@ -39,7 +40,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     if not done:
         done = [replace(job, when=now_and_here()) for job in jobs_now(step)]
         if study.stores:
-            save(study.stores[0], JOBS, done)
+            save_rows(study.stores[0], JOBS, done)
     rows: list[dict[str, Any]] = [asdict(job) for job in done]
     printed: list[Row] = [
         {

@@ -59,32 +59,23 @@ class Contact:
 Answers = Mapping[str, Contact]
 
 
-@dataclass(frozen=True)
-class Key:
-    """Basis of the answers of a problem: digest of the problem, files of the runs."""
-
-    problem: str
-    runs: tuple[str, ...]
-
-
-def computed(one: Problem) -> tuple[dict[str, Contact], Key]:
-    """Answers of a problem from its stored runs, and their key. Raises InputError where there are none."""
-    found = reference_of(one)
+def computed(one: Problem) -> tuple[dict[str, Contact], dict[str, Any]]:
+    """Answers of a problem from its stored runs, and what they rest on: digest of the problem, files of the runs. Raises
+    InputError where there are none."""
+    found, described = reference_of(one), one.described
     out: dict[str, Contact] = {}
-    described = one.described
     for referenced in found:
         scene, ref = _parts(referenced), referenced.found
         beyond = isinstance(described, Assembly) or whole_shaft(scene)
         uncertainty = np.hypot(ref.uncertainty, 0.01 * JUNCTION * ref.mean * beyond * (ref.load > 0.0))
         beside = _beside(scene, ref)
         first = len(out) // len(SIDES)
-        for i in range(scene.ball_count):
-            for s, side in enumerate(SIDES):
-                loaded = ref.load[i, s] > 0.0
-                values = {name: float(x[i, s]) for name, x in beside.items()} if loaded else {}
-                out[f"{first + i + 1} {side}"] = Contact(float(ref.load[i, s]), float(uncertainty[i, s]), values)
-    files = tuple(path_in(Path(), described, _whole(found, k)).name for k in range(len(found[0].found.runs)))
-    return out, Key(key_of(described), files)
+        for i, s in np.ndindex(ref.load.shape):
+            values = {name: float(x[i, s]) for name, x in beside.items()} if ref.load[i, s] > 0.0 else {}
+            out[f"{first + i + 1} {SIDES[s]}"] = Contact(float(ref.load[i, s]), float(uncertainty[i, s]), values)
+    # a run of several sets goes by its first: a file's name rests on its settings alone
+    files = [path_in(Path(), described, run).name for run in found[0].found.runs]
+    return out, {"problem": key_of(described), "runs": files}
 
 
 def _parts(referenced: Referenced) -> Scene:
@@ -92,11 +83,6 @@ def _parts(referenced: Referenced) -> Scene:
     parts = referenced.scene if referenced.of is None else referenced.of.assembly.sets[referenced.of.number].parts
     assert isinstance(parts, Scene)
     return parts
-
-
-def _whole(found: list[Referenced], k: int) -> Any:
-    """A run of all sets, from its parts: its file's name rests on its settings alone."""
-    return found[0].found.runs[k]
 
 
 def _beside(scene: Scene, ref: Reference) -> dict[str, Array]:
@@ -126,7 +112,7 @@ def table(answers: Mapping[str, Answers]) -> str:
 def save(folder: Path) -> list[Path]:
     """Write the answers of all problems and what they rest on, from the stored runs. Raises InputError."""
     found = {name: computed(one) for name, one in PROBLEMS.items()}
-    keys = {name: {"problem": key.problem, "runs": key.runs} for name, (_, key) in found.items()}
+    keys = {name: key for name, (_, key) in found.items()}
     replace_file(folder / FILE, table({name: contacts for name, (contacts, _) in found.items()}))
     replace_file(folder / KEYS, json.dumps(keys, indent=1) + "\n")
     return [folder / FILE, folder / KEYS]

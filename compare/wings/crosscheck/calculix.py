@@ -18,29 +18,18 @@ from rollbench.comparison.errors import InputError
 #: Name of the deck and of its results in their folder.
 NAME = "deck"
 LONGEST = 7200.0
-
-
-@dataclass(frozen=True)
-class ContactForce:
-    """Resultant on the slave's faces of one contact: force ``(3,)`` [N], area [deck's unit, squared]."""
-
-    slave: str
-    force: tuple[float, float, float]
-    area: float
-
-    @property
-    def size(self) -> float:
-        """Its magnitude [N]."""
-        return float(sum(x * x for x in self.force) ** 0.5)
+#: Components along x, y, z.
+Triple = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Results of CalculiX: contact forces, displacements of the printed sets' nodes by set and node (deck's unit),
-    iterations, last correction of the displacements over the largest [%], seconds of processor time, date, version."""
+    """Results of CalculiX: resultants [N] on the faces of contacts by slave set, displacements of the printed sets' nodes
+    by set and node (deck's unit), iterations, last correction of the displacements over the largest [%], seconds of
+    processor time, date, version."""
 
-    contacts: tuple[ContactForce, ...]
-    moved: dict[str, dict[int, tuple[float, float, float]]]
+    forces: dict[str, Triple]
+    moved: dict[str, dict[int, Triple]]
     iterations: int
     correction: float
     seconds: float
@@ -52,13 +41,8 @@ def find_ccx() -> str:
     """Path of CalculiX. Raises InputError where it is not installed."""
     found = shutil.which("ccx")
     if found is None:
-        raise InputError(
-            "this machine",
-            "ccx",
-            "not found",
-            "CalculiX on the path",
-            "install it (Debian: apt-get install calculix-ccx), or leave --run out",
-        )
+        advice = "install it (Debian: apt-get install calculix-ccx), or leave --run out"
+        raise InputError("this machine", "ccx", "not found", "CalculiX on the path", advice)
     return found
 
 
@@ -94,9 +78,9 @@ def run_calculix(text: str, folder: Path) -> Outcome:
     if facts.get("deck") != key:
         facts = {"deck": key, **_run(program, text, folder)}
         kept.write_text(json.dumps(facts), encoding="utf-8")
-    contacts, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
+    forces, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
     iterations, correction = read_cvg((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
-    return Outcome(tuple(contacts), moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
+    return Outcome(forces, moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
 
 
 def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
@@ -127,30 +111,19 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
     return {"seconds": seconds or elapsed, "date": today, "version": ccx_version(program)}
 
 
-def read_dat(text: str) -> tuple[list[ContactForce], dict[str, dict[int, tuple[float, float, float]]]]:
-    """Contact forces and printed displacements of the last time in a .dat file."""
-    contacts: dict[str, ContactForce] = {}
-    moved: dict[str, dict[int, tuple[float, float, float]]] = {}
-    blocks = [line for line in text.splitlines() if line.strip()]
-    k = 0
-    while k < len(blocks):
-        line = blocks[k]
-        slave = re.match(r"\s*statistics for slave set (\S+), master", line)
-        node_set = re.match(r"\s*displacements .* for set (\S+) and time", line)
-        if slave:
-            force = tuple(float(x) for x in blocks[k + 2].split()[:3])
-            area = float(blocks[k + 8].split()[0])
-            contacts[slave.group(1)] = ContactForce(slave.group(1), (force[0], force[1], force[2]), area)
-            k += 8
-        elif node_set:
-            rows: dict[int, tuple[float, float, float]] = {}
-            while k + 1 < len(blocks) and re.match(r"\s+\d+\s+[-\d]", blocks[k + 1]):
-                node, x, y, z = blocks[k + 1].split()
-                rows[int(node)] = (float(x), float(y), float(z))
-                k += 1
-            moved[node_set.group(1)] = rows
-        k += 1
-    return list(contacts.values()), moved
+def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
+    """Contact forces by slave set, and printed displacements by set and node, of the last time in a .dat file."""
+    forces: dict[str, Triple] = {}
+    moved: dict[str, dict[int, Triple]] = {}
+    head = re.compile(r"(?:statistics for slave set (\S+), master|displacements .* for set (\S+) and time).*")
+    ends = [*(m.start() for m in head.finditer(text)), len(text)]
+    for found, end in zip(head.finditer(text), ends[1:], strict=True):
+        rows = [line.split() for line in text[found.end() : end].splitlines() if re.match(r"\s+[-\d]", line)]
+        if found[1]:
+            forces[found[1]] = tuple(map(float, rows[0][:3]))
+        else:
+            moved[found[2]] = {int(node): tuple(map(float, x)) for node, *x in rows}
+    return forces, moved
 
 
 def read_cvg(text: str) -> tuple[int, float]:

@@ -16,7 +16,7 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.system import need_gmsh
 from rollbench.comparison.wings.crosscheck import nut
 from rollbench.comparison.wings.crosscheck.data import CrossData, load, save, shipped
-from rollbench.comparison.wings.crosscheck.rows import ContactRow, agreement, columns, contact_rows
+from rollbench.comparison.wings.crosscheck.rows import COLUMNS, ContactRow, agreement, contact_rows
 from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
 from rollbench.meshes.parts import Scene
 
@@ -56,9 +56,8 @@ def stored(folder: Path, scene: Scene) -> CrossData:
     if found is None:
         raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: --run")
     if found.key != scene_key(scene.name):
-        raise InputError(
-            scene.name, "crosscheck", "results of another scene", "results of this scene", "solve it anew: --run"
-        )
+        wanted = "results of this scene", "solve it anew: --run"
+        raise InputError(scene.name, "crosscheck", "results of another scene", *wanted)
     return found
 
 
@@ -69,18 +68,13 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
         ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
         found = reference(scene, stores)
     if found is None:
-        raise InputError(
-            scene.name,
-            "3D reference",
-            "no converged run",
-            "a scene whose contact problem has a solution",
-            "see the status of the runs in the store",
-        )
+        wanted = "a scene whose contact problem has a solution", "see the status of the runs in the store"
+        raise InputError(scene.name, "3D reference", "no converged run", *wanted)
     return found
 
 
 def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
-    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in columns()}
-    texts = ([cell(row.cells().get(c.key), c.format) for c in columns()] for row in rows)
+    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
+    texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
     title = f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json"
     return ruled(title, heads.values(), texts, [heads["side"]])

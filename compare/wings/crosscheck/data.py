@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -91,16 +94,18 @@ def save(folder: Path, data: CrossData) -> Path:
 
 def load(folder: Path, scene: str) -> CrossData | None:
     """Results of a scene, None where there are none. Raises InputError for a damaged file."""
-    path = path_of(folder, scene)
+    found = "results that rollbench crosscheck wrote", "make them anew: --run"
+    return read(path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found)
+
+
+def read(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
+    """What is made of a stored JSON value, None without a file. Raises InputError for a damaged one."""
     try:
-        plain: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        return CrossData(**{**plain, "runs": tuple(_run(r) for r in plain["runs"])})
+        return made(json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            str(path), "file", str(error), "results that rollbench crosscheck wrote", "make them anew: --run"
-        ) from None
+        raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
 def _run(plain: dict[str, Any]) -> CrossRun:

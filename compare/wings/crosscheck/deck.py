@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -91,44 +92,51 @@ class MeshedDeck:
     quality: dict[str, float]
 
 
-def refuse_large(scene: Scene) -> None:
-    """Raise InputError where a scene has too many balls for a deck of whole bodies."""
-    if scene.ball_count > MOST_BALLS:
-        raise InputError(
-            scene.name,
-            "balls",
-            str(scene.ball_count),
-            f"1 to {MOST_BALLS} balls in a deck of whole bodies",
-            "cut the screw to a few neighbouring balls: --balls 3:5 keeps balls 3 to 5",
-        )
+def refuse(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
+    """Raise InputError for the first fault that is there: whether it is, key, value, allowed values and advice."""
+    for there, key, value, allowed, advice in faults:
+        if there:
+            raise InputError(where, key, value, allowed, advice)
 
 
-def refuse_unlike(scene: Scene) -> None:
-    """Raise InputError where the plane y = 0 does not part a scene into mirror images: a helix, balls beside the plane,
-    loads, or the screw not held along y and about x and z."""
+def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
+    """Raise InputError where a deck cannot describe a scene, or has too many balls for whole bodies; half: also where the
+    plane y = 0 does not part it into mirror images, by a helix, balls beside the plane, loads, or a screw that is not held
+    along y and about x and z."""
+    balls, solid = scene.ball_count, scene.solid
+    large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
+    cut = "cut the screw to a few neighbouring balls: --balls 3:5 keeps balls 3 to 5"
+    half_face = solid.nut_held is not None and solid.nut_held not in HELD
+    bolts = scene.nut.flange is not None and bool(scene.nut.flange.bolts)
+    at = f'"{solid.nut_held}"' if half_face else "single bolts"
+    groove, whole = f'"{solid.nut_groove}"', "leave it out: a deck has whole grooves"
     azimuth = ball_layout(scene).azimuth
     held = {n for s in scene.supports for n, v in s.fixed if v == 0.0}
-    if scene.track.lead or np.abs(np.sin(azimuth)).max() > 1e-9 or scene.loads or not {"uy", "rx", "rz"} <= held:
-        raise InputError(
-            scene.name,
-            "half",
-            "not its own mirror image",
-            "a ring pair with balls at 0 and 180 deg, moved by supports that hold uy, rx, rz",
-            "mesh whole bodies",
-        )
+    beside = bool(np.abs(np.sin(azimuth)).max() > 1e-9) or not {"uy", "rx", "rz"} <= held
+    unlike = bool(scene.track.lead or scene.loads) or beside
+    pair = "a ring pair with balls at 0 and 180 deg, moved by supports that hold uy, rx, rz"
+    faults = (
+        (balls > MOST_BALLS, "balls", str(balls), large, cut),
+        (solid.nut == "rigid", "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies"),
+        (half_face or bolts, "nut.held.at", at, ", ".join(HELD), "a deck holds whole surfaces"),
+        (solid.nut_groove != "through", "solid.nut_groove", groove, '"through"', whole),
+        (half and unlike, "half", "not its own mirror image", pair, "mesh whole bodies"),
+    )
+    refuse(scene.name, faults)
 
 
 def exact_errors(scene: Scene) -> Specimen:
     """The scene's errors if real geometry can show them: radii of balls and of grooves. Raises InputError for others."""
     drawn = specimen(scene, ball_layout(scene))
+    moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
+    uneven = bool(drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3])
+    faults = (
+        (drawn.profile.size > 0, "errors.*.profile", "a profile of varying shape"),
+        (moved, "errors.*.pitch, roundness", "a displaced groove"),
+        (uneven, "errors.*.profile", "grooves of two radii"),
+    )
     allowed = "errors of ball radii and, the same on both flanks, of groove radii"
-    advice = "leave this error out of the scene"
-    if drawn.profile.size:
-        raise InputError(scene.name, "errors.*.profile", "a profile of varying shape", allowed, advice)
-    if np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any():
-        raise InputError(scene.name, "errors.*.pitch, roundness", "a displaced groove", allowed, advice)
-    if drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3]:
-        raise InputError(scene.name, "errors.*.profile", "grooves of two radii", allowed, advice)
+    refuse(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
     return drawn
 
 
@@ -141,14 +149,10 @@ def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> Groove
 def expected(scene: Scene) -> StaticResult:
     """Loads by the refined low-order model. Raises InputError where it does not converge or nothing is loaded."""
     found = run_model(scene, "refined", Options(discretisation=False))
-    if not found.converged or not (found.load > 0.0).any():
-        raise InputError(
-            scene.name,
-            "loads",
-            found.status,
-            "a scene with loaded contacts that the model refined solves",
-            "meshes are refined at the contacts it finds: load or preload the scene",
-        )
+    allowed = "a scene with loaded contacts that the model refined solves"
+    advice = "meshes are refined at the contacts it finds: load or preload the scene"
+    idle = not found.converged or not (found.load > 0.0).any()
+    refuse(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
     return found
 
 
@@ -158,28 +162,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     Raises InputError for a scene that is too large, that a deck cannot describe, or that cannot be meshed.
     """
     options = options or DeckOptions()
-    refuse_large(scene)
-    if scene.solid.nut == "rigid":
-        raise InputError(scene.name, "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies")
-    half_face = scene.solid.nut_held is not None and scene.solid.nut_held not in HELD
-    if half_face or (scene.nut.flange is not None and scene.nut.flange.bolts):
-        raise InputError(
-            scene.name,
-            "nut.held.at",
-            f'"{scene.solid.nut_held}"' if half_face else "single bolts",
-            ", ".join(HELD),
-            "a deck holds whole surfaces",
-        )
-    if scene.solid.nut_groove != "through":
-        raise InputError(
-            scene.name,
-            "solid.nut_groove",
-            f'"{scene.solid.nut_groove}"',
-            '"through"',
-            "leave it out: a deck has whole grooves",
-        )
-    if options.half:
-        refuse_unlike(scene)
+    _refuse_unlike_decks(scene, options.half)
     drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     places, short = places_of(scene, found.load, sides)
@@ -195,14 +178,8 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     bodies = tuple(body for body, _ in meshed)
     quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
-    if count > MOST_NODES:
-        raise InputError(
-            scene.name,
-            "deck",
-            f"{count} nodes",
-            f"at most {MOST_NODES} nodes",
-            "lower --b-over-h, raise --growth, or cut the screw: --balls",
-        )
+    smaller = "lower --b-over-h, raise --growth, or cut the screw: --balls"
+    refuse(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
     contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
     deck = Deck(
         bodies,
@@ -263,18 +240,18 @@ def _balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
     """Every ball with its own radius, where the scene puts it."""
-    bodies, meshed = [], dict[tuple[float, float], WholeBody]()
+    bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
     for i, radius in enumerate(drawn.ball_radius.tolist()):
         on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
-        mesh = meshed.get((radius, side if options.half else 0.0))
+        kind = radius, side * options.half
+        mesh = meshed.get(kind)
         if mesh is None:
-            shared = options.half or options.alike
             near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else on_ball
             zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
             size = _refined(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
             mesh = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
             if shared:
-                meshed[radius, side if options.half else 0.0] = mesh
+                meshed[kind] = mesh
         faces = {ball_faces(p): sphere_faces(m, mesh, p, radius, fine) for p in on_ball}
         name = f"BALL{i + 1}"
         points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
@@ -321,15 +298,10 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
         low, high = dims.ends(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
         allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
+    advice = "a deck has no beams: cut the screw (--balls 3:5), or set solid.shaft and the stations to match"
     for z in stations:
-        if min(abs(z - end) for end in ends.values()) > 1e-9:
-            raise InputError(
-                scene.name,
-                "supports, loads",
-                f"a station at {1e3 * z:.6g} mm",
-                allowed,
-                "a deck has no beams: cut the screw (--balls 3:5), or set solid.shaft and the stations to match",
-            )
+        away = min(abs(z - end) for end in ends.values()) > 1e-9
+        refuse(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
     sections: list[RigidSection] = []
     for name, z in ends.items():

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.crosscheck.calculix import run_calculix
+from rollbench.comparison.wings.crosscheck.data import read
 from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
 from rollbench.comparison.writing import replace_file
 from rollbench.hifi.elements.assembly import assemble
@@ -153,10 +154,5 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
 
 def load_nut(folder: Path) -> NutCheck | None:
     """The stored result, None where there is none. Raises InputError for a damaged file."""
-    path = folder / "nut.json"
-    try:
-        return NutCheck(**json.loads(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, TypeError) as error:
-        raise InputError(str(path), "file", str(error), "a result of rollbench crosscheck", "make it anew: --run") from None
+    found = "a result of rollbench crosscheck", "make it anew: --run"
+    return read(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

@@ -16,18 +16,27 @@ from rollbench.reports.records import Cell, Quantity
 
 #: Agreement aimed at, in per cent of the mean load.
 TARGET = 0.5
+PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
+#: The comparison of a contact: the reference's finest level, the other program extrapolated.
+COMPARED = (
+    Quantity("ours", "reference", "N", ".2f"),
+    Quantity("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
+    Quantity("theirs", "CalculiX", "N", ".2f"),
+    Quantity("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
+    Quantity("difference", "difference", "% of mean", "+.2f"),
+)
+COLUMNS = (*PLACE, *COMPARED)
 
 
 @dataclass(frozen=True)
 class ContactRow:
-    """One contact: ball (from 1), side, loads [N] of the reference by level and of the other program by deck, the
+    """One contact: ball (from 1), side, loads [N] on every mesh of the reference and of the other program by name, the
     reference's finest and the other's extrapolated, their uncertainties and differences in per cent of the
     mean load of the reference."""
 
     ball: int
     side: str
-    levels: Mapping[int, float]
-    decks: Mapping[str, float]
+    meshes: Mapping[str, float]
     ours: float
     ours_percent: float
     theirs: float
@@ -36,16 +45,8 @@ class ContactRow:
 
     def cells(self) -> dict[str, Cell]:
         """The row of a table."""
-        cells: dict[str, Cell] = {"ball": str(self.ball), "side": self.side}
-        cells |= {f"level {k}": v for k, v in self.levels.items()}
-        cells |= dict(self.decks)
-        return cells | {
-            "ours": self.ours,
-            "ours_percent": self.ours_percent,
-            "theirs": self.theirs,
-            "theirs_percent": self.theirs_percent,
-            "difference": self.difference,
-        }
+        compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
+        return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
 def series(data: CrossData) -> list[CrossRun]:
@@ -64,17 +65,15 @@ def deck_label(run: CrossRun) -> str:
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
     """Rows of all contacts that either program finds loaded."""
     limit = limit or extrapolate(data.runs)
-    best = ours.load
-    mean = ours.mean
-    rows = []
+    best, mean, rows = ours.load, ours.mean, []
+    meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in series(data)}
     for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
         uncertainty = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
         rows.append(
             ContactRow(
                 int(i) + 1,
                 SIDES[s],
-                {r.level: float(r.load[i, s]) for r in ours.runs},
-                {deck_label(r): float(r.load[i, s]) for r in series(data)},
+                {name: float(load[i, s]) for name, load in meshes.items()},
                 float(best[i, s]),
                 uncertainty,
                 float(limit.load[i, s]),
@@ -83,21 +82,6 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
             )
         )
     return rows
-
-
-PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
-
-
-def columns() -> list[Quantity]:
-    """Columns of the comparison: the reference's finest level, the other program extrapolated."""
-    return [
-        *PLACE,
-        Quantity("ours", "reference", "N", ".2f"),
-        Quantity("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
-        Quantity("theirs", "CalculiX", "N", ".2f"),
-        Quantity("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
-        Quantity("difference", "difference", "% of mean", "+.2f"),
-    ]
 
 
 def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:

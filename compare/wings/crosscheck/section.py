@@ -11,7 +11,7 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.wings.crosscheck.data import CrossData, load, shipped
 from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate, mesh_of
 from rollbench.comparison.wings.crosscheck.nut import load_nut
-from rollbench.comparison.wings.crosscheck.rows import agreement, columns, contact_rows, mesh_columns
+from rollbench.comparison.wings.crosscheck.rows import COLUMNS, agreement, contact_rows, mesh_columns
 from rollbench.comparison.wings.crosscheck.study import STUDIES, scene_key
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
@@ -82,7 +82,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     """Every contact by both programs, CalculiX extrapolated; and on every mesh of either."""
     rows = contact_rows(data, ours, limit)
     heads = mesh_columns(data, ours)
-    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (columns(), heads))
+    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, heads))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "
@@ -91,7 +91,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     )
     meshes = "CalculiX's columns are runs whose contact stiffness is as equal as possible."
     return [
-        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", columns(), ends, note),
+        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", COLUMNS, ends, note),
         Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),
     ]
 

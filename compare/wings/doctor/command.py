@@ -63,14 +63,16 @@ def run_doctor(store: Path) -> Answer:
     return Answer(data, parts, 1 if lacking else 0)
 
 
+def _looked(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
+    """The check of a thing that was found, or that lacks in some way: what that costs, the remedy, and its state then."""
+    return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
+
+
 def _python() -> Iterator[Check]:
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
-    good = tuple(map(int, platform.python_version_tuple()[:2])) >= PYTHON
-    yield (
-        Check("Python", "ok", f"{present}, at least {least}")
-        if good
-        else Check("Python", "missing", present, "not supported", f"take {least} or newer")
-    )
+    old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
+    lack = present if old else ""
+    yield _looked("Python", f"{present}, at least {least}", lack, "not supported", f"take {least} or newer")
 
 
 def requirements() -> dict[str, str]:
@@ -90,28 +92,23 @@ def _packages() -> Iterator[Check]:
             "rollbench", "missing", "not installed", "versions of packages are not known", "pip install . installs it"
         )
     for name, least in needed.items():
-        cost = ONLY_FOR.get(name, "rollbench does not run")
-        advice = f"pip install '{name}>={least}'"
-        present = version(name)
+        present, wanted, lack = version(name), f"'{name}>={least}'", ""
+        advice, licence = f"pip install {wanted}", f" ({STRICT[name]})" if name in STRICT else ""
         if present is None:
-            yield Check(name, "missing", "not installed", cost, advice)
+            lack = "not installed"
         elif _numbers(present) < _numbers(least):
-            yield Check(name, "missing", f"{present}, older than {least}", cost, advice)
+            lack = f"{present}, older than {least}"
         elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_graphics`
-            yield Check(name, "missing", f"{present}, {broken}", cost, f"pip install --force-reinstall '{name}>={least}'")
-        else:
-            licence = f" ({STRICT[name]})" if name in STRICT else ""
-            yield Check(name, "ok", f"{present}, at least {least}{licence}")
+            lack, advice = f"{present}, {broken}", f"pip install --force-reinstall {wanted}"
+        cost = ONLY_FOR.get(name, "rollbench does not run")
+        yield _looked(name, f"{present}, at least {least}{licence}", lack, cost, advice)
 
 
 def _extras() -> Iterator[Check]:
     for name, (what, remedy) in EXTRAS.items():
-        present = version(name)
-        yield (
-            Check(name, "ok", present)
-            if present
-            else Check(name, "optional", "not installed", f"the report is without {what}", remedy)
-        )
+        present = version(name) or ""
+        lack = "" if present else "not installed"
+        yield _looked(name, present, lack, f"the report is without {what}", remedy, "optional")
 
 
 def _numbers(version: str) -> tuple[int, ...]:
@@ -126,42 +123,26 @@ def _numbers(version: str) -> tuple[int, ...]:
 def _graphics() -> Iterator[Check]:
     from rollbench.reports import offscreen
 
-    meshing, drawing = gmsh_fault(), offscreen.fault()
     remedy = install(PICTURES) if version("pyvista") else "pip install pyvista"
-    yield (
-        Check("meshing", "missing", meshing, ONLY_FOR["gmsh"], gmsh_remedy())
-        if meshing
-        else Check("meshing", "ok", "gmsh loads")
-    )
-    yield (
-        Check("off-screen rendering", "missing", drawing, ONLY_FOR["pyvista"], remedy)
-        if drawing
-        else Check("off-screen rendering", "ok", "a picture was drawn")
-    )
+    yield _looked("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
+    yield _looked("off-screen rendering", "a picture was drawn", offscreen.fault(), ONLY_FOR["pyvista"], remedy)
 
 
 def _programs() -> Iterator[Check]:
     for name, (commands, purpose, package) in PROGRAMS.items():
-        path = next(filter(None, map(shutil.which, commands)), None)
-        yield (
-            Check(name, "ok", path)
-            if path
-            else Check(name, "optional", "not found", f"needed only so that {purpose}", f"apt-get install {package}")
-        )
+        path = next(filter(None, map(shutil.which, commands)), "")
+        lack, advice = "" if path else "not found", f"apt-get install {package}"
+        yield _looked(name, path, lack, f"needed only so that {purpose}", advice, "optional")
 
 
 def _folders(store: Path) -> Iterator[Check]:
     from rollbench.lowfi.jit import cached, code_folder
     from rollbench.meshes.cache import default_root
 
-    folder = code_folder()
-    if folder is None:
-        yield Check(
-            "compiled kernels", "missing", "not kept", "every process compiles for some 20 s", "see ROLLBENCH_CACHE"
-        )
-    else:
-        first = "" if cached() else "; the first use compiles for some 20 s"
-        yield Check("compiled kernels", "ok", f"kept in {folder.parent}{first}")
+    folder, slow = code_folder(), "compiles for some 20 s"
+    kept = f"kept in {folder and folder.parent}" + ("" if cached() else f"; the first use {slow}")
+    lack = "" if folder else "not kept"
+    yield _looked("compiled kernels", kept, lack, f"every process {slow}", "see ROLLBENCH_CACHE")
     root = default_root()
     if root is None:
         yield Check("cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE")
@@ -177,15 +158,15 @@ def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     while not near.exists() and near != near.parent:
         near = near.parent
     try:
-        if not near.is_dir():
-            return Check(name, "missing", f"{near} is no folder", cost, advice)
-        need_writable(near / "rollbench-probe")
+        lack = "" if near.is_dir() else f"{near} is no folder"
+        if not lack:
+            need_writable(near / "rollbench-probe")
     except InputError as error:
-        return Check(name, "missing", f"{folder}: {error.value}", cost, advice)
-    free = 1e-9 * shutil.disk_usage(near).free
-    if free < DISC_GB:
-        return Check(name, "missing", f"{folder}: {free:.1f} GB free", cost, f"make room for {DISC_GB:g} GB")
-    return Check(name, "ok", f"{folder} can be written to, {free:.0f} GB free")
+        lack = f"{folder}: {error.value}"
+    free = 0.0 if lack else 1e-9 * shutil.disk_usage(near).free
+    if not lack and free < DISC_GB:
+        lack, advice = f"{folder}: {free:.1f} GB free", f"make room for {DISC_GB:g} GB"
+    return _looked(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
 
 
 def _size() -> Iterator[Check]:
@@ -193,11 +174,11 @@ def _size() -> Iterator[Check]:
     free = available_GB()
     if free is None:
         yield Check("memory", "optional", "not known on this system", "3D runs start without a look at it")
-    elif free < ENOUGH_GB:
-        cost = f"less than the {ENOUGH_GB:g} GB of a 3D run of 64 contacts"
-        yield Check("memory", "missing", f"{free:.1f} GB free", cost, "close other programs, or take a larger machine")
-    else:
-        yield Check("memory", "ok", f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB")
+        return
+    room = f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB"
+    lack = f"{free:.1f} GB free" if free < ENOUGH_GB else ""
+    cost = f"less than the {ENOUGH_GB:g} GB of a 3D run of 64 contacts"
+    yield _looked("memory", room, lack, cost, "close other programs, or take a larger machine")
 
 
 def _shipped() -> Iterator[Check]:
@@ -211,9 +192,6 @@ def _shipped() -> Iterator[Check]:
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
         for program in PROGRAMS
     )
-    if len(held) == len(names):
-        yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {programs}")
-    else:
-        cost = "the others are recomputed, in hours"
-        stored = f"of {len(held)} of {len(names)} scenes, made by {programs}"
-        yield Check("shipped references", "missing", stored, cost, "reinstall rollbench")
+    lack = "" if len(held) == len(names) else f"of {len(held)} of {len(names)} scenes, made by {programs}"
+    found, cost = f"of all {len(names)} scenes, made by {programs}", "the others are recomputed, in hours"
+    yield _looked("shipped references", found, lack, cost, "reinstall rollbench")

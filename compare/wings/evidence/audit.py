@@ -94,7 +94,9 @@ def judge(entry: Evidence) -> tuple[Verdict, str]:
     p = entry.printed
     words = sentences(p.remark, entry.words)
     if p.cls == "open":
-        return _judge_open(entry, words)
+        for why in _contradictions(p).values():
+            return "contradicted", sentences(why[:1].upper() + why[1:], words)
+        return ("inferred" if entry.reading is not None and entry.holds else "not identifiable"), words
     if p.kind == "input":
         return ("input" if entry.agrees is not False else "contradicted"), words
     if entry.agrees is None:
@@ -103,17 +105,13 @@ def judge(entry: Evidence) -> tuple[Verdict, str]:
         return "contradicted", words
     if p.kind in ("arithmetic", "zero"):
         return "identity", words
-    if p.cls == "as-printed":
-        return "only as printed", words
-    return ("band" if p.cls == "band" else "reproduced"), words
+    by_class: dict[str, Verdict] = {"as-printed": "only as printed", "band": "band"}
+    return by_class.get(p.cls, "reproduced"), words
 
 
-def _judge_open(entry: Evidence, words: str) -> tuple[Verdict, str]:
-    name = f"{entry.printed.table}:{entry.printed.key}"
-    for pattern, why in contradicted().items():
-        if fnmatchcase(name, pattern):
-            return "contradicted", sentences(why[:1].upper() + why[1:], words)
-    return ("inferred" if entry.reading is not None and entry.holds else "not identifiable"), words
+def _contradictions(p: Printed) -> dict[str, str]:
+    """Patterns of `contradicted` that fit an entry, and by what it is contradicted."""
+    return {pattern: why for pattern, why in contradicted().items() if fnmatchcase(f"{p.table}:{p.key}", pattern)}
 
 
 def audit(study: Study, *names: str) -> list[Audited]:
@@ -176,7 +174,7 @@ def data_digest(printed: Printed) -> str:
     """Digest of all of an entry that its verdict rests on."""
     p = printed
     data = [p.printed, p.claim, p.unit, p.cls, p.kind, p.tolerance, p.low, p.high]
-    data.append([pattern for pattern in contradicted() if fnmatchcase(f"{p.table}:{p.key}", pattern)])
+    data.append([*_contradictions(p)])
     return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:8]
 
 

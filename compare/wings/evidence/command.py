@@ -1,8 +1,9 @@
-"""The command ``rollbench audit``."""
+"""The commands ``rollbench audit``, and ``rollbench list --trace``: where every printed number comes from."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import tables
 from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
 from rollbench.comparison.wings.evidence.left_out import left_out, misprints
+from rollbench.comparison.wings.evidence.registry import traces
 from rollbench.comparison.writing import replace_file
 
 
@@ -56,3 +58,18 @@ def as_table(rows: Sequence[Audited], changed: Sequence[str]) -> list[Any]:
     lines = [trust(row) for row in counts(rows)]
     lines.append(f"{len(misprints())} misprints with a command and a test each, {len(left_out())} groups left out: --json")
     return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
+
+
+def traced(table: str = "") -> Answer:
+    """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
+    (``module:function``), test. Raises InputError for an unknown table."""
+    from rich.table import Table
+
+    entries = list(traces(table))
+    shown = Table(title="every printed number: scenes, computation, test", title_justify="left")
+    for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
+        shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
+    for t in entries:
+        test = t.test.removeprefix("tests/sources/")
+        shown.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
+    return Answer([asdict(trace) for trace in entries], [shown])

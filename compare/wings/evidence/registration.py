@@ -9,5 +9,5 @@ REGISTRATION = Registration(
         Part("verdicts", "wings.evidence.sections.verdicts", runs=True, page="entries"),
         Part("audit", "wings.evidence.sections.audit", runs=True, page="entries"),
     ),
-    functions={"gate of what is printed": "wings.evidence.gate:printed_rows", "traces": "wings.evidence.traced:traced"},
+    functions={"gate of what is printed": "wings.evidence.gate:printed_rows", "traces": "wings.evidence.command:traced"},
 )

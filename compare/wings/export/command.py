@@ -19,9 +19,6 @@ from rollbench.meshes.parts import SIDES, Scene
 if TYPE_CHECKING:
     from skfem import Mesh
 
-    from rollbench.hifi.bodies.patch import PatchMesh
-    from rollbench.hifi.meshing.part_meshes import Meshes
-
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
 BLOCK = "block-source"
 #: Bodies, and what is added to their names for those that the reference condenses: with a socket, a hole, at every contact.
@@ -114,21 +111,36 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     Raises ValueError where it cannot be built.
     """
     if part == BLOCK:
-        return _block()
+        from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+        from rollbench.meshes.block import Influence, tetrahedra
+
+        influence = Influence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
+        return only(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
         return _whole(scene, part, level)
-    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.fit import ball_place
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts, patch_mesh
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
+    from rollbench.meshes.sockets import local_points
     from rollbench.meshes.solid import dimensions
 
     settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
     meshes = mesh_parts(scene, m, ball_layout(scene), dimensions(scene), sides, settings, Cache(cache))
-    if part.endswith(SOCKETS):
-        return _body(meshes, part.removesuffix(SOCKETS), body_kind(settings))
-    kind, _, side = part.rpartition("-")
-    return _patch(_patch_mesh(meshes, m, SIDES.index(side), settings, of_ball=kind == "ball-patch"))
+    bodies: dict[str, Any] = {"ball": meshes.ball, "screw": meshes.screw, "nut": meshes.nut}
+    if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
+        mesh = bodies[part.removesuffix(SOCKETS)].mesh
+        names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
+        return only(of_order(mesh, body_kind(settings)), *names)
+    kind, _, name = part.rpartition("-")
+    side = SIDES.index(name)
+    body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
+    place: Any = partial(local_points, m, meshes.size, side)
+    if kind == "ball-patch":
+        place = ball_place(m, meshes.size, side, meshes.zone)[1]
+    return only(patch_mesh(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
 
 
 def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
@@ -149,19 +161,21 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     if result.status != "converged" and result.moving == 0.0:
         raise ValueError(result.status)
     meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
-    forces, body_name = fields.contact_forces(setup, result), part.removesuffix(SOCKETS)
-    if body_name in ("screw", "nut"):
-        screw = body_name == "screw"
-        body, material = (meshes.screw, scene.screw.material) if screw else (meshes.nut, scene.nut.material)
-        u = fields.screw_displacement(setup, body, forces, scene) if screw else fields.nut_displacement(setup, body, forces)
+    forces = fields.contact_forces(setup, result)
+
+    def moved(screw: bool) -> Array:
+        if screw:
+            return fields.screw_displacement(setup, meshes.screw, forces, scene)
+        return fields.nut_displacement(setup, meshes.nut, forces)
+
+    kind, _, side = part.removesuffix(SOCKETS).rpartition("-")
+    if side in ("screw", "nut"):
+        body, material = (meshes.screw, scene.screw.material) if side == "screw" else (meshes.nut, scene.nut.material)
+        u = moved(side == "screw")
         stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
     else:
-        kind, _, side = part.rpartition("-")
         if kind == "patch":
-            if side.startswith("S"):
-                u = fields.screw_displacement(setup, meshes.screw, forces, scene)
-            else:
-                u = fields.nut_displacement(setup, meshes.nut, forces)
+            u = moved(side.startswith("S"))
             field = fields.groove_patch_field(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
             field = fields.ball_fields(setup, meshes, ball, forces)[SIDES.index(side) if kind == "ball-patch" else None]
@@ -198,38 +212,3 @@ def _whole(scene: Scene, part: str, level: int) -> Mesh:
         body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
     mesh = of_order(body.mesh, body_kind(settings))
     return only(mesh, *sorted(mesh.boundaries))
-
-
-def _body(meshes: Meshes, part: str, kind: str) -> Mesh:
-    """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
-    from rollbench.hifi.bodies.coarse import of_order
-
-    mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
-    names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-    return only(of_order(mesh, kind), *names)
-
-
-def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
-    from rollbench.hifi.meshing.fit import ball_place
-    from rollbench.hifi.meshing.part_meshes import patch_mesh
-    from rollbench.meshes.sockets import local_points
-
-    if of_ball:
-        place = ball_place(m, meshes.size, side, meshes.zone)[1]
-        return patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
-    body = meshes.screw if side < 2 else meshes.nut
-    return patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
-
-
-def _patch(mesh: PatchMesh) -> Mesh:
-    """A patch with its contact zone and the faces that are tied to the body."""
-    return only(mesh.mesh, "contact", "interface")
-
-
-def _block() -> Mesh:
-    from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
-    from rollbench.meshes.block import Influence, tetrahedra
-
-    radius = SOURCE_RADIUS
-    mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
-    return only(mesh.mesh, "contact")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -56,7 +57,8 @@ def stability(
         on from what it left there, and a survey does not solve the scenes again that this file answers.
     """
     from rollbench.comparison.commands.arguments import commands
-    from rollbench.comparison.wings.extremes.command import run_campaign, run_drawn, run_stability
+    from rollbench.comparison.wings.extremes.campaign.scenes import Campaign
+    from rollbench.comparison.wings.extremes.command import captured, run_campaign, run_drawn, run_stability
 
     if survey is not None:
         if random is not None or axes is not None or seed != 1 or model or files or kills:
@@ -73,4 +75,5 @@ def stability(
             )
         return print_answer(run_stability(as_json=as_json), as_json)
     run = partial(commands("solve"), exit_on_error=False, print_error=False, result_action="return_value")
-    return print_answer(run_campaign(count, seed, model or "lin", files, kills, keep, run, axes=axes is not None), as_json)
+    what = Campaign(count=count, seed=seed, model=model or "lin", files=files, kills=kills, axes=axes is not None)
+    return print_answer(run_campaign(replace(what, command=partial(captured, run)), keep), as_json)

@@ -7,31 +7,35 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import redirect_stdout
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.commands.printing import Answer, cell
 from rollbench.comparison.commands.tables import aligned, ruled
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.extremes.rows import tally, wide_rows
-from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table
+from rollbench.comparison.wings.extremes.campaign.scenes import Campaign, Part
+from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table, tally, wide_rows
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
+
+def _progress(done: int, total: int, text: str) -> None:
+    """One line on a terminal, which the next one takes the place of; an empty one at the end."""
+    if sys.stderr.isatty():
+        sys.stderr.write(f"\r\033[K[{done}/{total}] {text}" if text else "\r\033[K")
 
 
 def run_stability(*, as_json: bool) -> Answer:
     """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
 
     def progress(done: int, total: int, case: str) -> None:
-        if sys.stderr.isatty() or not as_json:
-            line = f"[{done}/{total}] {case}"
-            sys.stderr.write(f"\r\033[K{line}" if sys.stderr.isatty() else f"{line}\n")
+        _progress(done, total, case)
+        if not (sys.stderr.isatty() or as_json):
+            sys.stderr.write(f"[{done}/{total}] {case}\n")
 
     rows = table(progress)
-    if sys.stderr.isatty():
-        sys.stderr.write("\r\033[K")
+    _progress(0, 0, "")
     bad = failures(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
     return Answer(data, _parts(rows, bad), 1 if bad else 0)
@@ -58,54 +62,34 @@ def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, s
     return code, out.getvalue()
 
 
-def run_campaign(
-    count: int,
-    seed: int,
-    model: str,
-    files: int,
-    kills: int,
-    keep: Path | None,
-    run: Callable[[list[str]], Any],
-    *,
-    axes: bool = False,
-) -> Answer:
+def run_campaign(what: Campaign, keep: Path | None) -> Answer:
     """Run a campaign: its counts and every bad outcome; exit code 1 where there is any. With ``keep``, an interrupted
-    one goes on from the lines beside that file. run: runs a command of these tokens and returns its exit code; axes: scenes
-    are several sets on one shaft.
+    one goes on from the lines beside that file.
 
     Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
     """
     from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
     from rollbench.comparison.wings.extremes.campaign import record
-    from rollbench.comparison.wings.extremes.campaign.part import Part
     from rollbench.comparison.writing import need_writable, replace_file
 
-    option = "--axes" if axes else "--random"
-    whole = ((option, count, 1, 1_000_000), ("--seed", seed, 0, 2**31), ("--files", files, 0, 100_000))
-    for name, value, low, high in (*whole, ("--kills", kills, 0, 10_000)):
+    whole = ((what.option, what.count, 1, 1_000_000), ("--seed", what.seed, 0, 2**31), ("--files", what.files, 0, 100_000))
+    for name, value, low, high in (*whole, ("--kills", what.kills, 0, 10_000)):
         if not low <= value <= high:
             raise InputError("command line", name, str(value), f"{low} to {high}", "choose a number in that range")
-    known = AXIS_MODELS if axes else tuple(name for name in MODELS if name != "condensed")
-    if model not in known:
-        names = ", ".join(known)
-        raise InputError("command line", "--model", model, names, "see: rollbench list")
+    known = AXIS_MODELS if what.axes else tuple(name for name in MODELS if name != "condensed")
+    if what.model not in known:
+        raise InputError("command line", "--model", what.model, ", ".join(known), "see: rollbench list")
+    kept = None
     if keep is not None:
         need_writable(keep)
-
-    def progress(done: int, total: int, text: str) -> None:
-        if sys.stderr.isatty():
-            sys.stderr.write(f"\r\033[K[{done}/{total}] {text}")
-
-    interrupted = None if keep is None else Part(keep.with_name(f"{keep.name}{option}.{model}-{seed}.part"), seed, model)
-    if interrupted is not None and interrupted.outcomes:
-        sys.stderr.write(f"{len(interrupted.outcomes)} scenes of an interrupted campaign are known\n")
-    found = record.run_campaign(seed, count, model, files, kills, progress, interrupted, partial(captured, run), axes)
-    if sys.stderr.isatty():
-        sys.stderr.write("\r\033[K")
-    if keep is not None:
+        kept = Part(keep.with_name(f"{keep.name}{what.option}.{what.model}-{what.seed}.part"), what.seed, what.model)
+        if kept.outcomes:
+            sys.stderr.write(f"{len(kept.outcomes)} scenes of an interrupted campaign are known\n")
+    found = record.run_campaign(what, _progress, kept)
+    _progress(0, 0, "")
+    if keep is not None and kept is not None:
         replace_file(keep, record.text(found, keep))
-    if interrupted is not None:
-        interrupted.path.unlink(missing_ok=True)
+        kept.path.unlink(missing_ok=True)
     return Answer(found, record.lines(found), 1 if found["bad"] else 0)
 
 

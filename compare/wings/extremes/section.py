@@ -11,8 +11,7 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.fit import WORDS
 from rollbench.comparison.wings.extremes.campaign.record import rows as campaign_rows
 from rollbench.comparison.wings.extremes.campaign.record import shipped
-from rollbench.comparison.wings.extremes.rows import tally, wide_rows
-from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table
+from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
 from rollbench.comparison.wings.extremes.survey import run as survey
 from rollbench.comparison.wings.extremes.survey.record import MODELS
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
@@ -42,13 +41,12 @@ def survey_items() -> tuple[Text | Table, ...]:
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
         for r in scenes
     ]
-    sums = ("model", "error", "scenes", "median", "p95", "largest")
     return (
         Text((about,)),
         Table(
             "stability-survey",
             "Models against the survey",
-            tuple(Quantity(name, name, "", "s" if name in sums[:3] else ".2f") for name in sums),
+            tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
         ),
         Table(

@@ -37,6 +37,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
 from rollbench.meshes.section import volume_ratio
 from rollbench.meshes.workers import local
+from rollbench.reports.records import Cell
 
 ENERGY = "energy solver"
 SOURCE: dict[str, Start] = {
@@ -94,6 +95,11 @@ class Attempt:
     unknowns: int = 0
     difference_percent: float | None = None
     reason: str = ""
+
+    @property
+    def tried(self) -> bool:
+        """Whether anything was solved for."""
+        return not self.status.startswith("not attempted")
 
 
 # --- the scenes
@@ -397,36 +403,57 @@ def _rows_of(case: Case) -> list[Attempt]:
     return rows + [_elastic(case, f) for f in BACKENDS] + [_source(case, f, scene, ours) for f in SOURCE]
 
 
-def table(
-    progress: Callable[[int, int, str], None] | None = None, only: Sequence[str] | None = None, *, n_jobs: int = 2
-) -> list[Attempt]:
+def table(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
     """Every case by every formulation, in the order of ``cases``; two processes share the work.
 
-    progress: called with the number of cases done, their total, and the name of the one just done; only: names of cases
-    or groups to run (all of them if None). Raises ValueError for a name that is neither.
+    progress: called with the number of cases done, their total, and the name of the one just done.
     """
-    picked = cases()
-    if only is not None:
-        known = {c.name for c in picked} | {c.group for c in picked}
-        unknown = [name for name in only if name not in known]
-        if unknown:
-            groups = ", ".join(sorted({c.group for c in picked}))
-            raise ValueError(f"no such case or group: {', '.join(unknown)}; groups: {groups}")
-        picked = [c for c in picked if c.name in only or c.group in only]
     from joblib import Parallel, delayed
 
-    rows: list[Attempt] = []
+    every, rows = cases(), list[Attempt]()
     with local():
-        workers = Parallel(n_jobs=min(n_jobs, max(1, len(picked))), return_as="generator")
-    done = workers(delayed(_rows_of)(c) for c in picked)
-    for i, (case, found) in enumerate(zip(picked, done, strict=True)):
+        workers = Parallel(n_jobs=n_jobs, return_as="generator")
+    for i, found in enumerate(workers(delayed(_rows_of)(c) for c in every)):
         rows += found
-        if progress is not None:
-            progress(i + 1, len(picked), case.name)
+        progress(i + 1, len(every), every[i].name)
     return rows
 
 
 def failures(rows: Sequence[Attempt]) -> list[Attempt]:
     """Rows of the solvers of this project whose status is not the expected one: converged, or the mechanism by name."""
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
-    return [r for r in ours if r.status != r.expected and not r.status.startswith("not attempted")]
+    return [r for r in ours if r.status != r.expected and r.tried]
+
+
+# --- the table
+
+
+def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
+    """One row per case, one status per formulation."""
+    by_case: dict[str, dict[str, Cell]] = {}
+    for row in rows:
+        line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
+        line[row.formulation] = short(row)
+        if row.formulation == ENERGY:
+            line |= {key: getattr(row, key) for key in ("iterations", "residual", "seconds", "unknowns")}
+            line["bound"] = row.round_off_bound
+    return list(by_case.values())
+
+
+def short(row: Attempt) -> str:
+    """Status for a table: how it ended, with iterations and residual where it converged."""
+    if row.status == CONVERGED:
+        apart = row.difference_percent
+        other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
+        return f"converged, {row.iterations} it.{other}"
+    return row.status.split(" (")[0]
+
+
+def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
+    """Per formulation: cases solved (or its mechanism named), cases tried, cases."""
+    out = {}
+    for formulation in FORMULATIONS:
+        attempts = [r for r in rows if r.formulation == formulation]
+        tried = [r for r in attempts if r.tried]
+        out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
+    return out

@@ -81,6 +81,12 @@ def life_sum(load: Array) -> Array:
     return np.asarray(turning.sum(axis=-1) + standing.sum(axis=-1))
 
 
+def relative_life(load: Array, nominal: Array) -> Array:
+    """Life under loads (..., N, 4) over that under the loads (N, 4) without random errors."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((life_sum(load) / life_sum(nominal)) ** (-1.0 / SYSTEM))
+
+
 def columns(scene: Scene | Assembly) -> list[str]:
     """Names of the numbers of a member."""
     if isinstance(scene, Scene):
@@ -148,8 +154,10 @@ def _system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMemb
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
 
 
-def _of_one(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
-    """`solve_block` of one set."""
+def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
+    """Members ``first`` and on; nominal: loads (N, 4) [N] of all balls without random errors."""
+    if isinstance(scene, Assembly):
+        return _of_several(scene, model, engine, nominal, first, count)
     with threadpool_limits(1, "blas"):
         loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
         force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
@@ -160,22 +168,12 @@ def _of_one(scene: Scene, model: str, engine: str, nominal: Array, first: int, c
                 stiffness = 1e-6 * force * STEP / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
-    loaded = loads > 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        life = (life_sum(loads) / life_sum(nominal)) ** (-1.0 / SYSTEM)
     contacts = nominal_contacts(scene)
     mean = np.array([mean_load(load, contacts) for load in loads])
-    lost = (~loaded & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
-    kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
+    lost = (~(loads > 0.0) & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
+    kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, relative_life(loads, nominal), residuals])
     kept[~good] = np.nan
     return Block(loads, kept, statuses)
-
-
-def solve_block(scene: Scene | Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
-    """Members ``first`` and on; nominal: loads (N, 4) [N] of all balls without random errors."""
-    if isinstance(scene, Scene):
-        return _of_one(scene, model, kernels, nominal, first, count)
-    return _of_several(scene, model, kernels, nominal, first, count)
 
 
 def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
@@ -202,13 +200,7 @@ def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -
     stiffness = np.nan if result.stiffness is None else 1e-6 * float(result.stiffness[2, 2])
     kept = [largest, stiffness, float(lost.sum()), result.solver.residual]
     for s, place in zip(result.sets, where, strict=True):
-        of_set = s.loads
-        mean = mean_load(of_set)
-        kept += [float(of_set.max(initial=0.0)), mean, float(s.force[2])]
-        if place is None:
-            kept += [np.nan, np.nan]
-            continue
-        with np.errstate(divide="ignore", invalid="ignore"):
-            life = (life_sum(loads[place]) / life_sum(nominal[place])) ** (-1.0 / SYSTEM)
-        kept += [float(lost[place].sum()), float(life)]
+        kept += [float(s.loads.max(initial=0.0)), mean_load(s.loads), float(s.force[2])]
+        known = place is not None
+        kept += [float(lost[place].sum()), float(relative_life(loads[place], nominal[place]))] if known else [np.nan] * 2
     return np.array(kept)

@@ -45,11 +45,8 @@ def run(
             each.append(run_members(scene, model or default_model(scene), count, engine, on_terminal, row))
     shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
     data = [as_json(batch) for batch in each]
-    whole = (
-        {"scene": described.name, "cases": [{"case": c} | x for c, x in zip(cases, data, strict=True)]}
-        if cases
-        else data[0]
-    )
+    by_case = [{"case": c} | x for c, x in zip(cases, data, strict=True)] if cases else []
+    whole = {"scene": described.name, "cases": by_case} if cases else data[0]
     return Answer(whole, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
@@ -80,16 +77,13 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[An
 def as_json(members: Members) -> dict[str, Any]:
     """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
     their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
-    counts: dict[str, Any] = {"members": len(members.kept), "converged": len(members.kept) - len(members.failed)}
+    scene, kept = members.scene, members.kept
+    counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
     counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
     rows = _balls(members.bands)
-    several = isinstance(members.scene, Assembly)
-    seed = _seeds(members.scene) if isinstance(members.scene, Assembly) else members.scene.errors.seed
-    head = {"scene": members.scene.name, "model": members.model, "seed": seed}
-    kept = {"statistics": {key: statistics(members.kept[:, k]) for k, key in enumerate(WHOLE if several else KEPT)}}
-    balls = [x for one in rows for x in one]
-    if isinstance(members.scene, Assembly):
-        counts["sets"] = _sets(members, members.scene)
+    if isinstance(scene, Assembly):
+        seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
+        counts["sets"] = _sets(members, scene)
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(members.balls)
@@ -97,11 +91,12 @@ def as_json(members: Members) -> dict[str, Any]:
             for one in rows[place]
             for x in one
         ]
-    return {**head, **counts, **kept, "band_resolution_N": number(members.bands.width), "balls": balls}
-
-
-def _seeds(assembly: Assembly) -> list[int | None]:
-    return [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in assembly.sets]
+    else:
+        seed, balls = scene.errors.seed, [x for one in rows for x in one]
+    names = WHOLE if isinstance(scene, Assembly) else KEPT
+    sums = {key: statistics(kept[:, k]) for k, key in enumerate(names)}
+    head = {"scene": scene.name, "model": members.model, "seed": seed, **counts, "statistics": sums}
+    return {**head, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 
 def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
@@ -115,20 +110,18 @@ def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
 
 def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
     """Rows of the loaded contacts of every ball."""
-    quantiles = {level: bands.quantile(level) for level in (0.05, 0.5, 0.95)}
+    found = {
+        "without_random_errors_N": bands.nominal,
+        "mean_N": bands.mean,
+        "standard_deviation_N": bands.deviation,
+        "smallest_N": bands.smallest,
+        **{f"quantile_{level:g}_N": bands.quantile(level) for level in (0.05, 0.5, 0.95)},
+        "largest_N": bands.largest,
+        "loaded_share": bands.loaded,
+    }
     return [
         [
-            {
-                "index": i + 1,
-                "side": side,
-                "without_random_errors_N": number(bands.nominal[i, s]),
-                "mean_N": number(bands.mean[i, s]),
-                "standard_deviation_N": number(bands.deviation[i, s]),
-                "smallest_N": number(bands.smallest[i, s]),
-                **{f"quantile_{level:g}_N": number(q[i, s]) for level, q in quantiles.items()},
-                "largest_N": number(bands.largest[i, s]),
-                "loaded_share": number(bands.loaded[i, s]),
-            }
+            {"index": i + 1, "side": side, **{key: number(values[i, s]) for key, values in found.items()}}
             for s, side in enumerate(SIDES)
             if bands.largest[i, s] > 0.0
         ]

@@ -9,7 +9,6 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +41,6 @@ TRIAL = 32
 #: Members per call of the kernels, which let other threads run: so few that the memory of a call is not given back in
 #: between.
 CHUNK = 96
-BATCH_PATH = "one system, members in a batch"
-GENERAL_PATH = "member by member"
 
 
 @dataclass(frozen=True)
@@ -51,19 +48,14 @@ class EnsembleResult:
     """Loads of every member of a scene with random errors.
 
     loads ``(M, N, 4)`` [N] (nan where there is no equilibrium); statuses ``(M,)`` as in ``StaticResult``; residuals
-    ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; solve_seconds and setup_seconds per member
-    (wall clock; setup: drawing and packing); path: how they were solved; all_sides: members that needed all four sides;
+    ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; all_sides: members that needed all four sides;
     general: members that went through ``solve_static``.
     """
 
-    scene: str
     loads: Array
     statuses: tuple[str, ...]
     residuals: Array
     works: Array
-    solve_seconds: float
-    setup_seconds: float
-    path: str
     all_sides: int
     general: int
 
@@ -82,35 +74,18 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
     """Solve ``members`` members (default: as many as the scene states) from ``first`` on; same loads as ``solve_static``.
 
     threads: how many run side by side; the numbers do not depend on it. Members without solution are reported in
-    ``statuses``. Raises ValueError for less than one member or thread.
+    ``statuses``.
     """
     count = scene.members if members is None else members
-    if count < 1 or threads < 1:
-        raise ValueError(f"members = {count}, threads = {threads}; allowed: 1 or more")
-    if one_pass(scene):
-        with one_thread():
-            result = _Batch(scene, count, first, threads).solve()
-        if result is not None:
-            return result
-    begin = perf_counter()
-    solved = [_one(scene, m) for m in range(first, first + count)]
-    return EnsembleResult(
-        scene.name,
-        np.stack([f[0] for f in solved]),
-        tuple(f[1] for f in solved),
-        np.array([f[2] for f in solved]),
-        np.array([f[3] for f in solved]),
-        (perf_counter() - begin) / count,
-        0.0,
-        GENERAL_PATH,
-        0,
-        count,
-    )
-
-
-def _one(scene: Scene, member: int) -> tuple[Array, str, float, float]:
-    result = solve_static(scene, engine=ENGINE, member=member)
-    return result.load, result.status, float(result.solver.residual), work_of(scene, result)
+    batch = _Batch(scene, count, first, threads)
+    with one_thread():
+        all_sides = batch.solve() if one_pass(scene) else 0
+        statuses, left = ["converged"] * count, np.flatnonzero(~batch.solved)
+        for m in left:
+            result = solve_static(scene, engine=ENGINE, member=first + int(m))
+            batch.loads[m], statuses[m] = result.load, result.status
+            batch.residuals[m], batch.works[m] = result.solver.residual, work_of(scene, result)
+    return EnsembleResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
 
 
 def work_of(scene: Scene, result: StaticResult) -> float:
@@ -128,51 +103,31 @@ class _Batch:
     """State of one run: the drawn specimens, the common system and the members' results."""
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
-        begin = perf_counter()
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
         self.mean = specimen(without_draws(scene), self.layout)
         self.drawn = specimens(scene, self.layout, first, count)
         self.C = hertz_C(scene, self.mean, self.drawn.ball_radius)
-        self.first, self.works = first, np.full(count, np.nan)
-        self.loads, self.residuals = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan)
-        self.solved = np.zeros(count, dtype=bool)
-        self.setup = perf_counter() - begin
+        self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
+        self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
     def _of(self, members: NDArray[np.int64]) -> Specimens:
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
-    def solve(self) -> EnsembleResult | None:
-        """All members, or None for a scene that is not held."""
-        begin = perf_counter()
+    def solve(self) -> int:
+        """Solve members, none of a scene that is not held; how many were tried with all four sides."""
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
         whole = self._held(all_sides(self.scene))
         if whole is None:
-            return None
-        count = self.solved.size
+            return 0
         if not np.all(few):
-            self._solve(self._held(few), np.arange(count))
+            self._solve(self._held(few), np.arange(self.solved.size))
         rest = np.flatnonzero(~self.solved)
         if rest.size:
             self._solve(whole, rest)
-        statuses = ["converged"] * count
-        left = np.flatnonzero(~self.solved)
-        for m in left:
-            self.loads[m], statuses[m], self.residuals[m], self.works[m] = _one(self.scene, self.first + int(m))
-        return EnsembleResult(
-            self.scene.name,
-            self.loads,
-            tuple(statuses),
-            self.residuals,
-            self.works,
-            (perf_counter() - begin) / count,
-            self.setup / count,
-            BATCH_PATH,
-            int(rest.size),
-            int(left.size),
-        )
+        return int(rest.size)
 
     def _held(self, use: NDArray[np.bool_]) -> Problem | None:
         """The problem without random errors; None where the screw is not held."""
@@ -182,9 +137,7 @@ class _Batch:
             drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
             problem = build(self.scene, drawn, self.layout, use)
         mechanism = free_motions(problem)
-        if mechanism.driven:
-            return None
-        return pin(problem, mechanism)
+        return None if mechanism.driven else pin(problem, mechanism)
 
     def _system(self, problem: Problem) -> Beam:
         """The common system in its solution without random errors."""

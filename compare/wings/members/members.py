@@ -13,7 +13,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
@@ -34,20 +33,56 @@ LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 MOST = 10_000_000
 
 
-@dataclass(frozen=True)
 class Bands:
-    """Contacts over the members. nominal: loads (N, 4) [N] without random errors; mean, deviation, smallest, largest (N, 4)
-    [N], loaded (N, 4): share of members in which a contact carries, counts (N, 4, `BINS` + 2): histogram of the loads of
-    width ``width`` [N], the first of loads of zero, the last of those beyond its end."""
+    """Contacts over the members, by running sums about the loads ``nominal`` (N, 4) [N] without random errors. largest
+    (N, 4) [N]; counts (N, 4, `BINS` + 2): histogram of the loads of width ``width`` [N], the first of loads of zero, the
+    last of those beyond its end."""
 
-    nominal: Array
-    mean: Array
-    deviation: Array
-    smallest: Array
-    largest: Array
-    loaded: Array
-    counts: NDArray[np.int64]
-    width: float
+    def __init__(self, nominal: Array, width: float) -> None:
+        """Begin without a member."""
+        self.nominal, self.width = nominal, width
+        self._first, self._second = np.zeros(nominal.shape), np.zeros(nominal.shape)
+        self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
+        self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
+
+    def add(self, loads: Array) -> None:
+        """Loads (k, N, 4) of a block; members without equilibrium are left out. Member by member, in order: the sums do
+        not depend on how the members are cut into blocks."""
+        counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
+        for load in loads[~np.isnan(loads[:, 0, 0])]:
+            off = load - self.nominal
+            self._first += off
+            self._second += off * off
+            np.minimum(self._low, load, out=self._low)
+            np.maximum(self.largest, load, out=self.largest)
+            bins = np.where(load > 0.0, 1 + np.minimum(load / self.width, BINS), 0).astype(np.int64)
+            counts[place, bins.ravel()] += 1
+
+    @property
+    def _members(self) -> int:
+        return int(self.counts.reshape(-1, BINS + 2)[0].sum())
+
+    @property
+    def mean(self) -> Array:
+        """Mean load of each contact (N, 4) [N]."""
+        return self.nominal + self._first / max(self._members, 1)
+
+    @property
+    def deviation(self) -> Array:
+        """Standard deviation of each contact's load (N, 4) [N]."""
+        n = self._members
+        mean = self._first / max(n, 1)
+        return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
+
+    @property
+    def smallest(self) -> Array:
+        """Smallest load of each contact (N, 4) [N]."""
+        return np.where(np.isfinite(self._low), self._low, 0.0)
+
+    @property
+    def loaded(self) -> Array:
+        """Share of members in which a contact carries (N, 4)."""
+        return 1.0 - self.counts[..., 0] / max(self._members, 1)
 
     def quantile(self, level: float) -> Array:
         """Quantile of each contact's load (N, 4) [N], to ``width``."""
@@ -94,39 +129,19 @@ def run_members(
         what = "screw" if isinstance(scene, Scene) else "sets"
         advice = f"load or preload the {what}"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
-    arguments = (scene, model, kernels, nominal)
-    bands, kept, failed = gathered(solve_block, arguments, nominal, count, engine or Engine(), step, row)
-    return Members(scene, model, kept, failed, bands, places(scene), perf_counter() - start)
-
-
-def gathered(
-    solve: Callable[..., Block],
-    arguments: tuple[Any, ...],
-    nominal: Array,
-    count: int,
-    engine: Engine,
-    step: Callable[[str], None],
-    row: Callable[[int, str, Array], None],
-) -> tuple[Bands, Array, dict[int, str]]:
-    """Bands, numbers (M, ...) and failures of members that ``solve`` finds block by block: (arguments, first, count).
-
-    nominal: loads (N, 4) [N] without random errors.
-    """
-    sums = _Sums(nominal, END * float(nominal.max()) / BINS)
-    rows: list[Array] = []
-    failed: dict[int, str] = {}
-    start, done = perf_counter(), 0
-    for first, block in _blocks(solve, arguments, count, engine, step):
-        sums.add(block.loads)
+    bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
+    begin, done = perf_counter(), 0
+    for first, block in _blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
+        bands.add(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
             row(first + k, status, block.kept[k])
             if status != "converged":
                 failed[first + k] = status
         done += len(block.kept)
-        spent = perf_counter() - start
+        spent = perf_counter() - begin
         step(f"[{done}/{count}] {len(failed)} failed: {spent:.0f} s, about {spent * (count - done) / done:.0f} s left")
-    return sums.bands(), np.concatenate(rows), failed
+    return Members(scene, model, np.concatenate(rows), failed, bands, places(scene), perf_counter() - start)
 
 
 def _check(scene: Scene | Assembly, model: str, count: int) -> None:
@@ -143,12 +158,13 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
 
 
 def _blocks(
-    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine, step: Callable[[str], None]
+    arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Blocks in order, whatever the order they come in."""
+    """Blocks in order, whatever the order they come in; arguments: those of `solve_block` before the members."""
     least = LEAST if isinstance(arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
-    jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
+    starts = range(0, count, size)
+    jobs: list[parallel.Job] = [(solve_block, (*arguments, first, min(size, count - first))) for first in starts]
     waiting: dict[int, Block] = {}
     following = 0
     for number, block in first_here(jobs, engine, "members", step):
@@ -156,39 +172,6 @@ def _blocks(
         while following in waiting:
             yield following * size, waiting.pop(following)
             following += 1
-
-
-class _Sums:
-    """Running sums over the members of each contact's load, about its load without random errors."""
-
-    def __init__(self, nominal: Array, width: float) -> None:
-        self.nominal, self.width = nominal, width
-        self.first, self.second = np.zeros(nominal.shape), np.zeros(nominal.shape)
-        self.low, self.high = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
-        self.counts = np.zeros((nominal.size, BINS + 2), dtype=np.int64)
-
-    def add(self, loads: Array) -> None:
-        """Loads (k, N, 4) of a block; members without equilibrium are left out. Member by member, in order: the sums do
-        not depend on how the members are cut into blocks."""
-        place = np.arange(self.nominal.size)
-        for load in loads[~np.isnan(loads[:, 0, 0])]:
-            off = load - self.nominal
-            self.first += off
-            self.second += off * off
-            np.minimum(self.low, load, out=self.low)
-            np.maximum(self.high, load, out=self.high)
-            bins = np.where(load > 0.0, 1 + np.minimum(load / self.width, BINS), 0).astype(np.int64)
-            self.counts[place, bins.ravel()] += 1
-
-    def bands(self) -> Bands:
-        """The bands by the sums."""
-        n = int(self.counts[0].sum())
-        mean = self.first / max(n, 1)
-        deviation = np.sqrt(np.maximum(self.second - n * mean**2, 0.0) / max(n - 1, 1))
-        counts = self.counts.reshape(*self.nominal.shape, -1)
-        shares = 1.0 - counts[..., 0] / max(n, 1)
-        low = np.where(np.isfinite(self.low), self.low, 0.0)
-        return Bands(self.nominal, self.nominal + mean, deviation, low, self.high, shares, counts, self.width)
 
 
 def _binomial_quantile(p: float, trials: int, chance: float) -> int:

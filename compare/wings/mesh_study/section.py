@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.modelling import REFINED, VARIED, varied
@@ -22,9 +22,24 @@ from rollbench.comparison.sections.grid_coverage import MANY, Held, coverage, sh
 from rollbench.comparison.sections.reference import case_studies, modelling
 from rollbench.comparison.wings.mesh_study.figure import study_figure
 from rollbench.comparison.wings.mesh_study.table import closing, studied, study_table
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.records import Cell, Figure, Quantity, Row, Section, Table, Text
 
 References = Mapping[str, Reference]
+
+
+def _changed(error: LoadError, form: str = ".2f") -> Row:
+    """Cells on what a choice changes in the loads."""
+    return {
+        Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
+        Quantity("rms", "RMS change", "% of mean", form): error.rms_percent,
+        Quantity("at", "at ball", "", "s"): f"{error.ball} {error.side}",
+    }
+
+
+def _refined(variant: str) -> bool:
+    """Whether a variant refines one numerical choice alone."""
+    return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
 
 def level_table(study: Study, found: References) -> Table:
@@ -153,7 +168,7 @@ def shared_text(study: Study) -> str:
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
         for e in varied(study.scene(REFINED), study.stores)
-        if e.variant in VARIANTS and VARIANTS[e.variant].refined
+        if _refined(e.variant)
     ]
     finer = f" On {REFINED}, refining one choice at a time moves the mean load by: {', '.join(moves)}." if moves else ""
     return (
@@ -185,10 +200,10 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
             continue
         table = study_table(study.scene(name), study.stores)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
-        keys = [f"level {r.level}" for r in ref.runs]
-        columns = [Quantity("quantity", "quantity", "", "s"), Quantity("unit", "unit", "", "s")]
-        columns += [Quantity(k, k, "", "g5") for k in keys]
-        columns += [
+        columns = [
+            Quantity("quantity", "quantity", "", "s"),
+            Quantity("unit", "unit", "", "s"),
+            *(Quantity(f"level {r.level}", f"level {r.level}", "", "g5") for r in ref.runs),
             Quantity("order", "observed order", "", ".2f"),
             Quantity("extrapolated", "extrapolated", "", "g5"),
             Quantity("uncertainty", "uncertainty", "", "g2"),
@@ -215,7 +230,7 @@ def spread_table(study: Study) -> Table | None:
         scene = study.scene(name)
         low = study.solve(name, "lin")
         for e in varied(scene, study.stores):
-            if e.variant in VARIANTS and VARIANTS[e.variant].refined:
+            if _refined(e.variant):
                 continue
             run = load(scene, min(LEVELS), e.variant, study.stores)
             model = None if run is None else load_error(low.load, run.load)
@@ -227,9 +242,7 @@ def spread_table(study: Study) -> Table | None:
                     "choice": e.choice,
                     Quantity("variant", "varied", "", "s"): e.label,
                     "kind": KINDS[e.kind],
-                    Quantity("max", "largest change of a load", "% of mean", ".2f"): e.error.max_percent,
-                    Quantity("rms", "RMS change", "% of mean", ".2f"): e.error.rms_percent,
-                    Quantity("at", "at ball", "", "s"): f"{e.error.ball} {e.error.side}",
+                    **_changed(e.error),
                     Quantity("ratio", "change of largest : smallest, SL", "%", "+.2f"): ratio,
                     Quantity("model", "low-order model against this variant: largest", "% of mean", ".2f"): largest,
                     Quantity("model_rms", "RMS", "% of mean", ".2f"): rms,
@@ -247,31 +260,26 @@ def spread_table(study: Study) -> Table | None:
 
 def single_choice_table(study: Study) -> Table | None:
     """Every numerical choice of the finest level refined alone, against the uncertainty that is printed for it."""
-    rows: list[Row] = []
-    for name in (REFINED,):
-        scene = study.scene(name)
-        found = study.reference(name)
-        if found is None:
+    scene, found, rows = study.scene(REFINED), study.reference(REFINED), list[Row]()
+    if found is None:
+        return None
+    grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
+    for e in varied(scene, study.stores):
+        if not _refined(e.variant):
             continue
-        grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
-        for e in varied(scene, study.stores):
-            if e.variant not in VARIANTS or not VARIANTS[e.variant].refined:
-                continue
-            at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
-            beyond = int((np.abs(e.change) > grid + 1e-9).sum())
-            rows.append(
-                {
-                    "scene": name,
-                    "choice": e.choice,
-                    Quantity("variant", "refined alone", "", "s"): e.label,
-                    Quantity("max", "largest change of a load", "% of mean", ".3f"): e.error.max_percent,
-                    Quantity("rms", "RMS change", "% of mean", ".3f"): e.error.rms_percent,
-                    Quantity("at", "at ball", "", "s"): f"{e.error.ball} {e.error.side}",
-                    Quantity("grid", "grid uncertainty of that load", "% of mean", ".3f"): float(grid[at]),
-                    Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
-                    Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
-                }
-            )
+        at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
+        beyond = int((np.abs(e.change) > grid + 1e-9).sum())
+        rows.append(
+            {
+                "scene": REFINED,
+                "choice": e.choice,
+                Quantity("variant", "refined alone", "", "s"): e.label,
+                **_changed(e.error, ".3f"),
+                Quantity("grid", "grid uncertainty of that load", "% of mean", ".3f"): float(grid[at]),
+                Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
+                Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
+            }
+        )
     note = (
         "One choice at a time, refined beyond the finest level, against the unchanged scene on the finest "
         "level. The uncertainty is the printed one of the discretisation, all parts included."
@@ -281,28 +289,25 @@ def single_choice_table(study: Study) -> Table | None:
 
 def modelling_table(study: Study) -> Table | None:
     """Modelling uncertainty: choice by choice, together, and what it does not hold."""
-    rows: list[dict[str, Cell]] = []
-    columns = [Quantity("choice", "choice", "", "s")]
     found = modelling(study)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
     missing = dict.fromkeys(v.choice for v in VARIANTS.values() if v.kind == "modelling" and v.choice not in choices)
-    table: dict[str, dict[str, Cell]] = {c: {"choice": c} for c in choices}
-    together: dict[str, dict[str, Cell]] = {
-        "largest": {"choice": "together, root of squares: largest contact"},
-        "rms": {"choice": "together: RMS of the contacts"},
-        "ratio": {"choice": "together: largest : smallest load, SL"},
+    together = {
+        "together, root of squares: largest contact": {name: m.largest for name, m in found.items()},
+        "together: RMS of the contacts": {name: m.rms for name, m in found.items()},
+        "together: largest : smallest load, SL": {name: m.ratio for name, m in found.items()},
     }
-    for name, m in found.items():
-        columns.append(Quantity(name, f"{name}, largest change of a load", "% of mean", ".2f"))
-        for choice, value in m.choices.items():
-            table[choice][name] = value
-        together["largest"][name], together["rms"][name], together["ratio"][name] = m.largest, m.rms, m.ratio
-    rows = [*table.values(), *together.values()]
+    values = {c: {name: m.choices[c] for name, m in found.items() if c in m.choices} for c in choices} | together
+    rows: list[dict[str, Cell]] = [{"choice": choice, **of_scenes} for choice, of_scenes in values.items()]
     rows += [{"choice": f"{c}: not varied", "why": "no run of it in this store"} for c in missing]
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
-    columns.append(Quantity("why", "why not", "", "s"))
+    columns = [
+        Quantity("choice", "choice", "", "s"),
+        *(Quantity(name, f"{name}, largest change of a load", "% of mean", ".2f") for name in found),
+        Quantity("why", "why not", "", "s"),
+    ]
     note = (
         "Choices are independent and have no known sign, so they are added contact by contact as the root "
         "of the sum of squares; of several variants of one choice, each contact takes the largest. The RMS "
@@ -312,44 +317,42 @@ def modelling_table(study: Study) -> Table | None:
     return Table("reference-modelling", "Modelling uncertainty of the 3D reference", columns, rows, note)
 
 
-SAVES = {
-    "elastic nut": ("nut",),
-    "3D shaft": ("screw",),
-    "finite ball": ("ball",),
-    "patch coupling": ("screw", "nut"),
-    "moving normals": (),
+BEAM = "the screw a Timoshenko beam of the homogenised section, with the local response of each contact"
+RIGID = "nut rigid, screw a beam, ball rigid beyond the local response of each contact"
+#: Ingredients of the reference: what stands in for each, and stages of a set-up that it takes.
+INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "elastic nut": ("the nut rigid beyond the local response of each contact", ("nut",)),
+    "3D shaft": (BEAM, ("screw",)),
+    "finite ball": ("the ball rigid beyond its contact patches", ("ball",)),
+    "patch coupling": (RIGID, ("screw", "nut")),
+    "moving normals": ("directions and gaps frozen in the nominal state", ()),
 }
-MEANING = {
-    "elastic nut": "the nut rigid beyond the local response of each contact",
-    "3D shaft": "the screw a Timoshenko beam of the homogenised section, with the local response of each contact",
-    "finite ball": "the ball rigid beyond its contact patches",
-    "patch coupling": "nut rigid, screw a beam, ball rigid beyond the local response of each contact",
-    "moving normals": "directions and gaps frozen in the nominal state",
-}
+
+
+def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
+    """Case studies whose coarsest run was solved without ingredients too: name, run, the source's model."""
+    for name in case_studies(study):
+        run = load(study.scene(name), min(LEVELS), stores=study.stores)
+        if run is not None and run.without:
+            yield name, run, study.solve(name, "lin")
 
 
 def ablation_table(study: Study) -> Table | None:
     """What each ingredient of the reference changes, in per cent and seconds."""
     rows: list[Row] = []
-    for name in case_studies(study):
-        scene = study.scene(name)
-        run = load(scene, min(LEVELS), stores=study.stores)
-        if run is None or not run.without:
-            continue
-        low = study.solve(name, "lin")
+    for name, run, low in _ablated(study):
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
-            saved = sum(run.stages.get(k, 0.0) for k in SAVES[ingredient])
+            meaning, stages = INGREDIENTS[ingredient]
+            saved = sum(run.stages.get(k, 0.0) for k in stages)
             saved += run.solve_seconds - run.without_seconds[ingredient]
             rows.append(
                 {
                     "scene": name,
                     Quantity("without", "left out", "", "s"): ingredient,
-                    Quantity("meaning", "what stands in", "", "s"): MEANING[ingredient],
-                    Quantity("max", "largest change of a load", "% of mean", ".2f"): e.max_percent,
-                    Quantity("rms", "RMS change", "% of mean", ".2f"): e.rms_percent,
-                    Quantity("at", "at ball", "", "s"): f"{e.ball} {e.side}",
+                    Quantity("meaning", "what stands in", "", "s"): meaning,
+                    **_changed(e),
                     Quantity("seconds", "seconds it takes", "s", "+.1f"): saved,
                     Quantity("before", "low-order error against the full reference", "% of mean", ".2f"): full,
                     Quantity("model", "against this one", "% of mean", ".2f"): model.max_percent,
@@ -363,12 +366,9 @@ def ablation_table(study: Study) -> Table | None:
 def ablation_text(study: Study) -> str:
     """Sentence on the cause of the low-order error, from the data."""
     parts = []
-    for name in case_studies(study):
-        scene = study.scene(name)
-        run: Run | None = load(scene, min(LEVELS), stores=study.stores)
-        if run is None or "elastic nut" not in run.without:
+    for name, run, low in _ablated(study):
+        if "elastic nut" not in run.without:
             continue
-        low = study.solve(name, "lin")
         before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
         parts.append(f"{name} from {before.max_percent:.2f} % to {after.max_percent:.2f} %")
     if not parts:
@@ -395,8 +395,7 @@ def conclusion(found: References) -> str:
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report on the reference's own quality."""
     step("mesh levels, mesh study, modelling spread, ablation")
-    found = case_studies(study)
-    items: list[Any] = []
+    found, everything = case_studies(study), study.references((*REFERENCED, *UNSEEN))
     text = [
         (
             "From level to level all cells are refined, those of the contacts by a third, except the cut of the "
@@ -408,18 +407,14 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     assumed = list(dict.fromkeys(a for ref in found.values() for a in ref.best.assumed))
     if assumed:
         text.append("Assumed where the source prints nothing: " + " ".join(assumed))
-    cause = ablation_text(study)
-    items.append(Text(tuple(text)))
-    everything = study.references((*REFERENCED, *UNSEEN))
+    items: list[Any] = [Text(tuple(text))]
     if everything:
         items += [convergence_table(everything), Text((shared_text(study),))]
-        items += [t for t in (coverage_table(study),) if t is not None]
-        items.append(level_table(study, everything))
+        items += [coverage_table(study), level_table(study, everything)]
     if found:
         items += [stage_table(found), *study_items(study, found)]
-    ablation = ablation_table(study)
-    tables = (single_choice_table(study), modelling_table(study), spread_table(study))
-    items += [t for t in tables if t is not None]
-    if ablation:
-        items += [Text((cause,)), ablation] if cause else [ablation]
-    return Section("reference-mesh", "How good the reference is", tuple(items), conclusion=conclusion(everything))
+    items += [single_choice_table(study), modelling_table(study), spread_table(study)]
+    cause, ablation = ablation_text(study), ablation_table(study)
+    items += [Text((cause,)) if cause and ablation else None, ablation]
+    shown = tuple(item for item in items if item is not None)
+    return Section("reference-mesh", "How good the reference is", shown, conclusion=conclusion(everything))

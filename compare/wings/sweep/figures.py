@@ -40,9 +40,14 @@ def of_summary(
 def _shown(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
     """Keys of largest effect, as many as a figure has panels, and a sentence where some are left out. A seed has no
     order, so that nothing can be seen along it."""
-    ordered = [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
+    ordered = _ordered(keys)
     shown = sorted(ordered, key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
+
+
+def _ordered(keys: Sequence[Vary]) -> list[int]:
+    """Keys that have an order; where a seed is all, it."""
+    return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
 def _reach(groups: Sequence[Mapping[str, float]]) -> float:
@@ -76,8 +81,8 @@ def _scatter(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequen
 
 
 def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
-    keys, worst = _without_seed(keys, worst)
-    x = inputs(keys, worst)
+    kept = _ordered(keys)
+    x, keys = inputs(keys, worst)[:, kept], [keys[k] for k in kept]
     low = np.array([1.0 if v.choices else v.low for v in keys])
     high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
     place = (x - low) / (high - low)
@@ -88,12 +93,6 @@ def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Cal
     caption = "Place of each key in its range (0 to 1), of the samples with the largest loads."
     panel = Panel("worst samples", "", "place in its range", series, names=[called(v) for v in keys])
     return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
-
-
-def _without_seed(keys: Sequence[Vary], rows: Sequence[Record]) -> tuple[Sequence[Vary], Sequence[Record]]:
-    """The keys that have an order, and the rows with their values only."""
-    kept = [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
-    return [keys[k] for k in kept], [{**row, "values": [row["values"][k] for k in kept]} for row in rows]
 
 
 def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]) -> Figure | None:

@@ -102,21 +102,22 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     return found
 
 
+def _refused(value: str, allowed: str, advice: str = f"give {_FORM}") -> InputError:
+    return InputError("command line", "--vary", show(value), allowed, advice)
+
+
 def _read(text: str) -> Vary:
     key, sign, values = (piece.strip() for piece in text.partition("="))
-
-    def refuse(value: str, allowed: str, advice: str) -> InputError:
-        return InputError("command line", "--vary", show(value), allowed, advice)
-
     if not sign or not _PATH.fullmatch(key) or not values:
-        raise refuse(text, _FORM, 'e.g. --vary "errors.balls.oversize=0 um:7 um" --vary "loads[0].force[2]=1 kN,5 kN"')
+        advice = 'e.g. --vary "errors.balls.oversize=0 um:7 um" --vary "loads[0].force[2]=1 kN,5 kN"'
+        raise _refused(text, _FORM, advice)
     if ":" in values:
         return _range(key, text, values)
     parts = [piece.strip() for piece in values.split(",")]
     if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
-        raise refuse(text, f"2 to {MOST_VALUES} values with commas between", f"give {_FORM}")
+        raise _refused(text, f"2 to {MOST_VALUES} values with commas between")
     if len(set(parts)) < len(parts):
-        raise refuse(text, "each value once", "remove the repeated one")
+        raise _refused(text, "each value once", "remove the repeated one")
     return Vary(key, text, choices=tuple(_scalar(piece) for piece in parts))
 
 
@@ -124,13 +125,12 @@ def _range(key: str, text: str, values: str) -> Vary:
     try:
         (first, unit), (second, other) = map(_split, values.split(":"))
     except ValueError:
-        allowed = "two numbers, with or without unit"
-        raise InputError("command line", "--vary", show(text), allowed, f"give {_FORM}") from None
+        raise _refused(text, "two numbers, with or without unit") from None
     if unit and other and unit != other:
-        raise InputError("command line", "--vary", show(text), "one unit for both ends", f"write both in {other}")
+        raise _refused(text, "one unit for both ends", f"write both in {other}")
     low, high = float(first), float(second)
     if not low < high:
-        raise InputError("command line", "--vary", show(text), "A below B", "turn them round, or give a list of values")
+        raise _refused(text, "A below B", "turn them round, or give a list of values")
     whole = not (unit or other) and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
     return Vary(key, text, low, high, unit or other, whole)
 
@@ -202,26 +202,23 @@ def _parts(key: str) -> list[str | int]:
 
 
 def _put(raw: dict[str, Any], key: str, value: Any) -> None:
-    parts = _parts(key)
+    """Give a key a value; tables on the way are made. Raises InputError for a step that leads nowhere: an entry that a list
+    does not have, a key of something other than a table."""
+    *above, last = _parts(key)
     node: Any = raw
-    for step, following in zip(parts, [*parts[1:], None], strict=True):
+    for step in above:
         _check_entry(node, step, key)
-        if following is None:
-            node[step] = value
-        elif isinstance(node, dict):
-            node = node.setdefault(str(step), {})
-        else:
-            node = node[step]
+        node = node.setdefault(step, {}) if isinstance(node, dict) else node[step]
+    _check_entry(node, last, key)
+    node[last] = value
 
 
 def _check_entry(node: Any, step: str | int, key: str) -> None:
-    """Refuse a step that leads nowhere: an entry that a list does not have, a key of something other than a table."""
+    allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
+    if isinstance(node, dict) and isinstance(step, str):
+        return
     if isinstance(node, list) and isinstance(step, int):
         if step < len(node):
             return
         allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
-    elif isinstance(node, dict) and isinstance(step, str):
-        return
-    else:
-        allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
-    raise InputError("command line", "--vary", show(key), allowed, "see the scene file, or: rollbench schema")
+    raise _refused(key, allowed, "see the scene file, or: rollbench schema")

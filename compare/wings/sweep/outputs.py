@@ -43,20 +43,11 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
     Rigidity (secant, from the place without loads) and preload take the solution without loads; the torque takes
     [friction] of the scene. None where there is no such answer.
     """
-    load = result.load
     bare = solve_scaled(scene, 0.0, model, options)
     force, moved = axial_force(result), axial_displacement(scene, result) - unloaded_place(scene, bare)
-    return {
-        **_of_loads([("", load)], nominal_contacts(scene)),
-        "displacement_um": _displacement(scene, result),
-        "largest_approach_um": _approach(result),
-        "rigidity_N_per_um": _rigidity(force, moved),
-        "preload_N": axial_preload(scene, bare) if bare.converged else None,
-        "torque_Nmm": None
-        if scene.friction is None
-        else _friction_torque([(scene, result)], scene.friction, scene.motion, options),
-        "life_million_revolutions": _life([(scene, load)]),
-    }
+    rigidity, preload = _rigidity(force, moved), axial_preload(scene, bare) if bare.converged else None
+    whole = _displacement(scene, result), rigidity, preload
+    return _of_sets([("", scene, result)], scene, whole, options, nominal_contacts(scene))
 
 
 def cycle_outputs(
@@ -82,37 +73,43 @@ def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[st
     what the scene asks about, from the unloaded place of the parts; approaches are those of balls; preload: the largest
     axial force of a set without loads; life: that of the set that lives shortest.
     """
-    sets = [(s.of.name, s.of.parts, s.balls) for s in result.sets if s.balls is not None and isinstance(s.of.parts, Scene)]
+    sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     bare = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
     force, moved = axial_load(assembly), along_axis(assembly, result)
-    solved = [(parts, balls) for _, parts, balls in sets]
-    return {
-        **_of_loads([(f"{name}: ", balls.load) for name, _, balls in sets]),
-        "displacement_um": 1e6 * moved if force else None,
-        "largest_approach_um": max((_approach(balls) for _, balls in solved), default=0.0),
-        "rigidity_N_per_um": _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None,
-        "preload_N": max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None,
-        "torque_Nmm": None
-        if assembly.friction is None
-        else _friction_torque(solved, assembly.friction, assembly.motion, Options()),
-        "life_million_revolutions": _life([(parts, balls.load) for parts, balls in solved]),
-    }
+    rigidity = _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None
+    preload = max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None
+    return _of_sets(sets, assembly, (1e6 * moved if force else None, rigidity, preload), Options())
 
 
-def _of_loads(sets: list[tuple[str, Array]], contacts: int = 0) -> dict[str, Any]:
-    """What the loads ``(n, 4)`` [N] of all sets say, with the words that say which set; contacts: see `mean_load`."""
-    every = np.concatenate([load[load > 0.0] for _, load in sets]) if sets else np.zeros(0)
+def _of_sets(
+    sets: list[tuple[str, Scene, StaticResult]],
+    scene: Scene | Assembly,
+    whole: tuple[float | None, float | None, float | None],
+    options: Options,
+    contacts: int = 0,
+) -> dict[str, Any]:
+    """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: displacement [um],
+    rigidity [N/um] and preload [N]; contacts: see `mean_load`."""
+    displacement, rigidity, preload = whole
+    solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
+    every = np.concatenate([np.zeros(0), *(balls.load[balls.load > 0.0] for _, balls in solved)])
     at = ""
     if every.size:
-        name, load = max(sets, key=lambda one: float(one[1].max(initial=0.0)))
+        name, load = max(((name, x.load) for name, _, x in sets), key=lambda one: float(one[1].max(initial=0.0)))
         ball, side = np.unravel_index(int(load.argmax()), load.shape)
         at = f"{name}{ball + 1} {SIDES[side]}"
     return {
         "largest_load_N": float(every.max(initial=0.0)),
         "mean_load_N": mean_load(every, contacts),
         "loaded_contacts": int(every.size),
-        "idle_balls": sum(int(np.count_nonzero(~(load > 0.0).any(axis=1))) for _, load in sets),
+        "idle_balls": sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
         "at": at,
+        "displacement_um": displacement,
+        "largest_approach_um": max((_approach(balls) for _, balls in solved), default=0.0),
+        "rigidity_N_per_um": rigidity,
+        "preload_N": preload,
+        "torque_Nmm": None if friction is None else _friction_torque(solved, friction, scene.motion, options),
+        "life_million_revolutions": _life([(parts, balls.load) for parts, balls in solved]),
     }
 
 

@@ -49,16 +49,9 @@ class Sweep:
 
     def header(self) -> dict[str, Any]:
         """All that the records depend on."""
-        return {
-            "rollbench": __version__,
-            "scene": self.origin,
-            "text": self.text,
-            "vary": [vary.text for vary in self.keys],
-            "samples": self.samples,
-            "method": self.method,
-            "seed": self.seed,
-            "model": self.model,
-        }
+        names = ("samples", "method", "seed", "model")
+        what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
+        return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}}
 
     def check(self) -> None:
         """Raise InputError for an unknown model, a key that a scene does not have, or values out of its range."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import nullcontext
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -58,10 +59,9 @@ def reason(error: InputError) -> str:
 
 def _solve_cases(cycle: DutyCycle, model: str, engine: str) -> dict[str, Any]:
     solved = [_solve(case.scene, model, engine) for case in cycle.cases]
-    pairs = zip(cycle.cases, solved, strict=True)
-    lost = next((f"case {case.name}: {result.status}" for case, (result, _) in pairs if not result.converged), None)
-    if lost is not None:
-        return {"status": lost}
+    for case, (result, _) in zip(cycle.cases, solved, strict=True):
+        if not result.converged:
+            return {"status": f"case {case.name}: {result.status}"}
     return {"status": CONVERGED, **cycle_outputs(cycle, *zip(*solved, strict=True))}
 
 
@@ -88,20 +88,14 @@ def solve_batch(
     run_folder = Path(folder)
     text, origin, keys, model, engine = sweep
     here = store.current(run_folder, token)
+    writer = store.Writer(run_folder, token)
     found: list[store.Record] = []
-    with threadpool_limits(1, "blas"):
-        if not here:
-            return [_record(n, v, solve_sample(text, origin, keys, v, model, engine)) for n, v in batch], False
-        with store.working(run_folder):
-            writer = store.Writer(run_folder, token)
-            for number, values in batch:
-                if not store.current(run_folder, token):
-                    break
-                record = _record(number, values, solve_sample(text, origin, keys, values, model, engine))
-                writer.append(record)
-                found.append(record)
-    return found, True
-
-
-def _record(number: int, values: Sequence[Any], solved: dict[str, Any]) -> store.Record:
-    return {"sample": number, "values": list(values), **solved}
+    with threadpool_limits(1, "blas"), store.working(run_folder) if here else nullcontext():
+        for number, values in batch:
+            if here and not store.current(run_folder, token):
+                break
+            solved = solve_sample(text, origin, keys, values, model, engine)
+            found.append({"sample": number, "values": values, **solved})
+            if here:
+                writer.append(found[-1])
+    return found, here

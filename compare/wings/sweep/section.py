@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.wings.sweep.figures import of_summary
 from rollbench.comparison.wings.sweep.keys import Vary, read_vary
-from rollbench.comparison.wings.sweep.stored import TOLERANCES, command, stored
 from rollbench.comparison.wings.sweep.summary import MAIN
 from rollbench.reports.records import Cell, Quantity, Section, Table, Text
 
+#: The shipped summary: the ``summary.json`` of the command that it names.
+TOLERANCES = "tolerances-case3.json"
 #: What the keys are called here, by the beginning of their path.
 WORDS = {
     "errors.balls.sigma": "ball grade: standard deviation of the ball radius",
@@ -20,6 +24,20 @@ WORDS = {
     "supports[1].displace.ux": "misalignment: offset of the right end",
     "errors.seed": "luck: which screw of these tolerances",
 }
+
+
+@cache
+def stored() -> dict[str, Any]:
+    """The shipped summary."""
+    found: dict[str, Any] = json.loads(Path(__file__).with_name(TOLERANCES).read_text(encoding="utf-8"))
+    return found
+
+
+def command(found: Mapping[str, Any]) -> str:
+    """The command that a summary comes from."""
+    vary = " ".join(f'--vary "{text}"' for text in found["vary"])
+    options = " ".join(f"--{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
+    return f"rollbench sweep {found['scene'].removesuffix('.toml')} {vary} {options}"
 
 
 def short(vary: Vary) -> str:
@@ -59,7 +77,7 @@ def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Ce
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("stored sweep of tolerances")
-    found = stored(TOLERANCES)
+    found = stored()
     study.uses((found["scene"].removesuffix(".toml"),))
     keys = read_vary(found["vary"])
     rows = effects(keys, found)

@@ -1,7 +1,6 @@
 """What still works where a Python package is not installed: `ONLY_FOR` of `meshes.libraries` says what does not."""
 
 import os
-import shlex
 import subprocess
 import sys
 import venv
@@ -15,7 +14,8 @@ from rollbench.meshes import libraries
 
 TOP = Path(__file__).parents[3]
 CHECK = ("check", "lin-case1", "--no-compute")
-SWEEP = shlex.split("sweep two-balls --vary 'errors.balls.oversize=4 um:7 um' --samples 2 --model lin --out out")
+DESIGN = ("--vary", "errors.balls.oversize=4 um:7 um", "--samples", "2")
+SWEEP = ("sweep", "two-balls", *DESIGN, "--model", "lin", "--out", "out")
 COMPARE = ("compare", "lin-case1", "--model", "lin", "--store", "runs")
 PAGE = ("report", "lin-case1", "--out", "page")
 EXPORT = ("export", "lin-case1", "nut", "--out", "nut.vtu")

@@ -17,13 +17,14 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.scenes.scene_file import loads
 from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, long, startup, typed
+from rollbench.comparison.wings.bench import bench, growth, startup, waits
 from rollbench.comparison.wings.bench.arguments import bench as bench_command
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.comparison.wings.bench.costs import timing
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.bench.prepared import Energy, Source
 from rollbench.comparison.wings.bench.startup import command_line_job
+from rollbench.comparison.wings.bench.waits import LONG, TYPED, Wait
 from rollbench.lowfi.jit import code_folder
 
 
@@ -164,40 +165,41 @@ def test_random_errors_against_the_elimination():
 
 
 def test_commands_as_typed_and_what_they_cannot_do_without():
-    quick = typed.Typed("schema", "import pydantic", "scenes.kinds", 1e-3, 1)
-    (found,) = typed.as_typed([quick])
-    assert found.job == "schema, as typed"
+    found = Wait("a schema", "schema", 1e-3, "import pydantic", module="scenes.kinds").measured()
+    assert (found.job, found.when) == ("a schema", "")
     assert 0.0 < found.floor < found.modules < found.seconds
-    (row,) = typed.spent_table([found, Job("no aim", 1.0, None, None, None, "")]).rows
+    (row,) = waits.spent_table([found, Job("no aim", 1.0, None, None, None, "")]).rows
     assert row["floor"] + row["modules"] + row["work"] == pytest.approx(row["seconds"])
     assert row["misses"] == pytest.approx(found.seconds / 1e-3)
-    (failed,) = typed.as_typed([typed.Typed("no-such-command", "import sys", "errors", 1.0, 1)])
+    failed = Wait("none", "no-such-command", 1.0, "import sys", module="errors").measured()
     assert failed.seconds is None
-    assert typed.spent_table([failed]).rows[0]["misses"] is None
-    assert all(one.module and one.aim for one in typed.TYPED)
+    assert waits.spent_table([failed]).rows[0]["misses"] is None
+    assert all(one.module and one.aim for one in TYPED)
+    assert TYPED[0].job == "list, as typed"
+    assert LONG[9].words == "report --all --out {folder}/report --store {folder}/runs"
 
 
 def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path):
-    sample = long.Long("sample", "list", 1e-9, "sum(range(200_000 * {count}))", "a sum", (1, 20))
-    answer = long.Long("first use", "schema", 5.0, "import pydantic", caches="empty", clock="answer")
-    broken = long.Long("first report", "no-such-command", 5.0, caches="as they are", clock="wall")
-    monkeypatch.setattr(long, "LONG", (answer, broken, sample))
-    one, other = long.long_jobs(["first"], tmp_path)
+    sample = Wait("sample", "list", 1e-9, "sum(range(200_000 * {count}))", "a sum", (1, 20))
+    answer = Wait("first use", "schema", 5.0, "import pydantic", caches="empty", clock="answer")
+    broken = Wait("first report", "no-such-command", 5.0, caches="as they are", clock="wall")
+    monkeypatch.setattr(waits, "LONG", (answer, broken, sample))
+    one, other = waits.long_jobs(["first"], tmp_path)
     assert 0.0 < one.floor < one.seconds < 60.0
     assert one.when.startswith(f"{__version__}, ")
     assert (other.seconds, other.note) == (None, "not measured: the command failed")
-    assert sample.each(sample.base, {"folder": str(tmp_path)}, ("-c",)) > 1e-4
+    assert sample.each(sample.base, {"folder": str(tmp_path)}) > 1e-4
     later = replace(other, seconds=3.0)
-    long.keep(tmp_path, [later])
-    assert long.kept([tmp_path / "none", tmp_path]) == [one, later]
-    assert [row["measured"] for row in typed.spent_table(long.kept([tmp_path])).rows] == [one.when, other.when]
+    waits.keep(tmp_path, later)
+    assert waits.kept([tmp_path / "none", tmp_path]) == [one, later]
+    assert [row["measured"] for row in waits.spent_table(waits.kept([tmp_path])).rows] == [one.when, other.when]
     with pytest.raises(InputError, match="--long"):
-        next(long.long_jobs(["frist"], None))
+        next(waits.long_jobs(["frist"], None))
 
 
 @pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
 def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
-    longer, case = loads(long._balls(count), "balls"), shipped("lin-case1")
+    longer, case = loads(waits._balls(count), "balls"), shipped("lin-case1")
     assert (longer.ball_count, longer.nut.length) == (count, pytest.approx(length))
     assert np.diff(longer.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
     assert longer.time.steps == 200
@@ -211,8 +213,8 @@ def test_names_of_long_jobs_are_refused_without_long():
 def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):
     points = [(n, 1e-3 * n**1.5, 2.0 * n) for n in (8.0, 16.0, 32.0, 64.0)]
     for name in ("by_balls", "by_members"):
-        monkeypatch.setattr(typed, name, lambda _: {"lin": points})
-    table, figure = typed.scaling(Study(quick=True))
+        monkeypatch.setattr(growth, name, lambda _: {"lin": points})
+    table, figure = growth.scaling(Study(quick=True))
     assert len(table.rows) == 8
     assert [s.label for panel in figure.panels for s in panel.series] == ["lin: exponent 1.50", "lin: exponent 1.00"] * 2
 
@@ -220,12 +222,12 @@ def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):
 def test_growth_is_measured_once_and_kept(monkeypatch, tmp_path):
     measured = []
     for name in ("by_balls", "by_members"):
-        monkeypatch.setattr(typed, name, lambda: measured.append(1) or {"lin": [(8.0, 1e-3, 2.0), (16.0, 2e-3, 4.0)]})
-    monkeypatch.setattr(typed, "shipped_store", lambda: tmp_path / "none")
-    points, said = typed.growth(Study((tmp_path,)))
-    again, kept = typed.growth(Study((tmp_path,)))
+        monkeypatch.setattr(growth, name, lambda: measured.append(1) or {"lin": [(8.0, 1e-3, 2.0), (16.0, 2e-3, 4.0)]})
+    monkeypatch.setattr(growth, "shipped_store", lambda: tmp_path / "none")
+    points, said = growth.growth(Study((tmp_path,)))
+    again, kept = growth.growth(Study((tmp_path,)))
     assert len(measured) == 2
     assert again == {of: {model: [list(p) for p in x] for model, x in found.items()} for of, found in points.items()}
     assert (said, kept.split(",")[0]) == ("Measured for this report.", "Kept")
-    typed.growth(Study((tmp_path,), timed=True))
+    growth.growth(Study((tmp_path,), timed=True))
     assert len(measured) == 4

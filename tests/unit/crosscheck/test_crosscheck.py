@@ -12,10 +12,13 @@ from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_parts import GridParts
+from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck import command as crosscheck_command
 from rollbench.comparison.wings.crosscheck import section as crosscheck
-from rollbench.comparison.wings.crosscheck.calculix import digest, read_cvg, read_dat
+from rollbench.comparison.wings.crosscheck import study as crosscheck_study
+from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
 from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
+from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
 from rollbench.comparison.wings.crosscheck.fit import LENGTHS, element_error, extrapolate
 from rollbench.comparison.wings.crosscheck.rows import agreement, contact_rows, series
 from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
@@ -62,27 +65,9 @@ def a_run(b_over_h: float, growth: float, stiffness: float, **changes) -> CrossR
     found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
     count = int(1000 * b_over_h / growth)
     meshes = (BodyMesh("SCREW", count, 40, 0.2), BodyMesh("NUT", 200, 80, 0.1))
-    return replace(
-        CrossRun(
-            b_over_h,
-            growth,
-            stiffness,
-            1e3,
-            False,
-            1e-4,
-            "0" * 16,
-            meshes,
-            found,
-            0.005,
-            1e-4,
-            12,
-            1e-3,
-            60.0,
-            "2026-01-01",
-            "CalculiX 2.20",
-        ),
-        **changes,
-    )
+    choices, weak, unbalanced = (b_over_h, growth, stiffness, 1e3, False), 0.005, 1e-4
+    effort = 12, 1e-3, 60.0, "2026-01-01", "CalculiX 2.20"
+    return replace(CrossRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
 
 
 RUNS = (
@@ -109,9 +94,8 @@ def ours(loads: list[np.ndarray]) -> Reference:
 
 
 def test_what_calculix_prints_is_read():
-    (contact,), moved = read_dat(DAT)
-    assert (contact.slave, contact.area) == ("BALL1_SL", 0.2115257)
-    assert contact.size == pytest.approx(500.0)
+    forces, moved = read_dat(DAT)
+    assert forces == {"BALL1_SL": (300.0, -2.01252e-5, 400.0)}
     assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
     assert read_cvg(CVG) == (2, 1.133e-3)
 
@@ -250,8 +234,6 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
 def test_the_key_is_of_what_a_scene_says(monkeypatch):
     before = scene_key("two-balls")
     text = crosscheck_command.checked_scene("two-balls").title
-    from rollbench.comparison.scenes import catalogue
-
     original = catalogue.scene_text("two-balls")
     monkeypatch.setattr(catalogue, "scene_text", lambda _: original + "# a remark\n")
     assert scene_key("two-balls") == before
@@ -265,16 +247,11 @@ def test_only_checked_scenes_are_known():
 
 
 def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
-    from rollbench.comparison.wings.crosscheck import calculix as ccx
-    from rollbench.comparison.wings.crosscheck import study as crosscheck_study
-    from rollbench.comparison.wings.crosscheck.deck import DeckOptions
-
     def solved(text: str, _: Path):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
         forces = {"SL": (3.0, 0.0, 4.0), "NR": (-3.0, 0.0, -4.0), "SR": (1.0, 0.0, 0.0), "NL": (-1.0, 0.0, 0.001)}
-        contacts = tuple(ccx.ContactForce(n, forces[n.split("_")[1]], 1.0) for n in names)
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
-        return ccx.Outcome(contacts, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
+        return Outcome({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
 
     monkeypatch.setattr(crosscheck_study, "run_calculix", solved)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
@@ -290,9 +267,6 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
 
 
 def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, monkeypatch):
-    from rollbench.comparison.wings.crosscheck import study as crosscheck_study
-    from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
-
     solved, meshed = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
     monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: meshed)
 

@@ -15,8 +15,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck.calculix import find_ccx, run_calculix
 from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck, without_turning
-from rollbench.comparison.wings.crosscheck.deck_cut import cut_scene, parse_balls
-from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
+from rollbench.comparison.wings.crosscheck.export_deck import cut_scene, parse_balls, run
 from rollbench.comparison.wings.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 from rollbench.meshes.helix import ball_layout
@@ -137,8 +136,8 @@ def test_units_and_names():
 def test_calculix_finds_what_a_stack_of_cubes_must(unit, tmp_path: Path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
     found = run_calculix(write(stack(), unit), tmp_path)
-    assert [c.slave for c in found.contacts] == ["HIGH_FACE"]
-    assert found.contacts[0].force == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
+    assert list(found.forces) == ["HIGH_FACE"]
+    assert found.forces["HIGH_FACE"] == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
     ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
@@ -244,34 +243,32 @@ def test_balls_cannot_turn_and_nothing_else_is_held():
 
 
 def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
-    scene = catalogue.scene("two-balls")
-    with pytest.raises(InputError, match=r"1 to 4 balls.*--balls 3:5"):
-        build_deck(catalogue.scene("lin-case1"), COARSE)
-    bad = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
-    with pytest.raises(InputError, match="a displaced groove"):
-        build_deck(replace(scene, errors=bad), COARSE)
-    bad = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
-    with pytest.raises(InputError, match="grooves of two radii"):
-        build_deck(replace(scene, errors=bad), COARSE)
-    with pytest.raises(InputError, match=r"solid\.nut"):
-        build_deck(replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE)
-    with pytest.raises(InputError, match="no face of the mesh lies within an expected contact"):
-        build_deck(scene, DeckOptions(b_over_h=0.4, growth=1.5))
-    cut = catalogue.scene("lin-case1-cut")
-    with pytest.raises(InputError, match=r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"):
-        build_deck(replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE)
+    scene, cut = catalogue.scene("two-balls"), catalogue.scene("lin-case1-cut")
+    displaced = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
+    uneven = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
+    stations = r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
+    for bad, options, words in (
+        (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*--balls 3:5"),
+        (replace(scene, errors=displaced), COARSE, "a displaced groove"),
+        (replace(scene, errors=uneven), COARSE, "grooves of two radii"),
+        (replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE, r"solid\.nut"),
+        (scene, DeckOptions(b_over_h=0.4, growth=1.5), "no face of the mesh lies within an expected contact"),
+        (replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE, stations),
+    ):
+        with pytest.raises(InputError, match=words):
+            build_deck(bad, options)
+    good = {"program": "ccx", "unit": "mm", "balls": "", "b_over_h": 1.5, "growth": 0.4, "stiffness": 2e8}
     for choices, key in (
-        (DeckChoices("abaqus"), "--deck"),
-        (DeckChoices("ccx", unit="inch"), "--unit"),
-        (DeckChoices("ccx", b_over_h=0.0), "--b-over-h"),
-        (DeckChoices("ccx", growth=float("nan")), "--growth"),
-        (DeckChoices("ccx", balls="5:3"), "--balls"),
-        (DeckChoices("ccx", balls="a"), "--balls"),
+        ({"program": "abaqus"}, "--deck"),
+        ({"unit": "inch"}, "--unit"),
+        ({"b_over_h": 0.0}, "--b-over-h"),
+        ({"growth": float("nan")}, "--growth"),
+        ({"balls": "5:3"}, "--balls"),
+        ({"balls": "a"}, "--balls"),
+        ({"out": tmp_path / "a.txt"}, "--out"),
     ):
         with pytest.raises(InputError, match=key):
-            run_deck(scene, choices, tmp_path / "a.inp")
-    with pytest.raises(InputError, match="--out"):
-        run_deck(scene, DeckChoices("ccx"), tmp_path / "a.txt")
+            run(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
     assert not list(tmp_path.iterdir())
 
 

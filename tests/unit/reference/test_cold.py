@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.comparison.wings.bench.costs import cold
 from rollbench.comparison.wings.bench.costs.cold import ColdLevel, measure, measure_level
-from rollbench.comparison.wings.bench.costs.run_times import Kept, load, save
+from rollbench.comparison.wings.bench.costs.kept import Kept, load_times, save_times
 from rollbench.comparison.wings.bench.sections.reference_time import level_table
 
 
@@ -48,8 +48,8 @@ def test_cold_levels_are_kept(tmp_path: Path) -> None:
     stages = {"ball": 0.2, "nut": 1.5, "patches": 5.0, "screw": 3.0}
     level = ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0, stages)
     kept = Kept("a machine", "today", {}, {}, (level,))
-    save(tmp_path, kept)
-    assert load([tmp_path]) == kept
+    save_times(tmp_path, kept)
+    assert load_times([tmp_path]) == kept
     (row,) = level_table(kept.levels).rows
     where = {"scene": "unseen-25x5", "contacts": 264, "level": 1}
     costs = {"load_case": 4.0, "stages": "patches 5.0 s, screw 3.0 s, nut 1.5 s", "memory": 1400.0, "status": "converged"}

@@ -17,7 +17,7 @@ from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.watch import reader_gone
-from rollbench.comparison.wings.bench.costs import run_times
+from rollbench.comparison.wings.bench.costs.kept import load_times
 from rollbench.comparison.writing import replace_file
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
@@ -53,7 +53,7 @@ def test_with_many_contacts_the_second_process_adds_what_patches_take() -> None:
 
 def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     """228 and 264 contacts on level 1 in two processes: at most a tenth more is told, and less than 3 GB."""
-    kept = run_times.load((shipped_store(),))
+    kept = load_times((shipped_store(),))
     assert kept is not None
     large = [c for c in kept.levels if (c.contacts or 0) > 200]
     assert {c.contacts for c in large} == {228, 264}

@@ -6,18 +6,20 @@ from pathlib import Path
 
 from rollbench.comparison.reference.expected import STAGES
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.bench.costs.set_up_costs import FILE, Costs, Job, Way, load
+from rollbench.comparison.wings.bench.costs.kept import SET_UP_COSTS, Costs, SetUp, Way, load_costs
 from rollbench.comparison.wings.bench.sections.reference_time import cost_tables
 
-JOB = Job("a screw", 1, 64, {"nut": {"all": 3.0, "elimination": 2.0, "dense": 1.0}, "meshes": {"all": 1.0, "meshing": 0.5}})
+JOB = SetUp(
+    "a screw", 1, 64, {"nut": {"all": 3.0, "elimination": 2.0, "dense": 1.0}, "meshes": {"all": 1.0, "meshing": 0.5}}
+)
 COSTS = Costs("a machine", "a day", [JOB], [Way("a screw", "coarser", 2.0, 0.01)])
 
 
 def test_costs_are_read_as_they_were_written(tmp_path: Path) -> None:
-    (tmp_path / FILE).write_text(json.dumps(asdict(COSTS)))
-    assert load([tmp_path / "none", tmp_path]) == COSTS
-    (tmp_path / FILE).write_text("{}")
-    assert load([tmp_path]) is None
+    (tmp_path / SET_UP_COSTS).write_text(json.dumps(asdict(COSTS)))
+    assert load_costs([tmp_path / "none", tmp_path]) == COSTS
+    (tmp_path / SET_UP_COSTS).write_text("{}")
+    assert load_costs([tmp_path]) is None
 
 
 def test_tables_say_the_floor_of_two_cores_and_what_ways_move() -> None:
@@ -32,7 +34,7 @@ def test_tables_say_the_floor_of_two_cores_and_what_ways_move() -> None:
 
 
 def test_the_shipped_record_has_every_stage_and_bounds_the_missed_targets() -> None:
-    costs = load([shipped_store()])
+    costs = load_costs([shipped_store()])
     assert costs is not None
     for job in costs.jobs:
         assert set(job.stages) == set(STAGES)

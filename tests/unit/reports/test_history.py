@@ -4,7 +4,7 @@ from rollbench.comparison import __version__
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.bench.costs.history import NAMES, QUANTITIES, Release, added, load, save
+from rollbench.comparison.wings.bench.costs.kept import HISTORY, NAMES, QUANTITIES, Release, added, load_releases, save_rows
 from rollbench.comparison.wings.bench.sections import history
 from rollbench.comparison.wings.bench.sections.reference_time import TimePoint, all_points
 
@@ -12,16 +12,16 @@ ONE = Release("0.1", "a day", "abc", {"error": {"lin": 6.0}, "cold": {"lin": Non
 
 
 def test_what_is_saved_is_read_and_a_release_is_not_rewritten(tmp_path):
-    assert load([tmp_path]) == ()
-    save(tmp_path, (ONE,))
-    assert load([tmp_path / "none", tmp_path]) == (ONE,)
+    assert load_releases([tmp_path]) == ()
+    save_rows(tmp_path, HISTORY, (ONE,))
+    assert load_releases([tmp_path / "none", tmp_path]) == (ONE,)
     other = Release("0.1", "later", "def", {})
     assert added((ONE,), other) == (ONE,)
     assert added((), other) == (other,)
 
 
 def test_the_package_has_rows_of_its_releases():
-    rows = load([shipped_store()])
+    rows = load_releases([shipped_store()])
     assert [row.version for row in rows][:2] == ["0.2.0", "0.3.0"]
     for row in rows:
         assert set(row.values) == set(QUANTITIES)
@@ -60,10 +60,10 @@ def test_only_a_report_that_keeps_adds_a_release(tmp_path, monkeypatch):
     level = TimePoint("3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0, "3D level 4")
     step = print
     study.computed[all_points, step] = {"lin-case1": [lin, level]}
-    monkeypatch.setattr(history, "load", lambda _: (ONE,))
+    monkeypatch.setattr(history, "load_releases", lambda _: (ONE,))
     section = history.section(study, step)
     assert [row["release"] for row in section.items[1].rows][:: len(QUANTITIES)] == ["0.1", history.NOW]
     assert list(tmp_path.iterdir()) == []
     study.keeps = True
     history.section(study, step)
-    assert [row.version for row in load([tmp_path])] == ["0.1", __version__]
+    assert [row.version for row in load_releases([tmp_path])] == ["0.1", __version__]

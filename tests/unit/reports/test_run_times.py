@@ -6,10 +6,10 @@ import pytest
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.bench.costs import run_times
+from rollbench.comparison.wings.bench.costs import kept as kept_times
 from rollbench.comparison.wings.bench.costs.assembly_bench import AssemblyCost
 from rollbench.comparison.wings.bench.costs.cold import Cold
-from rollbench.comparison.wings.bench.costs.run_times import Kept, RunTime
+from rollbench.comparison.wings.bench.costs.kept import RUN_TIMES, Kept, RunTime
 from rollbench.comparison.wings.bench.sections import reference_time
 
 KEPT = Kept(
@@ -22,28 +22,28 @@ KEPT = Kept(
 
 
 def test_what_is_saved_is_read(tmp_path):
-    assert run_times.load([tmp_path]) is None
-    run_times.save(tmp_path, KEPT)
-    assert run_times.load([tmp_path / "none", tmp_path]) == KEPT
-    (tmp_path / run_times.FILE).write_text('{"times": 3}')
-    assert run_times.load([tmp_path]) is None
+    assert kept_times.load_times([tmp_path]) is None
+    kept_times.save_times(tmp_path, KEPT)
+    assert kept_times.load_times([tmp_path / "none", tmp_path]) == KEPT
+    (tmp_path / RUN_TIMES).write_text('{"times": 3}')
+    assert kept_times.load_times([tmp_path]) is None
 
 
 def test_the_package_has_times_of_every_compared_scene():
-    kept = run_times.load([shipped_store()])
+    kept = kept_times.load_times([shipped_store()])
     assert {scene for scene, _ in kept.times} == {*reference_time.REFERENCED, *reference_time.UNSEEN}
     assert set(kept.first) == {(m, e) for m in ("lin", "refined") for e in ("interpreted", "compiled")}
 
 
 def test_a_sample_is_measured_beside_the_kept_ones(monkeypatch):
     found = Cold(0.5, 0.1, 0.1, None, "interpreted", "converged")
-    monkeypatch.setattr(run_times, "measure", lambda *_, **__: found)
-    said = run_times.live("lin-case1", ("lin", "refined"), KEPT)
+    monkeypatch.setattr(kept_times, "measure", lambda *_, **__: found)
+    said = kept_times.live("lin-case1", ("lin", "refined"), KEPT)
     assert said == "measured anew for this report on lin-case1: lin 0.50 s (kept: 0.40 s)"
 
 
 def test_ways_to_assemble_are_kept_ones_unless_the_study_is_timed(monkeypatch):
-    kept = run_times.load([shipped_store()]).assembly
+    kept = kept_times.load_times([shipped_store()]).assembly
     assert len({(cost.mesh, cost.way) for cost in kept}) == 8
     monkeypatch.setattr(reference_time, "assembly_costs", lambda: KEPT.assembly)
     assert reference_time.assembly_ways(Study()) == kept
@@ -64,7 +64,7 @@ def test_a_report_starts_processes_only_where_it_is_timed(monkeypatch, timed):
     study = Study(timed=timed)
     points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, lambda _: None)
     (lin,) = [p for p in points if p.label == reference_time.MODELS["lin"].label]
-    kept = run_times.load([shipped_store()]).times["lin-case1", "lin"]
+    kept = kept_times.load_times([shipped_store()]).times["lin-case1", "lin"]
     assert (lin.cold, lin.warm) == ((0.5, 0.25) if timed else (kept.cold, kept.warm))
     assert ("lin" in started) is timed
     assert bool(started) is timed

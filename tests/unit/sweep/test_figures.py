@@ -2,12 +2,11 @@
 
 from rollbench.comparison.wings.sweep.figures import figures, of_summary
 from rollbench.comparison.wings.sweep.keys import read_vary
-from rollbench.comparison.wings.sweep.section import short
-from rollbench.comparison.wings.sweep.stored import TOLERANCES, stored
+from rollbench.comparison.wings.sweep.section import short, stored
 from rollbench.reports.figures import draw, drawing
 from rollbench.reports.records import Figure, Panel, Series
 
-FOUND = stored(TOLERANCES)
+FOUND = stored()
 KEYS = read_vary(FOUND["vary"])
 
 

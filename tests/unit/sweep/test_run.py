@@ -153,12 +153,13 @@ def test_workers_that_do_not_see_the_folder_send_their_records_back(tmp_path, mo
     assert len(found) == 40
 
 
-def test_failures_are_rows_with_their_reason(tmp_path):
+def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     sweep = sweep_of("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
     found = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     status = [found[n]["status"] for n in range(6)]
     assert status[0] == "converged"
     assert status[-1].startswith("refused: lin-case1.toml: ")
+    assert all(one.startswith(("converged", "refused")) for one in status)
     assert run_sweep(sweep, tmp_path / "a", Engine()).code == 0
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
     assert len(lines) == 7
@@ -166,6 +167,9 @@ def test_failures_are_rows_with_their_reason(tmp_path):
     text = json.loads((tmp_path / "a" / "summary.json").read_text())
     assert text["solved"] == 6
     assert 0 < text["converged"] < 6
+    failures = summary(sweep, found)["failures"]
+    assert 6 - text["converged"] > len(failures) >= 1
+    assert sum(row["samples"] for row in failures) == 6 - text["converged"]
     assert (tmp_path / "a" / "sweep-effects.svg").exists()
 
 
@@ -175,15 +179,6 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
     with pytest.raises(InputError, match=r"is refused for one reason, the last one so: lin-case1\.toml: .*allowed"):
         sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists(), "the folder is free for the next one"
-
-
-def test_refusals_for_one_reason_are_one_failure(tmp_path):
-    sweep = sweep_of("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
-    records = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
-    refused = [row for row in records.values() if row["status"].startswith("refused")]
-    failures = summary(sweep, records)["failures"]
-    assert len(refused) > len(failures) >= 1
-    assert sum(row["samples"] for row in failures) == len(refused)
 
 
 def test_rigidity_preload_torque_and_life_are_those_of_solve_and_friction():
@@ -219,18 +214,19 @@ def test_several_sets_have_the_same_outputs():
     assert found["torque_Nmm"] > 0.0
 
 
-def test_a_key_that_the_scene_does_not_have_is_refused_before_anything_is_solved(tmp_path):
-    for vary in ("track.led=1 mm:2 mm", "track.lead=1 kN:2 kN", "loads[3].force[2]=1 N:2 N"):
-        sweep = sweep_of("lin-case1", [vary], 6, "lhs", 0, "lin")
-        with pytest.raises(InputError):
-            sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
+@pytest.mark.parametrize(
+    ("vary", "model", "words"),
+    [
+        ("track.led=1 mm:2 mm", "lin", None),
+        ("track.lead=1 kN:2 kN", "lin", None),
+        ("loads[3].force[2]=1 N:2 N", "lin", None),
+        ("track.lead=10 mm:20 mm", "no such", "--model"),
+    ],
+)
+def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_is_solved(tmp_path, vary, model, words):
+    with pytest.raises(InputError, match=words):
+        sweeping.run_samples(sweep_of("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists()
-
-
-def test_an_unknown_model_is_refused(tmp_path):
-    sweep = sweep_of("lin-case1", ["track.lead=10 mm:20 mm"], 6, "lhs", 0, "no such")
-    with pytest.raises(InputError, match="--model"):
-        sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
 
 
 def test_a_sample_is_the_solution_of_its_scene():

@@ -7,16 +7,15 @@ from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.wings.sweep import section as tolerances
 from rollbench.comparison.wings.sweep.keys import read_vary
 from rollbench.comparison.wings.sweep.sample import solve_sample
-from rollbench.comparison.wings.sweep.stored import TOLERANCES, command, stored
 from rollbench.comparison.wings.sweep.summary import MAIN
 
-FOUND = stored(TOLERANCES)
+FOUND = tolerances.stored()
 KEYS = read_vary(FOUND["vary"])
 NAME = FOUND["scene"].removesuffix(".toml")
 
 
 def test_scene_is_that_of_the_study():
-    assert FOUND["scene_hash"] == scene_hash(catalogue.scene_text(NAME)), f"compute it anew: {command(FOUND)}"
+    assert FOUND["scene_hash"] == scene_hash(catalogue.scene_text(NAME)), f"compute it anew: {tolerances.command(FOUND)}"
 
 
 def test_worst_screw_is_what_the_model_gives_now():

@@ -14,8 +14,16 @@ from rollbench.comparison.provenance import commit
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.bench.costs.history import NAMES, QUANTITIES, Release, added, load, save
-from rollbench.comparison.wings.bench.costs.run_times import today
+from rollbench.comparison.wings.bench.costs.kept import (
+    HISTORY,
+    NAMES,
+    QUANTITIES,
+    Release,
+    added,
+    load_releases,
+    save_rows,
+    today,
+)
 from rollbench.comparison.wings.bench.sections.reference_time import TimePoint, all_points
 from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
@@ -63,11 +71,7 @@ def history_table(releases: Sequence[tuple[str, Release]]) -> Table:
         for name, one in releases
         for key, words in QUANTITIES.items()
     ]
-    columns = [
-        Quantity("release", "release", "", "s"),
-        Quantity("date", "date", "", "s"),
-        Quantity("quantity", "quantity", "", "s"),
-    ]
+    columns = [Quantity(name, name, "", "s") for name in ("release", "date", "quantity")]
     columns += [Quantity(name, name, "", "g3") for name in NAMES]
     note = "\n".join(f"{name}: {one.remark}" for name, one in releases if one.remark)
     return Table("history", "What each release reached on the case studies", columns, rows, note)
@@ -93,13 +97,13 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("numbers of this report beside those of the releases")
     points = study.once(all_points, step)
     title = "History of the releases"
-    known = load((*(study.stores or ()), shipped_store()))
+    known = load_releases((*(study.stores or ()), shipped_store()))
     releases = [(one.version, one) for one in known]
     if any(name in points for name in REFERENCED):
         present = measured(points, study.references(tuple(points)), commit())
         releases.append((NOW, present))
         if study.keeps and study.stores and not study.quick:
-            save(study.stores[0], added(known, present))
+            save_rows(study.stores[0], HISTORY, added(known, present))
     if not releases:
         return Section("history", title, (Text(("No release and no run of the 3D reference was found.",)),))
     return Section("history", title, (Text(ABOUT), history_table(releases), history_figure(releases)))

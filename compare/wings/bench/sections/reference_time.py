@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from time import perf_counter
 from typing import Literal, cast
@@ -22,11 +23,16 @@ from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.system import machine
 from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, REPEATS, AssemblyCost, assembly_costs
 from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel, measure, measure_level
-from rollbench.comparison.wings.bench.costs.run_times import Kept, RunTime, live, today
-from rollbench.comparison.wings.bench.costs.run_times import load as load_times
-from rollbench.comparison.wings.bench.costs.run_times import save as save_times
-from rollbench.comparison.wings.bench.costs.set_up_costs import Costs
-from rollbench.comparison.wings.bench.costs.set_up_costs import load as load_costs
+from rollbench.comparison.wings.bench.costs.kept import (
+    Costs,
+    Kept,
+    RunTime,
+    live,
+    load_costs,
+    load_times,
+    save_times,
+    today,
+)
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -43,8 +49,14 @@ FIRST = "lin-case1"
 LARGE = (("unseen-40x10", 1), ("unseen-25x5", 1))
 #: Stages of a set-up that are told.
 DEAREST = 3
-#: Kinds of work of a set-up.
-WORK = ("all", "meshing", "assembly", "elimination", "dense")
+#: Kinds of work of a set-up, and their headings.
+WORK = {
+    "all": "CPU time",
+    "meshing": "of it meshing",
+    "assembly": "of it assembly",
+    "elimination": "of it elimination",
+    "dense": "its dense algebra",
+}
 #: Models whose cold time is measured there even where times are kept.
 SAMPLE = ("lin", "refined")
 #: Panels of one figure.
@@ -112,24 +124,20 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
     if source is not None:
         runs.insert(0, ("3D reference, the source's mesh", "3D, source's mesh", source))
     for label, short, run in runs:
-        out.append(
-            TimePoint(
-                label,
-                "source mesh" if run.level == SOURCE_LEVEL else "level",
-                *error_range(run.load, found),
-                run.setup_seconds + run.solve_seconds,
-                run.solve_seconds,
-                run.unknowns,
-                run.peak_MB,
-                short,
-                run.status,
-            )
-        )
+        kind: Literal["source mesh", "level"] = "source mesh" if run.level == SOURCE_LEVEL else "level"
+        seconds = run.setup_seconds + run.solve_seconds, run.solve_seconds
+        errors, costs = error_range(run.load, found), (*seconds, run.unknowns, run.peak_MB)
+        out.append(TimePoint(label, kind, *errors, *costs, short, run.status))
     return out
 
 
 def _kept(study: Study) -> Kept | None:
     return load_times((*(study.stores or ()), shipped_store()))
+
+
+def _unless_timed(study: Study) -> Kept | None:
+    """The times that are kept; None for a study that is to be timed, too."""
+    return None if study.timed else study.once(_kept)
 
 
 def _model_point(
@@ -141,16 +149,9 @@ def _model_point(
         options = Options(discretisation=False, engine="compiled", condensed=bodies)
         cold = measure(name, model.name, condensed=bodies, repeats=1)
         known = RunTime(cold.process, warm_seconds(model, scene, options), cold.memory)
+    errors, unknowns = error_range(result.load, found), result.solver.unknowns
     return TimePoint(
-        model.label,
-        "model",
-        *error_range(result.load, found),
-        known.cold,
-        known.warm,
-        result.solver.unknowns,
-        known.memory,
-        model.name,
-        result.status,
+        model.label, "model", *errors, known.cold, known.warm, unknowns, known.memory, model.name, result.status
     )
 
 
@@ -197,14 +198,13 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
 
 def first_processes(study: Study, step: Step) -> Mapping[tuple[str, str], Cold]:
     """Times of the first process by model and engine: as kept, unless the study is timed or none are kept."""
-    kept = None if study.timed else study.once(_kept)
+    kept = _unless_timed(study)
     if kept is not None and kept.first:
         return kept.first
     found = {}
-    for name in ("lin", "refined"):
-        for engine in ("interpreted", "compiled"):
-            step(f"{FIRST}, {name} {engine}: first process")
-            found[name, engine] = measure(FIRST, name, engine=engine)
+    for name, engine in product(SAMPLE, ("interpreted", "compiled")):
+        step(f"{FIRST}, {name} {engine}: first process")
+        found[name, engine] = measure(FIRST, name, engine=engine)
     return found
 
 
@@ -231,7 +231,7 @@ def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
 
 def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
     """Cold times of the levels: as kept, unless the study is timed or none are kept."""
-    kept = None if study.timed else study.once(_kept)
+    kept = _unless_timed(study)
     if kept is not None and kept.levels:
         return kept.levels
     out = []
@@ -243,7 +243,7 @@ def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
 
 def assembly_ways(study: Study) -> Sequence[AssemblyCost]:
     """Times of ways to assemble: as kept, unless the study is timed or none are kept."""
-    kept = None if study.timed else study.once(_kept)
+    kept = _unless_timed(study)
     return kept.assembly if kept is not None and kept.assembly else assembly_costs()
 
 
@@ -282,12 +282,7 @@ def cost_tables(costs: Costs) -> list[Table]:
             "level": job.level,
             "contacts": job.contacts,
             "stage": stage,
-            Quantity("all", "CPU time", "s", ".2f"): spent["all"],
-            **{
-                Quantity(kind, f"of it {words}", "s", ".2f"): spent.get(kind, 0.0)
-                for kind, words in (("meshing", "meshing"), ("assembly", "assembly"), ("elimination", "elimination"))
-            },
-            Quantity("dense", "its dense algebra", "s", ".2f"): spent.get("dense", 0.0),
+            **{Quantity(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
         for stage, spent in (*job.stages.items(), ("all", {kind: job.of(kind) for kind in WORK}))
@@ -383,8 +378,7 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
         return Series(label, [p.cold for p in points], errors, style, emphasis=emphasis, bars=bars)
 
     good = [p for p in of_scene if p.status == "converged"]
-    drawn = [series(p.label, [p], "markers") for p in good if p.kind == "model"]
-    drawn += [series(p.label, [p], "markers") for p in good if p.kind == "source mesh"]
+    drawn = [series(p.label, [p], "markers") for kind in ("model", "source mesh") for p in good if p.kind == kind]
     levels = [p for p in good if p.kind == "level"]
     if levels:
         drawn.append(series("3D reference, its levels", levels, "markers", emphasis=True))
@@ -419,7 +413,7 @@ def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
 
 def when_measured(study: Study, step: Step) -> str:
     """Where and when the models' run times were measured; kept ones beside a sample that is measured now."""
-    kept = None if study.timed else study.once(_kept)
+    kept = _unless_timed(study)
     if kept is None:
         return "Run times of the models were measured for this report."
     step(f"{FIRST}: cold times beside those kept")

@@ -11,14 +11,14 @@ from scipy.optimize import linprog, minimize
 
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.one_arc import is_one_arc
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 #: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
 WAYS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
-FREEDOM = {name: k for k, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz"))}
+FREEDOM = {name: k for k, name in enumerate(FREEDOMS)}
 #: Share of the largest force (or moment) that may be out of balance, or off Hertz' law, besides round-off.
 EXACT = 1e-12
 #: Round-off of a contact's force over its stiffness times the lengths that make its approach: some digits of each.
@@ -140,6 +140,12 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     return ""
 
 
+def by_law(drawn: Specimen, hertz_C: Array, away: Array) -> Array:
+    """Loads ``(n, 4)`` [N] by Hertz' law of balls that stand ``away`` (n, 4, 2) [m] from their flanks' centres."""
+    approach = drawn.ball_radius[:, None] - drawn.radius + np.hypot(away[..., 0], away[..., 1])
+    return np.asarray((np.maximum(approach, 0.0) / hertz_C) ** 1.5)
+
+
 def off_the_law(scene: Scene, result: StaticResult) -> str:
     """Which contact of arcs has another load than Hertz' law gives it by the motions of ball and screw, in words; empty
     where none has. For a rigid nut and balls, and screws whose flanks move with a station of the centreline."""
@@ -160,8 +166,7 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
         moved = u[station, :3] + np.cross(u[station, 3:], from_axis)
         furthest = max(furthest, float(np.abs(moved).max()))
         w[:, s] -= np.einsum("nak,nk->na", axes, moved)
-    approach = drawn.ball_radius[:, None] - drawn.radius + np.hypot(w[..., 0], w[..., 1])
-    law = (np.maximum(approach, 0.0) / result.hertz_C) ** 1.5
+    law = by_law(drawn, result.hertz_C, w)
     if is_one_arc(scene):
         law[:, 1:3] = 0.0  # one arc a groove, which SL and NR stand for
     stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import linprog
 
-from rollbench.comparison.wings.extremes.campaign.check import DIGITS, EXACT, FREEDOM, NOTHING, PIN, WAYS, forces, frames
+from rollbench.comparison.wings.extremes.campaign import check
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
@@ -99,7 +99,7 @@ def faults(assembly: Assembly, result: AxisResult) -> str:
         return fault
     if proven(assembly, False) or (any(s.preload for s in assembly.sets) and proven(assembly, True)):
         return fault or "a motion that nothing resists goes far"
-    return unbalanced(assembly, result, PIN * size_of(assembly, result) * free)
+    return unbalanced(assembly, result, check.PIN * size_of(assembly, result) * free)
 
 
 def pitch_of(assembly: Assembly) -> float:
@@ -127,7 +127,7 @@ def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
             if fault:
                 return fault
             slack, couple = slack + felt, np.zeros(6)
-            force = forces(s.of.parts, s.balls)
+            force = check.forces(s.of.parts, s.balls)
             at, push = ([x[:, h].reshape(-1, 3) for h in (slice(2), slice(2, 4))] for x in (s.balls.contact_point, force))
             station = contact_stations(s.of.parts, ball_layout(s.of.parts)).ravel()
         for end, name in enumerate((s.of.carrier, s.of.housing)):
@@ -142,7 +142,7 @@ def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
             rest[k[0]] += couple
     arms = np.repeat([1.0, pitch_of(assembly)], 3)
     for support in assembly.supports:
-        rest[int(np.abs(z - support.at).argmin()), [FREEDOM[name] for name, _ in support.fixed]] = 0.0
+        rest[int(np.abs(z - support.at).argmin()), [check.FREEDOM[name] for name, _ in support.fixed]] = 0.0
     left = (np.abs(rest) - noise) / arms
     left[0] -= pinned
     if float(left.max()) > CLOSE * size + slack:
@@ -172,7 +172,7 @@ def _bodies(assembly: Assembly, result: AxisResult, rest: dict[str, Array], allo
         spring(np.array(j.stiffness), j.first, j.at, apart)
         spring(np.array(j.stiffness), j.second, j.at, -apart)
     for h in assembly.housings:
-        free = np.array([f not in dict(h.fixed) for f in FREEDOM])
+        free = np.array([f not in dict(h.fixed) for f in check.FREEDOM])
         left = float((np.abs(rest[h.name]) / allowed[0])[free].max(initial=0.0))
         if left > allowed[1] + noise[h.name] / float(allowed[0].min()):
             return f"{h.name} is out of balance by {left:.3g} N"
@@ -186,7 +186,8 @@ def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, flo
     if found is None or not isinstance(scene, Scene):
         return "", 0.0
     layout = ball_layout(scene)
-    drawn, (centre, axes), stations = specimen(scene, layout, result.member), frames(scene), contact_stations(scene, layout)
+    drawn, (centre, axes) = specimen(scene, layout, result.member), check.frames(scene)
+    stations = contact_stations(scene, layout)
     z, q = result.centreline_z, result.centreline
     bodies, at = {h.name: h.motion for h in result.housings}, {h.name: h.at for h in assembly.housings}
     w, furthest = found.centre_shift[:, None, :] - drawn.centre, 0.0
@@ -204,15 +205,13 @@ def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, flo
         moved = moved + along(s.of.offset if side > 1 else 0.0)
         furthest = max(furthest, float(np.abs(moved).max()))
         w[:, side] -= np.einsum("nak,nk->na", axes, moved)
-    law = (
-        np.maximum(drawn.ball_radius[:, None] - drawn.radius + np.hypot(w[..., 0], w[..., 1]), 0.0) / found.hertz_C
-    ) ** 1.5
+    law = check.by_law(drawn, found.hertz_C, w)
     law[:, [k for k in range(4) if k not in SIDES_OF[s.of.thrust]]] = 0.0
     stiff = 1.5 * np.cbrt(np.maximum(law, found.load)) / found.hertz_C
-    none, noise = float((NOTHING / found.hertz_C.mean()) ** 1.5), DIGITS * (furthest + drawn.radius) * stiff
-    net = np.linalg.norm(forces(scene, found).sum(axis=1), axis=1)
+    none, noise = check.nothing(found), check.DIGITS * (furthest + drawn.radius) * stiff
+    net = np.linalg.norm(check.forces(scene, found).sum(axis=1), axis=1)
     size, worst = size_of(assembly, result), int(net.argmax())
-    if net[worst] > max(EXACT * size, none) + float(noise[worst].sum()):
+    if net[worst] > max(check.EXACT * size, none) + float(noise[worst].sum()):
         return f"ball {worst + 1} of {s.of.name} is not in balance", 0.0
     off = np.abs(law - found.load) - np.maximum(CLOSE * size, noise) - none
     ball, side = (int(k) for k in np.unravel_index(int(off.argmax()), off.shape))
@@ -260,7 +259,7 @@ def proven(assembly: Assembly, mounting: bool) -> bool:
     for h in assembly.housings:
         work[column[h.name] : column[h.name] + 6] += scale @ np.concatenate([h.force, h.moment])
         one = np.eye(wide)[column[h.name] : column[h.name] + 6]
-        held += [one[FREEDOM[f]] for f, _ in h.fixed]
+        held += [one[check.FREEDOM[f]] for f, _ in h.fixed]
         held += [] if h.stiffness is None else [one[k] for k in np.flatnonzero(np.diag(np.array(h.stiffness)))]
     if mounting:
         work[:] = 0.0
@@ -272,7 +271,7 @@ def proven(assembly: Assembly, mounting: bool) -> bool:
             held.append(np.eye(wide)[slide[s.name]])
     for support in assembly.supports:
         for name, _ in support.fixed:
-            row, axis = np.zeros(wide), np.eye(3)[FREEDOM[name] % 3]
+            row, axis = np.zeros(wide), np.eye(3)[check.FREEDOM[name] % 3]
             row[:6] = scale @ (wrench(along(support.at), axis) if name[0] == "u" else np.concatenate([np.zeros(3), axis]))
             held.append(row)
     for j in assembly.joints:
@@ -285,9 +284,9 @@ def proven(assembly: Assembly, mounting: bool) -> bool:
                     row[column[name] : column[name] + 6] += sign * scale @ np.concatenate([np.zeros(3), axis])
             held.append(row)
     for s, parts in scenes:
-        (centre, axes), beta = frames(parts), parts.track.contact_angle
+        (centre, axes), beta = check.frames(parts), parts.track.contact_angle
         for side in SIDES_OF[s.thrust]:
-            way = WAYS[side] * np.array([np.cos(beta), np.sin(beta)])
+            way = check.WAYS[side] * np.array([np.cos(beta), np.sin(beta)])
             for i, at in enumerate(centre):
                 row = approach(s, at, way @ axes[i], side < 2)
                 row[first + 2 * i : first + 2 * i + 2] += way

@@ -6,6 +6,8 @@ from math import cos, pi, sin
 
 import numpy as np
 
+from rollbench.meshes.parts import FREEDOMS
+
 #: Largest number of balls of a drawn scene.
 MOST = 400
 
@@ -86,7 +88,7 @@ def _errors(rng: np.random.Generator) -> str:
 def _supports(rng: np.random.Generator, length: float) -> str:
     text = ""
     for _ in range(int(rng.choice([0, 1, 1, 2, 3]))):
-        held = [name for name in ("ux", "uy", "uz", "rx", "ry", "rz") if rng.random() < 0.6]
+        held = [name for name in FREEDOMS if rng.random() < 0.6]
         moved = {}
         if held and rng.random() < 0.3:
             name = held.pop()

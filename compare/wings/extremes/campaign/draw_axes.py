@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rollbench.comparison.wings.extremes.campaign.draw import log_uniform
-
-FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
+from rollbench.meshes.parts import FREEDOMS
 
 
 def axis_text(seed: int, number: int) -> str:

@@ -8,9 +8,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import sleep
 
@@ -20,6 +20,7 @@ from rollbench.comparison.errors import SceneError
 from rollbench.comparison.reference.sealing import sealed, unsealed
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.extremes.campaign.draw import scene_text
+from rollbench.comparison.wings.extremes.campaign.scenes import placed
 from rollbench.meshes.condensed import CondensedBodies, load_condensed
 from rollbench.meshes.leftovers import temporary
 
@@ -88,25 +89,40 @@ def mutated(text: bytes, rng: np.random.Generator) -> bytes:
     return text
 
 
+def _outcome(
+    kind: str, read: Callable[[], bool], refusal: type[Exception], told: Callable[[Exception], bool] = lambda _: True
+) -> FileOutcome:
+    """What becomes of a file. read: reads it, and says whether what it holds is right; refusal: what it may raise; told:
+    whether such a message says enough."""
+    try:
+        same = read()
+    except refusal as error:
+        return FileOutcome(kind, REFUSED, told(error), str(error))
+    except Exception as error:  # what the campaign looks for
+        return FileOutcome(kind, CRASHED, False, placed(error))
+    return FileOutcome(kind, READ if same else CHANGED, same)
+
+
 def scenes(seed: int, count: int) -> Iterator[FileOutcome]:
     """Mutated scene files: shipped ones of every kind, and drawn ones."""
     names = catalogue.scene_names()
+
+    def told(error: Exception) -> bool:
+        named = isinstance(error, SceneError) and error.key != "" and error.value != ""
+        return named and "\n" not in str(error) and "mutated.toml" in str(error)
+
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "mutated.toml"
         for number in range(count):
             rng = np.random.default_rng([seed, 1, number])
             drawn = scene_text(seed, number) if number % 2 else catalogue.scene_text(str(rng.choice(names)))
             path.write_bytes(mutated(drawn.encode(), rng))
-            try:
-                scene_file.read(scene_file.read_text(path), str(path))
-            except SceneError as error:
-                message = str(error)
-                good = "\n" not in message and error.key != "" and error.value != "" and "mutated.toml" in message
-                yield FileOutcome("scene", REFUSED, good, message)
-            except Exception as error:  # what the campaign looks for
-                yield FileOutcome("scene", CRASHED, False, _last(error))
-            else:
-                yield FileOutcome("scene", READ, True)
+            yield _outcome("scene", partial(_read_scene, path), SceneError, told)
+
+
+def _read_scene(path: Path) -> bool:
+    scene_file.read(scene_file.read_text(path), str(path))
+    return True
 
 
 def stored(seed: int, count: int) -> Iterator[FileOutcome]:
@@ -118,28 +134,18 @@ def stored(seed: int, count: int) -> Iterator[FileOutcome]:
     with tempfile.TemporaryDirectory() as folder:
         json_file, npz = Path(folder) / "run.json", Path(folder) / "bodies.npz"
         bodies.save(npz)
-        good = {json_file: sealed(run).encode(), npz: npz.read_bytes()}
+        kinds = (
+            ("stored run", json_file, sealed(run).encode(), lambda: unsealed(json_file) == run),
+            ("stored bodies", npz, npz.read_bytes(), lambda: _same(load_condensed(npz), bodies)),
+        )
         for number in range(count):
-            path = (json_file, npz)[number % 2]
-            path.write_bytes(mutated(good[path], np.random.default_rng([seed, 2, number])))
-            kind = "stored run" if path is json_file else "stored bodies"
-            try:
-                same = unsealed(path) == run if path is json_file else _same(load_condensed(path), bodies)
-            except ValueError as error:
-                yield FileOutcome(kind, REFUSED, True, str(error))
-            except Exception as error:  # what the campaign looks for
-                yield FileOutcome(kind, CRASHED, False, _last(error))
-            else:
-                yield FileOutcome(kind, READ if same else CHANGED, same)
+            kind, path, good, read = kinds[number % 2]
+            path.write_bytes(mutated(good, np.random.default_rng([seed, 2, number])))
+            yield _outcome(kind, read, ValueError)
 
 
 def _same(a: CondensedBodies, b: CondensedBodies) -> bool:
     return all(np.array_equal(x, y) for x, y in zip(vars(a).values(), vars(b).values(), strict=True))
-
-
-def _last(error: Exception) -> str:
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})"
 
 
 def kills(seed: int, count: int) -> Iterator[FileOutcome]:

@@ -4,57 +4,39 @@ from __future__ import annotations
 
 import datetime
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import one_line
 from rollbench.comparison.wings.extremes.campaign import files, scenes
-from rollbench.comparison.wings.extremes.campaign.commanded import Command
-from rollbench.comparison.wings.extremes.campaign.draw import scene_text
-from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
-from rollbench.comparison.wings.extremes.campaign.part import Part
+from rollbench.comparison.wings.extremes.campaign.scenes import Campaign, Part, Progress
 from rollbench.reports.records import Row
 
 Record = dict[str, Any]
 
 
-def run_campaign(
-    seed: int,
-    count: int,
-    model: str,
-    mutated: int,
-    kills: int,
-    progress: Callable[[int, int, str], None] | None = None,
-    interrupted: Part | None = None,
-    command: Command | None = None,
-    axes: bool = False,
-) -> Record:
-    """A campaign of ``count`` scenes of one set, or of several on one shaft (``axes``), ``mutated`` scene files and half as
-    many stored ones, and ``kills``.
+def run_campaign(what: Campaign, progress: Progress = lambda *_: None, kept: Part | None = None) -> Record:
+    """A campaign, JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median, largest).
 
-    JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). interrupted:
-    the outcomes of one that was cut short, and where this one writes its own; command: the command line, through which
-    every scene goes too, as text and as JSON.
+    kept: the outcomes of one that was cut short, and where this one writes its own.
     """
-    known, keep = (None, None) if interrupted is None else (interrupted.outcomes, interrupted.add)
-    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep, command, axis_text if axes else scene_text)
-    broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
+    outcomes = scenes.judge_scenes(what, progress, kept)
+    broken = [*files.scenes(what.seed, what.files), *files.stored(what.seed, what.files // 2)]
+    broken += files.kills(what.seed, what.kills)
     seconds = sorted(o.seconds for o in outcomes)
-    extra = f" --files {mutated}" * bool(mutated) + f" --kills {kills}" * bool(kills)
-    bad = [
-        {"scene": o.number, "verdict": o.verdict, "words": one_line(o.words, 400)}
-        for o in outcomes
-        if o.verdict in scenes.BAD
-    ]
-    bad += [{"file": o.kind, "verdict": o.verdict, "words": one_line(o.words, 400)} for o in broken if not o.good]
+    extra = f" --files {what.files}" * bool(what.files) + f" --kills {what.kills}" * bool(what.kills)
+    faults: list[tuple[str, Any, str, str]]
+    faults = [("scene", o.number, o.verdict, o.words) for o in outcomes if o.verdict in scenes.BAD]
+    faults += [("file", o.kind, o.verdict, o.words) for o in broken if not o.good]
+    bad = [{of: which, "verdict": verdict, "words": one_line(words, 400)} for of, which, verdict, words in faults]
     return {
-        "command": f"rollbench stability {'--axes' if axes else '--random'} {count} --seed {seed} --model {model}{extra}",
+        "command": f"rollbench stability {what.option} {what.count} --seed {what.seed} --model {what.model}{extra}",
         "version": __version__,
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-        "seed": seed,
-        "model": model,
+        "seed": what.seed,
+        "model": what.model,
         "scenes": scenes.tally(outcomes),
         "files": files.tally(broken),
         "seconds": {"median": seconds[len(seconds) // 2], "largest": seconds[-1]},

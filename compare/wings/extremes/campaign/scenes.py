@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from time import perf_counter
 
+from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import MODELS, Options, run_model
+from rollbench.comparison.provenance import sources_hash
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.wings.extremes.campaign import check, check_axes
 from rollbench.comparison.wings.extremes.campaign.commanded import SAME, Command, misstated
 from rollbench.comparison.wings.extremes.campaign.draw import scene_text
+from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
+from rollbench.comparison.wings.sweep.store import packed, unpacked
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
@@ -22,8 +27,12 @@ RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, prov
 WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
 MISSTATED = "misstated by the command line"
 GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
+#: Hears the number of scenes done, their total, and words on the last.
+Progress = Callable[[int, int, str], None]
 #: What draws a scene file from seed and number.
 Draw = Callable[[int, int], str]
+#: Packages whose sources an outcome depends on.
+PACKAGES = ("meshes", "lowfi", "compare")
 COMPILED = Options(engine="compiled", discretisation=False)
 #: Less energy that plain minimisation may find, over the energy stored in the contacts.
 LOWER = 1e-6
@@ -42,6 +51,52 @@ class Outcome:
     brute: bool = False
 
 
+@dataclass(frozen=True)
+class Campaign:
+    """``count`` scenes of one set, or of several on one shaft (``axes``), drawn by a seed and solved by a model, ``files``
+    mutated scene files and half as many stored ones, and ``kills``. command: the command line, through which every scene
+    goes too, as text and as JSON."""
+
+    seed: int
+    count: int
+    model: str = "lin"
+    files: int = 0
+    kills: int = 0
+    axes: bool = False
+    command: Command | None = None
+
+    @property
+    def option(self) -> str:
+        """The option of ``rollbench stability`` that asks for its scenes."""
+        return "--axes" if self.axes else "--random"
+
+
+class Part:
+    """A file beside that of the counts; it is begun anew where seed, model, version or sources are others."""
+
+    def __init__(self, path: Path, seed: int, model: str) -> None:
+        """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
+        self.path = path
+        head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
+        lines = [unpacked(line) for line in path.read_bytes().splitlines(keepends=True)] if path.exists() else []
+        known = [line for line in lines[1:] if line is not None] if lines[:1] == [head] else None
+        if known is None:
+            path.write_bytes(packed(head))
+        self.outcomes = {line["number"]: Outcome(**line) for line in known or ()}
+
+    def add(self, outcome: Outcome) -> None:
+        """Append an outcome."""
+        with self.path.open("ab") as file:
+            file.write(packed(asdict(outcome)))
+        self.outcomes[outcome.number] = outcome
+
+
+def placed(error: Exception) -> str:
+    """An exception in words, with the place where it was raised."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})"
+
+
 def judge(seed: int, number: int, model: str, command: Command | None = None, draw: Draw = scene_text) -> Outcome:
     """Draw a scene, solve it and judge the outcome, what ``command`` (if given) prints of it too; whatever happens is an
     outcome, never an exception."""
@@ -49,8 +104,7 @@ def judge(seed: int, number: int, model: str, command: Command | None = None, dr
     try:
         verdict, words, brute = _judged(draw(seed, number), number, model, command)
     except Exception as error:  # a traceback is what the campaign looks for
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        verdict, words, brute = CRASHED, f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})", False
+        verdict, words, brute = CRASHED, placed(error), False
     return Outcome(number, verdict, words, perf_counter() - begin, brute)
 
 
@@ -90,56 +144,40 @@ def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, s
 
 
 def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:
+    if result.status.kind == "not held":
+        return (PROVEN if check.proven(scene) else UNPROVEN), result.status, False
     if not result.converged:
-        return (*_refusal(scene, result), False)
+        return (NOT_UNIQUE if result.status.cause == "not unique" else SILENT), result.status, False
     fault = check.unbalanced(scene, result) or (check.off_the_law(scene, result) if model == "lin" else "")
+    if not fault and number % OTHER_ENGINE == 0 and scene.ball_count <= FEW:
+        other = run_model(scene, model, Options(engine="interpreted", discretisation=False))
+        apart = 0.0 if other.status != result.status else float(abs(other.load - result.load).max())
+        if other.status != result.status:
+            fault = f"the other engine says: {other.status}"
+        elif apart > max(SAME * float(result.load.max()), check.nothing(result)):
+            fault = f"loads of the two engines differ by {apart:.3g} N"
     if fault:
         return WRONG, fault, False
-    if number % OTHER_ENGINE == 0 and scene.ball_count <= FEW:
-        other = run_model(scene, model, Options(engine="interpreted", discretisation=False))
-        if other.status != result.status:
-            return WRONG, f"the other engine says: {other.status}", False
-        apart = float(abs(other.load - result.load).max())
-        if apart > max(SAME * float(result.load.max()), check.nothing(result)):
-            return WRONG, f"loads of the two engines differ by {apart:.3g} N", False
     lower = check.brute_force(scene, result) if model == "lin" else None
     if lower is not None and lower > LOWER:
         return WRONG, f"plain minimisation finds {lower:.2g} of the stored energy less", True
     return RIGHT, "", lower is not None
 
 
-def _refusal(scene: Scene, result: StaticResult) -> tuple[str, str]:
-    """Verdict on a result without loads."""
-    if result.status.kind == "not held":
-        return (PROVEN if check.proven(scene) else UNPROVEN), result.status
-    if result.status.cause == "not unique":
-        return NOT_UNIQUE, result.status
-    return SILENT, result.status
-
-
 def judge_scenes(
-    seed: int,
-    count: int,
-    model: str,
-    progress: Callable[[int, int, str], None] | None = None,
-    known: Mapping[int, Outcome] | None = None,
-    keep: Callable[[Outcome], None] | None = None,
-    command: Command | None = None,
-    draw: Draw = scene_text,
+    what: Campaign, progress: Callable[[int, int, str], None] = lambda *_: None, kept: Part | None = None
 ) -> list[Outcome]:
-    """``count`` scenes one after another; progress: as for ``compare.wings.extremes.static.table``; known: outcomes by
-    number that are taken as they are; keep: called with every new one; command: the command line, which must say the same;
-    draw: what gives a scene's text."""
-    found = []
-    for number in range(count):
-        outcome = None if known is None else known.get(number)
+    """The scenes of a campaign one after another. kept: outcomes that are taken as they are, and where every new one is
+    put."""
+    found, known = [], {} if kept is None else kept.outcomes
+    for number in range(what.count):
+        outcome = known.get(number)
         if outcome is None:
-            outcome = judge(seed, number, model, command, draw)
-            if keep is not None:
-                keep(outcome)
+            outcome = judge(what.seed, number, what.model, what.command, axis_text if what.axes else scene_text)
+            if kept is not None:
+                kept.add(outcome)
         found.append(outcome)
-        if progress is not None:
-            progress(number + 1, count, f"scene {number}: {outcome.verdict}")
+        progress(number + 1, what.count, f"scene {number}: {outcome.verdict}")
     return found
 
 

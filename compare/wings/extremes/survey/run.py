@@ -16,8 +16,9 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.wings.extremes.survey.record import LEVEL, MODELS, Record, surveyed
 from rollbench.comparison.wings.sweep import store
 
-#: Status of a scene with an answer, and the errors that the table sums up, with their unit.
+#: Status of a scene with an answer, columns of the table, and the errors that it sums up, with their unit.
 ANSWERED = "converged"
+SUMS = ("model", "error", "scenes", "median", "p95", "largest")
 ERRORS = ("largest_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
@@ -94,15 +95,6 @@ def summary(records: Sequence[Record]) -> list[dict[str, Any]]:
                 if (errors := r.get("models", {}).get(model, {})).get(error) is not None and r["status"] == ANSWERED
             ]
             if sizes:
-                median, high = np.percentile(sizes, [50, 95])
-                rows.append(
-                    {
-                        "model": model,
-                        "error": error,
-                        "scenes": len(sizes),
-                        "median": median,
-                        "p95": high,
-                        "largest": max(sizes),
-                    }
-                )
+                found = (model, error, len(sizes), *np.percentile(sizes, [50, 95]), max(sizes))
+                rows.append(dict(zip(SUMS, found, strict=True)))
     return rows
