@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import floor, hypot, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.comparison.errors import escaped
-from rollbench.comparison.scenes.circuits import azimuths
 from rollbench.comparison.scenes.keys import MaterialKeys
 from rollbench.comparison.scenes.schema import (
     BallKeys,
@@ -139,18 +139,47 @@ def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> Material:
 
 
 def _azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of its circuits about the
-    nut's centre."""
+    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of each circuit, circuits
+    with their gaps centred on the nut."""
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     if balls.arcs is None:
-        return azimuths(balls, track)
+        n, turns = balls_of_circuit(balls, track), balls.turns or 1.0
+        spacing, pitch = 2.0 * pi * turns / n, 2.0 * pi * (turns + (balls.circuit_gap or 0.0))
+        middles = (track.phase + (k - (balls.circuits - 1) / 2.0) * pitch for k in range(balls.circuits))
+        return tuple(middle + (i - (n - 1) / 2.0) * spacing for middle in middles for i in range(n))
     n = (balls.count or 0) // track.starts
     ends = np.array(balls.arcs)
     fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
     at = (np.arange(n) + 0.5) / n * fill[-1]
     arc = np.searchsorted(fill, at, side="right") - 1
     return tuple(float(x) for x in track.phase + ends[arc, 0] + at - fill[arc])
+
+
+def balls_of_circuit(balls: BallKeys, track: TrackKeys) -> int:
+    """Balls of one circuit: the count shared, or as many as fill the part of its turns that is asked for, at least one."""
+    if balls.count is not None:
+        return balls.count // (track.starts * balls.circuits)
+    touching = touching_angle(track.pitch_radius, track.lead, 2.0 * balls.radius)
+    return max(1, floor((balls.filling or 0.0) * 2.0 * pi * (balls.turns or 1.0) / touching + 1e-9))
+
+
+def touching_angle(radius: float, lead: float, ball: float) -> float:
+    """Angle [rad] between neighbours on a helix (radius, lead [m]) that touch: their chord is the ball's diameter [m].
+
+    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
+    """
+    from rollbench.meshes.roots import brentq
+
+    def gap(angle: float) -> float:
+        return hypot(2.0 * radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball
+
+    return float(brentq(gap, 0.0, pi, xtol=1e-14)) if gap(pi) > 0.0 else pi
+
+
+def ball_total(balls: BallKeys, track: TrackKeys) -> int:
+    """Number of balls over all starts and circuits."""
+    return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
 
 
 def _side(side: SideKeys) -> SideErrors:
@@ -170,7 +199,7 @@ def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
 def support_of(support: SupportKeys | HousingKeys) -> Support:
     """Support at a station: freedoms held and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
-    held |= support.displace.model_dump(exclude_none=True)
+    held |= support.displace.given
     return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))
 
 
