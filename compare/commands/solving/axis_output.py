@@ -12,7 +12,7 @@ from rollbench.comparison.commands.solving.axis_summary import set_summary, whol
 from rollbench.comparison.commands.solving.solve_output import ball_rows as rows_of
 from rollbench.comparison.commands.solving.solve_output import behind_json, first_lines, last_lines, solver_lines
 from rollbench.comparison.commands.tables import listed, of_quantities
-from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number, quantity
 from rollbench.lowfi.statics.result import AxisResult, HousingResult, SetResult

@@ -8,7 +8,7 @@ import numpy as np
 
 from rollbench.comparison.commands.solving.solve_output import stiffness_json, summary
 from rollbench.comparison.commands.solving.summary import PRELOAD, contact_entries, contacts_json, entry, loads_json
-from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.statics.result import AxisResult, SetResult
