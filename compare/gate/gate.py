@@ -49,9 +49,7 @@ class GateRow:
         reference's uncertainty; ok for nothing that is over the line."""
         if not self.passed:
             return "FAIL"
-        over = None not in (self.error_percent, self.limit_percent) and abs(self.error_percent or 0.0) > (
-            self.limit_percent or 0.0
-        )
+        over = self.limit_percent is not None and abs(self.error_percent or 0.0) > self.limit_percent
         return "reported" if not self.gated else "undecided" if over else "ok"
 
     def as_json(self) -> dict[str, Any]:
@@ -63,6 +61,13 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
     """Row of a number against a reference with a limit in per cent."""
     error = float(error_percent(value, reference))
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
+
+
+def error_row(
+    name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
+) -> GateRow:
+    """Row of an error alone; bar: the reference's uncertainty, both in per cent."""
+    return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
@@ -92,33 +97,17 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")
         percent = float(error_percent(worst, 0.0, 1.0))
-        rows.append(
-            GateRow(
-                f"{name}: balance of the screw",
-                "balance",
-                worst,
-                0.0,
-                percent,
-                limit,
-                result.converged and percent <= limit,
-                result.status,
-            )
-        )
+        passed, label = result.converged and percent <= limit, f"{name}: balance of the screw"
+        rows.append(GateRow(label, "balance", worst, 0.0, percent, limit, passed, result.status))
     for name in ("lin-case1", "lin-case3-offset"):
         by_source = best_start(study.scene(name), "arc")
         e2 = load_error(study.solve(name).load, by_source.load)
-        rows.append(
-            GateRow(
-                f"{name}: energy solver against the source's Newton, same equations",
-                "two solvers",
-                None,
-                None,
-                e2.max_percent,
-                limit,
-                by_source.converged and e2.max_percent <= limit,
-                f"worst at ball {e2.ball} {e2.side}; {by_source.status}",
-            )
+        passed, label = (
+            by_source.converged and e2.max_percent <= limit,
+            f"{name}: energy solver against the source's Newton",
         )
+        words = f"worst at ball {e2.ball} {e2.side}; {by_source.status}"
+        rows.append(error_row(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
     return rows
 
 
@@ -131,41 +120,30 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
     """
     rows: list[GateRow] = []
     for name in (*REFERENCED, *UNSEEN):
-        reference = study.reference(name)
+        reference, kind = study.reference(name), "3D reference"
         if reference is None:
             text = "no stored run of the 3D reference: run rollbench mesh-study"
-            rows.append(GateRow(f"{name}: 3D reference", "3D reference", None, None, None, max_error, False, text))
+            rows.append(error_row(f"{name}: 3D reference", kind, None, max_error, False, text))
             continue
         load = study.solve(name, DEFAULT).load
         bar = uncertainty_percent(reference)
         points = gate_points(name, reference, max_error, load)
         over = [p for p in points if p.exceeds]
         for p in over:
-            text = f"reference's uncertainty {p.uncertainty_percent:.2f} %"
-            label = f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
-            share = p.uncertainty_percent
-            rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text, share))
+            share, label = p.uncertainty_percent, f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
+            text = f"reference's uncertainty {share:.2f} %"
+            rows.append(error_row(label, kind, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
             label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
-            share = top.uncertainty_percent
-            rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True, "", share))
+            rows.append(error_row(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(limit, max_error)
-        rows.append(
-            GateRow(
-                f"{name}: largest error of the mean load (ball {e.ball} {e.side})",
-                "3D reference, tight",
-                None,
-                None,
-                e.max_percent,
-                tight,
-                e.max_percent - min(bar, tight) <= tight,
-                "; ".join(filter(None, (f"reference's uncertainty {bar:.2f} %", cause))),
-                bar,
-            )
-        )
+        label = f"{name}: largest error of the mean load (ball {e.ball} {e.side})"
+        text = "; ".join(filter(None, (f"reference's uncertainty {bar:.2f} %", cause)))
+        passed = e.max_percent - min(bar, tight) <= tight
+        rows.append(error_row(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
     return rows
 
 

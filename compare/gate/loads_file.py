@@ -7,20 +7,39 @@ import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.columns import Column, column
+from rollbench.comparison.scenes.units import COMMON, UnitError, parse, tidy
 from rollbench.comparison.writing import write_csv
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 
 COLUMNS = ("ball", "flank", "newton")
+#: Words of a row.
+WORDS = ("ball", "flank", "case", "set")
+#: Numbers of a row by the name that headings have for them: the name here, and its dimension; none goes without unit.
+NAMES = {
+    "contact_angle": ("angle", "angle"),
+    "contact_load": ("load", "force"),
+    "peak_pressure": ("pressure", "pressure"),
+    "uncertainty": ("uncertainty", "force"),
+    "approach": ("approach", "length"),
+    "pressure": ("pressure", "pressure"),
+    "azimuth": ("azimuth", "angle"),
+    "angle": ("angle", "angle"),
+    "force": ("load", "force"),
+    "load": ("load", "force"),
+    "z": ("z", "length"),
+}
+#: Units as they are spelt in headings without capitals; ``mn`` may mean two.
+FOLDED = {unit.lower(): unit for unit in COMMON if unit != "MN"}
 #: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
 PLACE = {"azimuth", "z"}
-#: What a file may say of contacts besides, by the names of `gate.columns`.
+#: What a file may say of contacts besides, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 #: Which rows of a file are read: by column the words that they have there, the usual one first.
 Only = Mapping[str, Sequence[str]]
@@ -28,6 +47,40 @@ EVERY: Only = {}
 #: Largest file [bytes]: four loads of 100 000 balls.
 MAX_BYTES = 16_000_000
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
+
+
+class Column(NamedTuple):
+    """What a heading names, as `WORDS` and `NAMES` have it, or ``uncertain share``, of a load (empty: nothing known, or no
+    unit that fits), and the factor of its numbers to SI."""
+
+    name: str
+    factor: float = 1.0
+
+
+def column(head: str) -> Column:
+    """What a heading names: ``newton`` or any unit of force is the load, others are a name with its unit.
+
+    >>> column("approach_um"), column("Contact angle [deg]").name, column("load / kN"), column("note")
+    (Column(name='approach', factor=1e-06), 'angle', Column(name='load', factor=1000.0), Column(name='', factor=1.0))
+    """
+    text = head.strip()
+    plain = text.lower().replace(" ", "_")
+    if plain in WORDS:
+        return Column(plain)
+    for start, (name, dimension) in NAMES.items():
+        if plain.startswith(start):
+            return _with_unit(name, text[len(start) :], dimension)
+    return _with_unit("load", text, "force")
+
+
+def _with_unit(name: str, text: str, dimension: str) -> Column:
+    unit = tidy(text.strip(" _[]()/"))
+    if name == "uncertainty" and unit in ("%", "percent"):
+        return Column("uncertain share", 0.01)
+    try:
+        return Column(name, parse(f"1 {FOLDED.get(unit.lower(), unit)}", dimension))
+    except UnitError:
+        return Column("")
 
 
 @dataclass(frozen=True)
@@ -104,7 +157,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
     scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers;
     only: which rows are read, by their words in the columns case and set; those of one case where it says none.
 
-    Headings say the units (`gate.columns`). Every ball must be given on every flank that is named, 0 where it carries
+    Headings say the units (`column`). Every ball must be given on every flank that is named, 0 where it carries
     nothing: a row that was lost is not taken for a contact without load. Raises InputError.
     """
     table = Rows.read(path, COLUMNS[:2], EXAMPLE)

@@ -10,10 +10,9 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
 from rollbench.comparison.gate.judged import LIFE, limit_of, parse_limits
 from rollbench.comparison.gate.loads_file import GivenLoads, Only, read_loads
-from rollbench.comparison.gate.loads_looks import looks
 from rollbench.comparison.gate.reference_file import exceeding, read_reference
 from rollbench.comparison.gate.values_file import GivenValue, read_values
-from rollbench.comparison.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
+from rollbench.comparison.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge, looks
 from rollbench.comparison.models.comparison import compared_models, from_result, options_for
 from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.referenced import Referenced, SetOf, answered, referenced

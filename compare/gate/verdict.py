@@ -8,11 +8,12 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.comparison.measure import LoadError, load_error
+from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.comparison import RULE, gate_points
 from rollbench.comparison.quantities import split_unit
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
@@ -23,6 +24,10 @@ LIMIT = 7.0
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 #: Balls on either side of the worst that a picture shows.
 NEAR = 6
+#: Newtons of other units of force.
+UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
+#: Relative distance from a unit within which the sums of loads look like it.
+ALIKE = 0.2
 LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
 #: What is said where the reference has one mesh level.
@@ -227,3 +232,31 @@ def about(reference: Reference) -> str:
 def worst_of(words: Sequence[Word]) -> Word:
     """The verdict on several: the first of them in the order of `CODES`."""
     return next((w for w in CODES if w in words), "pass")
+
+
+def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
+    """Words on loads ``(n, 4)`` [N] beyond the limit [%] that would be within it in another unit or on other balls; empty
+    where there is no such reason. flanks: those that are judged."""
+    sides = [SIDES.index(side) for side in flanks]
+    given, right = load[:, sides], reference[:, sides]
+    mean = mean_load(right)
+    if mean == 0.0 or not given.any() or _largest(given, right, mean) <= limit:
+        return ""
+    for name, newton in UNITS.items():
+        if abs(float(given.sum()) * newton / float(right.sum()) - 1.0) < ALIKE:
+            return f"the loads look like {name}: in newtons they are {newton:g} times as large"
+    if _largest(np.sort(given, axis=0), np.sort(right, axis=0), mean) <= limit:
+        reverse = "the other way round" if _largest(given[::-1], right, mean) <= limit else "otherwise"
+        return (
+            f"the same loads stand on other balls, which look numbered {reverse}: add the columns azimuth_deg and z_mm, by "
+            "which balls are matched"
+        )
+    swapped = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
+    other = reference[:, [SIDES.index(swapped[side]) for side in flanks]]
+    if other.any() and _largest(given, other, mean_load(other)) <= limit:
+        return "the loads look like those of the other flanks: left and right are seen along +z"
+    return ""
+
+
+def _largest(given: Array, right: Array, mean: float) -> float:
+    return float(np.abs(error_percent(given, right, mean)).max())

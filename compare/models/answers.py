@@ -1,22 +1,30 @@
-"""What an engineer asks of a solved scene: contacts, rigidity, safety, preload, friction, life, of one result."""
+"""What an engineer asks of a solved scene of one set or several: contacts, rigidity, safety, preload, friction, life.
+
+Also where the answers leave what the models mean.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
-from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed
+from rollbench.comparison.models import loading
+from rollbench.comparison.models.loading import LiftOff, Preload, preload
+from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed, run_model
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
-from rollbench.lowfi.rating.life import Life, life
+from rollbench.lowfi.rating.life import Life, life, rating
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
 from rollbench.lowfi.rating.static import Ratings, ratings
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
@@ -110,7 +118,7 @@ def unloaded_place(scene: Scene, bare: StaticResult) -> float:
 def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
     """All answers of a converged result, with the further solutions that they need: without loads, and with the loads at
     which a preloaded contact opens."""
-    bare = solve_scaled(scene, 0.0, model, options)
+    bare = loading.solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
     start = unloaded_place(scene, bare)
     force, moved = axial_force(result), axial_displacement(scene, result) - start
@@ -118,7 +126,7 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
         three = rigidities(scene, force, moved)
     except ValueError:
         three = None
-    lift = lift_off(scene, result, bare, model, options) if held is not None else None
+    lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
     slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle)
@@ -134,3 +142,74 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
         sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
         return sums
     return None, "friction is left out of this installation"
+
+
+def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:
+    """Where answers leave what the models mean: static safety below one, a preload [N] beyond the dynamic load rating."""
+    if loads.safety is not None and loads.safety.factor < 1.0:
+        factor = f"{loads.safety.factor:.3g}"
+        words = "hardened steel keeps a permanent dent, which life and friction do not take into account"
+        yield Warned("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
+    try:
+        C = rating(scene)
+    except ValueError:  # said with the answers
+        return
+    if preload > C:
+        words = "the preload alone sets the life; catalogues stop at 8 % of the rating"
+        text = f"preload of {preload:.4g} N, beyond the dynamic load rating of {C:.4g} N: {words}"
+        yield Warned("preload", text, f"preload {preload:.4g} N, above C = {C:.4g} N")
+
+
+# --- several sets on one shaft
+
+
+@dataclass(frozen=True)
+class SetAnswers:
+    """One set of balls: its name and parts. preload: of its contacts without the loads of the scene, axially the force that
+    it then has on the shaft; None where the scene does not solve then."""
+
+    name: str
+    parts: Scene
+    loads: LoadAnswers
+    preload: Preload | None
+
+
+@dataclass(frozen=True)
+class AxisAnswers:
+    """sets: of each, None for rollers; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked
+    about, along the axis, from that without loads."""
+
+    sets: tuple[SetAnswers | None, ...]
+    force: float
+    displacement: float | None
+
+
+def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
+    """Answers of a converged result, with the further solution without loads."""
+    bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
+    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
+    moved = loading.along_axis(assembly, result) - loading.along_axis(assembly, bare) if bare.converged else None
+    return AxisAnswers(sets, loading.axial_load(assembly), moved)
+
+
+def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
+    """The result with all warnings, and its answers where it converged. Raises InputError and Refusal as `run_model`."""
+    result = run_model(assembly, model, Options(member=member))
+    if not result.converged:
+        return result, None
+    answers = gather_axis(assembly, result)
+    sets = (x for x in answers.sets if x is not None)
+    warned = (w.of(x.name) for x in sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
+    return replace(result, warnings=(*result.warnings, *warned)), answers
+
+
+def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:
+    if s.balls is None or not isinstance(s.of.parts, Scene):
+        return None
+    answers = load_answers(s.of.parts, s.balls.load, s.balls.contact_angle)
+    if bare is None or bare.balls is None:
+        return SetAnswers(s.of.name, s.of.parts, answers, None)
+    loads = bare.balls.load[bare.balls.load > 0.0]
+    mean = mean_load(loads) if loads.size else 0.0
+    preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
+    return SetAnswers(s.of.name, s.of.parts, answers, preload)

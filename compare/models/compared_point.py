@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import Loads, from_result, from_run
 from rollbench.comparison.models.model_form import Point, features
 from rollbench.comparison.reference.store import Run
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -33,17 +34,12 @@ class SectionAnswer:
     moved: float
     force: float
 
-    @classmethod
-    def of_run(cls, scene: Scene, run: Run) -> SectionAnswer:
-        """That of the 3D reference."""
-        line = run.centreline
-        return cls(_at(scene, line[:, 0], line[:, 3]), pull(scene, run.load, np.radians(run.angle)))
 
-    @classmethod
-    def of_result(cls, scene: Scene, result: StaticResult) -> SectionAnswer:
-        """That of a low-order model."""
-        line = result.centreline
-        return cls(_at(scene, result.centreline_z, line[:, 2]), pull(scene, result.load, result.contact_angle))
+def section(scene: Scene, answer: Loads) -> SectionAnswer:
+    """That of a low-order model or of a run of the 3D reference: at the largest axial load, else at the nut's centre."""
+    place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
+    moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
+    return SectionAnswer(moved, pull(scene, answer.load, np.radians(answer.angle)))
 
 
 def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
@@ -59,22 +55,16 @@ def pull(scene: Scene, load: Array, angle: Array) -> float:
     return float(along[0] - along[1])
 
 
-def _at(scene: Scene, stations: Array, along: Array) -> float:
-    """Axial motion [m] of the section that the largest axial load acts on, that at the nut's centre without loads."""
-    place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
-    return float(np.interp(place, stations, along))
-
-
 def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    answer, reference = SectionAnswer.of_result(scene, result), SectionAnswer.of_run(scene, run)
+    answer, reference = section(scene, from_result(result)), section(scene, from_run(run, ""))
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:
         heavier, modelled, computed = raised
         stiff = (
-            rigidity((answer, SectionAnswer.of_result(heavier, modelled))),
-            rigidity((reference, SectionAnswer.of_run(heavier, computed))),
+            rigidity((answer, section(heavier, from_result(modelled)))),
+            rigidity((reference, section(heavier, from_run(computed, "")))),
         )
     heaviest = run.load.max()
     return Point(

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from rollbench.comparison.models.answers import Answers, LoadAnswers, gather
+from rollbench.comparison.models.answers import Answers, AxisAnswers, LoadAnswers, gather, outside, solve_sets
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
-from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
-
-if TYPE_CHECKING:
-    from rollbench.comparison.models.axis_answers import AxisAnswers
 
 
 @dataclass(frozen=True)
@@ -81,8 +76,6 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
     """Solve several sets and gather all answers. Raises InputError as `run_model`."""
-    from rollbench.comparison.models.axis_answers import solve_sets
-
     return SolvedAxis(scene, *solve_sets(scene, model, options.member))
 
 

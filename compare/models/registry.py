@@ -48,27 +48,16 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
     from rollbench.lowfi.compliance.imported import Condensed
 
     if options.condensed is None:
-        raise InputError(
-            scene.name,
-            "model",
-            '"condensed"',
-            "a file of condensed bodies",
-            "rollbench condense makes one: --condensed FILE",
-        )
+        advice = "rollbench condense makes one: --condensed FILE"
+        raise InputError(scene.name, "model", '"condensed"', "a file of condensed bodies", advice)
     try:
         return Condensed.read(options.condensed, scene)
     except OSError as error:
-        reason = error.strerror or str(error)
-        name_ = str(options.condensed)
-        raise InputError(name_, "file", reason, "a file of condensed bodies", "check the path") from None
+        words = error.strerror or str(error), "a file of condensed bodies", "check the path"
     except ValueError as error:
-        raise InputError(
-            str(options.condensed),
-            "file",
-            str(error),
-            "a file that rollbench condense made of this scene's parts",
-            "make it again: rollbench condense",
-        ) from None
+        allowed = "a file that rollbench condense made of this scene's parts"
+        words = str(error), allowed, "make it again: rollbench condense"
+    raise InputError(str(options.condensed), "file", *words)
 
 
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
@@ -96,22 +85,15 @@ def _source(scene: Scene, options: Options) -> StaticResult:
     from rollbench.lowfi.as_source.static import solve_source_result
 
     if scene.ingredients.screw == "rigid":
-        raise InputError(
-            scene.name, "ingredients.screw", '"rigid"', '"beam"', "the source's equations are those of a beam: use lin"
-        )
+        advice = "the source's equations are those of a beam: use lin"
+        raise InputError(scene.name, "ingredients.screw", '"rigid"', '"beam"', advice)
     return solve_source_result(scene, everything=options.everything, member=options.member)
 
 
-def _mei(scene: Scene, options: Options) -> StaticResult:
+def _mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
     from rollbench.lowfi.statics.mei import solve_mei
 
-    return solve_mei(scene, member=options.member)
-
-
-def _mei_nut(scene: Scene, options: Options) -> StaticResult:
-    from rollbench.lowfi.statics.mei import solve_mei
-
-    return solve_mei(scene, member=options.member, elastic_nut=True)
+    return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
 def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
@@ -124,13 +106,8 @@ def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisRes
     from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.elastic import solve_refined
 
-    return solve_refined(
-        assembly,
-        engine=options.engine,  # type: ignore[arg-type]
-        member=options.member,
-        backend=LADDER[name],
-        name=name,
-    )
+    engine: Any = options.engine
+    return solve_refined(assembly, engine=engine, member=options.member, backend=LADDER[name], name=name)
 
 
 def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
@@ -273,7 +250,7 @@ _ALL = (
         "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
         "Mei: axial bars, rigid nut",
         f"{BARS}, nut rigid",
-        _mei,
+        partial(_mei, elastic_nut=False),
         MEI_AXIS,
         suits=axial_only,
         compared=True,
@@ -283,7 +260,7 @@ _ALL = (
         "the same with the nut as an elastic bar held at its left face",
         "Mei: axial bars, nut as a bar",
         f"{BARS}, nut a bar",
-        _mei_nut,
+        partial(_mei, elastic_nut=True),
         MEI_AXIS,
         suits=axial_only,
         compared=True,

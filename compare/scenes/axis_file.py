@@ -1,4 +1,7 @@
-"""From the keys of a scene with ``[[sets]]`` to its record; what cannot be built is refused in one line."""
+"""From the keys of a scene with ``[[sets]]`` to its record; what cannot be built is refused in one line.
+
+Sets of equal bearings by name, ``arrangement = "DBD"``, are one row a bearing, ground to equal gaps.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +11,30 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.scenes.arrangement import arrangement_faults, bearings_of, with_conformity
-from rollbench.comparison.scenes.axis_schema import AxisCaseKeys, AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import needed
+from rollbench.comparison.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.comparison.scenes.body_checks import geometry_faults
 from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm, refuse
 from rollbench.comparison.scenes.key_checks import choice_faults, friction_choice_faults
-from rollbench.comparison.scenes.load_cases import case_faults, duty_cycle, of_case
+from rollbench.comparison.scenes.load_cases import case_faults, in_cases
 from rollbench.comparison.scenes.preload import force_of
 from rollbench.comparison.scenes.quantity import ShareOfRating
 from rollbench.comparison.scenes.records import friction_of, load_of, material_of, scene_of, support_of, vector
-from rollbench.comparison.scenes.refusal import refuse
 from rollbench.comparison.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
-from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
+from rollbench.meshes.axis import (
+    ARRANGEMENTS,
+    Assembly,
+    Housing,
+    Joint,
+    RollerRow,
+    RollingSet,
+    Segment,
+    Stiffness,
+    diagonal,
+    full,
+)
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Motion, Scene, Screw
 
@@ -38,26 +52,10 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
 
     Raises SceneError.
     """
-    parts = _parts(keys, raw, origin, name)
-    if not keys.cases:
-        return parts
-    cycle = duty_cycle(parts, keys.cases)
-    each = zip(cycle.cases, keys.cases, strict=True)
-    cycle = replace(cycle, cases=tuple(replace(case, scene=_on_housings(case.scene, given)) for case, given in each))
-    refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _case_faults(case.scene)])
-    return cycle
+    return in_cases(_parts(keys, raw, origin, name), keys.cases, raw, origin, _body_faults)
 
 
-def _on_housings(scene: Scene | Assembly, keys: AxisCaseKeys) -> Scene | Assembly:
-    """A case with its own loads on housings."""
-    if isinstance(scene, Scene):
-        return scene
-    given = {h.name: (vector(h.force), vector(h.moment)) for h in keys.housings}
-    pairs = ((h, *given.get(h.name, (h.force, h.moment))) for h in scene.housings)
-    return replace(scene, housings=tuple(replace(h, force=force, moment=moment) for h, force, moment in pairs))
-
-
-def _case_faults(scene: Scene | Assembly) -> Iterator[Fault]:
+def _body_faults(scene: Scene | Assembly) -> Iterator[Fault]:
     """Bodies of sets that cannot be built in a case."""
     for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
         if isinstance(one, Scene):
@@ -75,16 +73,11 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
         refuse(origin, raw, list(choice_faults(whole)))
         return scene_of(whole, name)
     heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
+    length, diameter = shaft.length, shaft.outer_diameter
     return Assembly(
         name=name,
         title=keys.title,
-        screw=Screw(
-            shaft.length,
-            shaft.outer_diameter,
-            shaft.groove_radius or 0.0,
-            material_of(shaft.material, keys.material),
-            shaft.bore,
-        ),
+        screw=Screw(length, diameter, shaft.groove_radius or 0.0, material_of(shaft.material, keys.material), shaft.bore),
         sets=tuple(row for one, whole in zip(keys.sets, sets, strict=True) for row in bearings_of(whole, one, len(sets))),
         segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
         housings=tuple(map(_housing, keys.housings)),
@@ -117,9 +110,8 @@ def _housing(h: HousingKeys) -> Housing:
 def _single(keys: AxisKeys) -> bool:
     """Whether the file describes what a file without ``[[sets]]`` can describe."""
     one = keys.sets[0]
-    bare = not (keys.housings or one.carrier or keys.screw.plain or keys.heat or one.offset or one.preload)
-    bare = bare and one.arrangement is None
-    return len(keys.sets) == 1 and bare and one.balls is not None and one.thrust in (None, "both")
+    more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
+    return len(keys.sets) == 1 and not more and one.balls is not None and one.thrust in (None, "both")
 
 
 def kind_of_set(one: SetKeys) -> str:
@@ -153,7 +145,7 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
         yield Fault(("stiffness.at",), "either at or housing", "leave one out", "both")
     for i, h in enumerate(keys.housings):
         yield from _stiffness_faults(h, f"housings[{i}]")
-        twice = set(h.fix) & set(h.displace.model_dump(exclude_none=True))
+        twice = set(h.fix) & h.displace.given.keys()
         if twice:
             yield Fault((f"housings[{i}].fix",), "each freedom once", "it is displaced too: keep one of the two")
     for i, j in enumerate(keys.joints):
@@ -216,10 +208,7 @@ def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
 def _stiffness(keys: StiffKeys) -> Stiffness | None:
     if keys.matrix is not None:
         return full(np.array(keys.matrix))
-    if keys.springs is None:
-        return None
-    s = keys.springs
-    return diagonal((s.ux, s.uy, s.uz, s.rx, s.ry, s.rz))
+    return None if keys.springs is None else diagonal(tuple(keys.springs.model_dump().values()))
 
 
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
@@ -302,22 +291,95 @@ def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]
             yield Fault((f"screw.plain[{i}].bore",), f"below {mm(p.diameter)}", "leave material around the hole")
         end = max(end, p.end)
     stands = {h.name for h in keys.housings if set(h.fix) == set(FREEDOMS)}
-    given: list[tuple[str, HousingKeys | CaseHousingKeys]] = [
-        (f"housings[{i}].force", h) for i, h in enumerate(keys.housings)
-    ]
-    given += [(f"cases[{k}].housings[{i}].force", h) for k, c in enumerate(keys.cases) for i, h in enumerate(c.housings)]
-    for where, h in given:
-        if h.name in stands and (any(h.force) or any(h.moment)):
-            yield Fault((where,), "no load on a housing that is held", "free a freedom, or leave it out")
+    tables: list[tuple[str, Sequence[HousingKeys | CaseHousingKeys]]] = [("housings", keys.housings)]
+    tables += [(f"cases[{k}].housings", c.housings) for k, c in enumerate(keys.cases)]
+    for table, housings in tables:
+        for i, h in enumerate(housings):
+            if h.name in stands and (any(h.force) or any(h.moment)):
+                allowed = "no load on a housing that is held"
+                yield Fault((f"{table}[{i}].force",), allowed, "free a freedom, or leave it out")
     for i, one in enumerate(keys.sets):
         if one.carrier in stands:
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", "free a freedom of it, or leave the set out")
-    held = [(s, n) for s in keys.supports for n in (*s.fix, *s.displace.model_dump(exclude_none=True))]
+    held = [(s, n) for s in keys.supports for n in s.held]
     for i, s in enumerate(keys.supports):
-        if not s.fix and not s.displace.model_dump(exclude_none=True):
-            yield Fault(
-                (f"supports[{i}].fix",), "at least one freedom", "delete the support, or say what it holds", "nothing"
-            )
+        if not s.held:
+            advice = "delete the support, or say what it holds"
+            yield Fault((f"supports[{i}].fix",), "at least one freedom", advice, "nothing")
     for k, (s, n) in enumerate(held):
         if any(n == m and abs(s.at - t.at) <= 1e-5 for t, m in held[:k]):
             yield Fault((f"supports[{keys.supports.index(s)}].fix",), "each freedom once per station", f"{n} is held twice")
+
+
+# --- sets of bearings by name
+
+
+def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
+    """What does not go with an arrangement, or without one."""
+    given = one.arrangement is not None
+    if one.pair_preload and not given:
+        yield Fault((f"{at}.pair_preload",), "with an arrangement", 'write e.g. arrangement = "DB", or preload')
+    if one.pair_preload and one.preload:
+        advice = "one follows from the other: leave one out"
+        yield Fault((f"{at}.preload",), "either preload or pair_preload", advice, "both")
+    if one.pair_rigidity is not None:
+        if not one.pair_preload:
+            yield Fault((f"{at}.pair_rigidity",), "with pair_preload", "write the preload of the pair that has it")
+        if any(x is not None and (x.conformity or x.groove_radius) for x in (one.screw, one.nut)):
+            advice = "leave conformity and groove_radius out"
+            yield Fault((f"{at}.pair_rigidity",), "in place of the grooves of the set", advice)
+    if not given:
+        return
+    if one.rollers is not None or (one.track is not None and one.track.lead != 0.0):
+        yield Fault((f"{at}.arrangement",), "a ball bearing", "rollers and nuts are written row by row: leave it out")
+    for key, written in (("thrust", one.thrust is not None), ("offset", one.offset != 0.0)):
+        if written:
+            advice = "the arrangement says it of every row: leave it out"
+            yield Fault((f"{at}.{key}",), "nothing with an arrangement", advice)
+    if (one.preload or one.pair_preload) and len(set(ARRANGEMENTS[one.arrangement or ""])) == 1:
+        advice = "bearings in tandem press against nothing: leave it out, or name another arrangement"
+        yield Fault((f"{at}.{'preload' if one.preload else 'pair_preload'}",), "rows that face both ways", advice)
+
+
+def preload_of_set(name: str, pair: float) -> float:
+    """Preload [N] of a set, on either side in all, whose bearings are ground to the gaps of a pair of that preload [N].
+
+    The gaps of a pair close by twice the deflection of a bearing; so do those of opposite rows in any set, where a side of
+    n rows shares its load: P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a contact angle that stands still.
+    """
+    ways = ARRANGEMENTS[name]
+    shared = sum(ways.count(way) ** (-2.0 / 3.0) for way in set(ways))
+    return float(pair * (2.0 / shared) ** 1.5)
+
+
+def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[RollingSet]:
+    """The rows of a set in its arrangement, side by side about its position, each as wide as its ring; the set itself where
+    it has none. seeds: step between the seeds of their errors."""
+    if one.arrangement is None or not isinstance(whole.parts, Scene):
+        yield whole
+        return
+    ways, parts = ARRANGEMENTS[one.arrangement], whole.parts
+    total = preload_of_set(one.arrangement, one.pair_preload) if one.pair_preload else whole.preload
+    for k, way in enumerate(ways):
+        name, at = f"{whole.name} {k + 1}", whole.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length
+        errors = replace(parts.errors, seed=parts.errors.seed + seeds * k)
+        row = replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors)
+        share = total / ways.count(way) if len(set(ways)) == 2 else 0.0
+        yield replace(whole, name=name, parts=row, position=at, thrust=way, preload=share)
+
+
+def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
+    """The parts with the conformity of both grooves that a pair's rigidity at its preload implies, where one is given.
+    Raises InputError."""
+    if one.pair_rigidity is None:
+        return parts
+    given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
+    conformity = needed("conformity", origin, f"{at}.pair_rigidity", given)
+    try:
+        implied = conformity(parts, one.pair_preload, one.pair_rigidity)
+    except ValueError as error:
+        raise InputError(origin, f"{at}.pair_rigidity", given, str(error), "mend balls, preload or rigidity") from None
+    groove = 2.0 * implied * parts.balls.radius
+    text = f"{parts.name}: conformity {implied:.4f} of both grooves, from the rigidity of a pair, {given}."
+    screw, nut = replace(parts.screw, groove_radius=groove), replace(parts.nut, groove_radius=groove)
+    return replace(parts, screw=screw, nut=nut, assumed=(*parts.assumed, text))

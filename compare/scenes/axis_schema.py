@@ -6,37 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from rollbench.comparison.scenes.keys import (
-    MATERIAL,
-    Bore,
-    ContactAngle,
-    Count,
-    Deviation,
-    Force,
-    Forces,
-    Freedom,
-    GrooveKeys,
-    HeadKeys,
-    MaterialKeys,
-    Moments,
-    MotionKeys,
-    Size,
-    Station,
-    Table,
-)
+from rollbench.comparison.scenes import keys, schema
 from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
-from rollbench.comparison.scenes.schema import (
-    BallKeys,
-    CaseKeys,
-    DisplaceKeys,
-    ErrorKeys,
-    FrictionKeys,
-    LoadKeys,
-    NutKeys,
-    ScrewKeys,
-    SupportKeys,
-    TrackKeys,
-)
 
 Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
 Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
@@ -48,16 +19,16 @@ Arrangement = Literal["DB", "DF", "DT", "DBD", "DFD", "DBB", "DFF", "DBT", "DFT"
 Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class PlainKeys(Table):
+class PlainKeys(keys.Table):
     """A plain stretch of the shaft."""
 
-    start: Station = key("station where it begins", example="0 mm")
-    end: Station = key("station where it ends", example="60 mm")
-    diameter: Size = key("its diameter", example="25 mm")
-    bore: Bore = key("diameter of its hole", "0 mm", "6 mm")
+    start: keys.Station = key("station where it begins", example="0 mm")
+    end: keys.Station = key("station where it ends", example="60 mm")
+    diameter: keys.Size = key("its diameter", example="25 mm")
+    bore: keys.Bore = key("diameter of its hole", "0 mm", "6 mm")
 
 
-class ShaftKeys(ScrewKeys):
+class ShaftKeys(schema.ScrewKeys):
     """Screw shaft; groove and diameters of the thread, where a set does not say its own."""
 
     plain: Annotated[list[PlainKeys], Field(max_length=1000)] = key(
@@ -65,29 +36,29 @@ class ShaftKeys(ScrewKeys):
     )
 
 
-class InnerKeys(GrooveKeys):
+class InnerKeys(keys.GrooveKeys):
     """Inner ring of a set whose groove is not the shaft's."""
 
-    outer_diameter: Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
-    material: MaterialKeys | None = key("its material, where it is not the shaft's", None, MATERIAL)
+    outer_diameter: keys.Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
+    material: keys.MaterialKeys | None = key("its material, where it is not the shaft's", None, keys.MATERIAL)
 
 
-class RollerKeys(Table):
+class RollerKeys(keys.Table):
     """One row of tapered rollers."""
 
-    count: Count = key("number of rollers", example=16)
-    diameter: Size = key("mean diameter of a roller", example="8.4 mm")
-    length: Size = key("effective length of a roller", example="12.4 mm")
-    cup_angle: ContactAngle = key(
+    count: keys.Count = key("number of rollers", example=16)
+    diameter: keys.Size = key("mean diameter of a roller", example="8.4 mm")
+    length: keys.Size = key("effective length of a roller", example="12.4 mm")
+    cup_angle: keys.ContactAngle = key(
         "half included angle of the cup: of the outer contacts against the axis", example="30.8 deg"
     )
-    roller_angle: ContactAngle = key("half included angle of a roller", example="4 deg")
-    ring_depth: Size = key("depth of both rings to which their deformation counts", example="5 mm")
-    crown: Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
+    roller_angle: keys.ContactAngle = key("half included angle of a roller", example="4 deg")
+    ring_depth: keys.Size = key("depth of both rings to which their deformation counts", example="5 mm")
+    crown: keys.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
     slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
 
 
-class SetKeys(Table):
+class SetKeys(keys.Table):
     """One rolling set: a nut with its balls, a ball bearing (lead of zero), or a row of tapered rollers."""
 
     name: Name = key("name of the set in results", example="nut 1")
@@ -101,7 +72,7 @@ class SetKeys(Table):
         None,
         "+z",
     )
-    offset: Deviation = key(
+    offset: keys.Deviation = key(
         "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
@@ -116,7 +87,7 @@ class SetKeys(Table):
         None,
         "DBD",
     )
-    pair_preload: Force = key(
+    pair_preload: keys.Force = key(
         "preload of a pair of these bearings with the same gaps, from which that of the set follows", "0 N", "2150 N"
     )
     pair_rigidity: Spring | None = key(
@@ -124,16 +95,16 @@ class SetKeys(Table):
         None,
         "750 N/um",
     )
-    position: Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
-    track: TrackKeys | None = key("path of the ball centres", None)
+    position: keys.Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
+    track: schema.TrackKeys | None = key("path of the ball centres", None)
     screw: InnerKeys | None = key("its inner ring, or groove on the shaft where that is another", None)
-    nut: NutKeys | None = key("nut, or outer ring", None)
-    balls: BallKeys | None = key("balls", None)
-    errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
+    nut: schema.NutKeys | None = key("nut, or outer ring", None)
+    balls: schema.BallKeys | None = key("balls", None)
+    errors: schema.ErrorKeys = key("geometric errors", schema.ErrorKeys(), {"seed": 0})
     rollers: RollerKeys | None = key("tapered rollers", None)
 
 
-class SpringKeys(Table):
+class SpringKeys(keys.Table):
     """Springs along and about the axes; freedoms left out have none."""
 
     ux: Spring = key("along x", "0 N/m", "200 N/um")
@@ -147,7 +118,7 @@ class SpringKeys(Table):
 Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]
 
 
-class StiffKeys(Table):
+class StiffKeys(keys.Table):
     """A stiffness in six freedoms."""
 
     springs: SpringKeys | None = key("springs that do not feel one another", None, {"ux": "200 N/um"})
@@ -158,35 +129,35 @@ class HousingKeys(StiffKeys):
     """Rigid body that carries outer rings or nuts. What is neither fixed nor displaced moves against its springs."""
 
     name: Name = key("its name", example="carriage")
-    at: Station = key("station where its motion, springs and loads are taken", example="400 mm")
-    fix: Annotated[list[Freedom], Field(max_length=6)] = key("freedoms held at zero", [], ["ux", "uy", "rx", "ry", "rz"])
-    displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"uz": "20 um"})
-    force: Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    at: keys.Station = key("station where its motion, springs and loads are taken", example="400 mm")
+    fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "rx", "ry", "rz"])
+    displace: schema.DisplaceKeys = key("freedoms held at other values", schema.DisplaceKeys(), {"uz": "20 um"})
+    force: keys.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: keys.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
 class JointKeys(StiffKeys):
     """Springs between two housings, such as a spacer or a bolted joint."""
 
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
-    at: Station = key("station where they act", example="400 mm")
+    at: keys.Station = key("station where they act", example="400 mm")
 
 
-class AskedKeys(Table):
+class AskedKeys(keys.Table):
     """Where the stiffness of the whole is asked for; where the loads act if left out."""
 
-    at: Station | None = key("a station of the shaft", None, "400 mm")
+    at: keys.Station | None = key("a station of the shaft", None, "400 mm")
     housing: Name | None = key("or a housing", None, "carriage")
 
 
-class HeatKeys(Table):
+class HeatKeys(keys.Table):
     """Uniform warming of the shaft against all else."""
 
     warming: Warming = key("warming", example="10 K")
     expansion: Expansion = key("thermal expansion per K", example=11.5e-6)
 
 
-class AxisIngredientKeys(Table):
+class AxisIngredientKeys(keys.Table):
     """Which parts of the low-order model are used."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
@@ -204,15 +175,15 @@ class AxisIngredientKeys(Table):
     )
 
 
-class CaseHousingKeys(Table):
+class CaseHousingKeys(keys.Table):
     """Loads on one of the scene's housings in a case."""
 
     name: Name = key("name of the housing in the scene", example="carriage")
-    force: Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    force: keys.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: keys.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
-class AxisCaseKeys(CaseKeys):
+class AxisCaseKeys(schema.CaseKeys):
     """One of several load cases of the same parts; an oversize is that of the balls of every set."""
 
     housings: Annotated[list[CaseHousingKeys], Field(max_length=100)] = key(
@@ -220,11 +191,11 @@ class AxisCaseKeys(CaseKeys):
     )
 
 
-class AxisKeys(HeadKeys):
+class AxisKeys(keys.HeadKeys):
     """One shaft with several rolling sets, nuts, bearings, housings, in one load case or several."""
 
     kind: Literal["axis"] = key("what is described", "axis", "axis")
-    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), MATERIAL)
+    material: keys.MaterialKeys = key("material of every part that gives none", keys.MaterialKeys(), keys.MATERIAL)
     screw: ShaftKeys = key("screw shaft")
     sets: Annotated[list[SetKeys], Field(min_length=1, max_length=100)] = key("rolling sets, in any order")
     housings: Annotated[list[HousingKeys], Field(max_length=100)] = key(
@@ -233,17 +204,11 @@ class AxisKeys(HeadKeys):
     joints: Annotated[list[JointKeys], Field(max_length=100)] = key(
         "springs between housings", [], [{"between": ["a", "b"], "at": "400 mm"}]
     )
-    supports: Annotated[list[SupportKeys], Field(max_length=1000)] = key(
-        "supports of the shaft besides its bearings", [], [{"at": "0 mm", "fix": ["rz"]}]
-    )
-    loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
-        "loads on the shaft", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
-    )
-    cases: Annotated[list[AxisCaseKeys], Field(max_length=1000)] = key(
-        "load cases of the same parts", [], [{"name": "cutting", "share": 1.0}]
-    )
+    supports: schema.Supports = key("supports of the shaft besides its bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
+    loads: schema.Loads = key("loads on the shaft", [], schema.LOADED)
+    cases: Annotated[list[AxisCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], schema.CASE)
     stiffness: AskedKeys = key("where the stiffness is asked for", AskedKeys(), {"housing": "carriage"})
     heat: HeatKeys | None = key("warming of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
     ingredients: AxisIngredientKeys = key("parts of the low-order model", AxisIngredientKeys(), {"section": "full"})
-    friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: MotionKeys | None = key("motion of the shaft", None, {"speed": "600 rpm"})
+    friction: schema.FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
+    motion: keys.MotionKeys | None = key("motion of the shaft", None, {"speed": "600 rpm"})

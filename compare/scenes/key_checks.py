@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from rollbench.comparison.scenes.catalogue_faults import catalogue_faults
-from rollbench.comparison.scenes.circuits import ball_total
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.comparison.scenes.keys import MAX_BALLS, GrooveKeys
+from rollbench.comparison.scenes.records import ball_total
 from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
 from rollbench.meshes.partition import MERGE
+
+#: Part of a ball diameter by which a diameter may differ from twice the radius beside it.
+SAME = 1e-9
 
 
 def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -28,11 +30,13 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
     yield from friction_choice_faults(keys.friction)
     yield from _circuit_choice_faults(keys)
-    yield from catalogue_faults(keys)
+    yield from _said_twice(keys)
+    yield from _circuits(keys)
+    yield from _preload(keys)
 
 
 def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    circulation, time = keys.circulation, keys.time
+    circulation = keys.circulation
     if circulation is not None:
         if keys.track.lead == 0.0:
             advice = "the balls of a bearing go round its one turn: leave the table out"
@@ -40,8 +44,8 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         if circulation.gap is not None and circulation.filling is not None:
             allowed, advice = "either gap or filling", "they say the same: leave one out"
             yield Fault(("circulation.gap",), allowed, advice, "both")
-    if time is not None:
-        yield from time_faults(time)
+    if keys.time is not None:
+        yield from time_faults(keys.time)
 
 
 def time_faults(time: TimeKeys) -> Iterator[Fault]:
@@ -167,8 +171,7 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
     taken: list[tuple[float, str, str]] = []
     for i, support in enumerate(keys.supports):
         given: list[tuple[str, str]] = [(name, f"supports[{i}].fix") for name in support.fix]
-        moved = support.displace.model_dump(exclude_none=True)
-        given += [(name, f"supports[{i}].displace.{name}") for name in moved]
+        given += [(name, f"supports[{i}].displace.{name}") for name in support.displace.given]
         if not given:
             advice = 'write fix = ["ux", ...] or displace = { ux = "0 mm" }, or delete the support'
             yield Fault((f"supports[{i}].fix",), "at least one of ux, uy, uz, rx, ry, rz", advice, "no freedom")
@@ -181,3 +184,57 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
                     break
             else:
                 taken.append((support.at, name, where))
+
+
+def _said_twice(keys: SceneKeys) -> Iterator[Fault]:
+    """A radius and a diameter that contradict one another, a count beside a filling."""
+    pairs = (
+        ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
+        ("balls.diameter", keys.balls.diameter, keys.balls.radius),
+    )
+    for where, diameter, radius in pairs:
+        if diameter is not None and abs(diameter - 2.0 * radius) > SAME * radius:
+            yield Fault((where,), f"{mm(2.0 * radius)}, twice the radius that is given too", "leave one of the two out")
+    if keys.balls.count is not None and keys.balls.filling is not None:
+        yield Fault(("balls.filling",), "either count or filling", "the filling sets the count: leave one out", "both")
+
+
+def _circuits(keys: SceneKeys) -> Iterator[Fault]:
+    balls, circuits = keys.balls, keys.balls.circuits
+    listed = next((name for name in ("azimuths", "arcs") if getattr(balls, name) is not None), "")
+    remedy = f"the {listed} say where the balls are: leave it out"
+    for name in ("filling", "circuit_gap") if listed else ():
+        if getattr(balls, name) is not None:
+            advice = "write count instead" if (name, listed) == ("filling", "arcs") else remedy
+            yield Fault((f"balls.{name}",), f"nothing together with {listed}", advice)
+    if circuits == 1:
+        if balls.circuit_gap is not None and not listed:
+            yield Fault(("balls.circuits",), "2 or more with circuit_gap", "give circuits, or leave circuit_gap out", "one")
+        return
+    if listed:
+        yield Fault(("balls.circuits",), f"1 together with {listed}", remedy)
+    elif keys.track.lead == 0.0:
+        yield Fault(("balls.circuits",), "1 for zero lead", "a bearing has one row")
+    elif balls.circuit_gap is None:
+        advice = "makers rarely print it: measure from ball to ball on a drawing, 0.3 to 1 turns are usual"
+        value = f"{circuits} without circuit_gap"
+        yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
+    stated = 1 if keys.circulation is None else keys.circulation.circuits
+    if (keys.circulation is not None or keys.time is not None) and stated != circuits:
+        advice = f"[balls] has {circuits} circuits of each start: write circuits = {circuits} under [circulation]"
+        yield Fault(("circulation.circuits", "circulation", "time"), str(circuits), advice, str(stated))
+
+
+def _preload(keys: SceneKeys) -> Iterator[Fault]:
+    preload = keys.preload
+    if preload is None:
+        return
+    given = [name for name in ("force", "oversize", "lead_offset") if getattr(preload, name) is not None]
+    if len(given) != 1:
+        where = (f"preload.{given[0] if given else 'force'}", "preload")
+        yield Fault(where, "one of force, oversize and lead_offset", "leave the others out", " and ".join(given) or "none")
+    if preload.lead_offset is not None and keys.track.lead == 0.0:
+        yield Fault(("preload.lead_offset",), "a lead above zero", "rows of a bearing are [[sets]] with an offset")
+    if preload.lead_offset is None and keys.errors.balls.oversize != 0.0:
+        advice = "[preload] sets it: leave one of the two out"
+        yield Fault(("errors.balls.oversize",), "0 um together with [preload]", advice)

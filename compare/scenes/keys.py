@@ -45,10 +45,11 @@ StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
 Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
+Sentences = Annotated[list[Sentence], Field(max_length=100)]
 MaterialName = Literal[
     "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
 ]
-Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
 #: Young's moduli [Pa] of solids that parts of machines are made of.
 SOLIDS = (1e9, 1e12)
 
@@ -91,9 +92,7 @@ class HeadKeys(Table):
 
     title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
     source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
-    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
-        "sentences on what the source leaves open", [], ["The nut is rigid."]
-    )
+    assumed: Sentences = key("sentences on what the source leaves open", [], ["The nut is rigid."])
 
 
 class PathKeys(Table):

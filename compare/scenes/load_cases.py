@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.comparison.scenes.fault import Fault, mm
-from rollbench.comparison.scenes.records import load_of
+from rollbench.comparison.scenes.fault import Fault, mm, refuse
+from rollbench.comparison.scenes.records import load_of, vector
 from rollbench.comparison.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.partition import MERGE
@@ -18,8 +18,20 @@ from rollbench.meshes.parts import Errors, Motion, Scene, Support
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.axis_schema import AxisKeys
 
+Parts = TypeVar("Parts", bound="Scene | Assembly")
 #: Largest distance of the sum of shares from 1: shares are written with a few digits.
 ROUNDED = 1e-6
+
+
+def in_cases(
+    parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
+) -> Parts | DutyCycle:
+    """The parts, or the duty cycle of their cases; faults: of the parts in one case. Raises SceneError."""
+    if not keys:
+        return parts
+    cycle = duty_cycle(parts, keys)
+    refuse(origin, raw, [of_case(fault, k) for k, case in enumerate(cycle.cases) for fault in faults(case.scene)])
+    return cycle
 
 
 def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
@@ -51,7 +63,11 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
         return replace(case, errors=_errors(case, keys))
     each = ((s, s.parts) for s in case.sets)
     sets = (replace(s, parts=replace(p, errors=_errors(p, keys))) if isinstance(p, Scene) else s for s, p in each)
-    return replace(case, sets=tuple(sets))
+    loaded: dict[str, dict[str, Any]] = {
+        h.name: {"force": vector(h.force), "moment": vector(h.moment)} for h in getattr(keys, "housings", ())
+    }
+    housings = (replace(h, **loaded.get(h.name, {})) for h in case.housings)
+    return replace(case, sets=tuple(sets), housings=tuple(housings))
 
 
 def _errors(scene: Scene, keys: CaseKeys) -> Errors:
@@ -63,7 +79,7 @@ def _displaced(support: Support, keys: CaseKeys) -> Support:
     moved: dict[str, float] = {}
     for other in keys.supports:
         if abs(other.at - support.at) <= MERGE:
-            moved |= other.displace.model_dump(exclude_none=True)
+            moved |= other.displace.given
     return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
 
 
@@ -112,15 +128,14 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
     """A case displaces freedoms that the scene's supports hold, each once."""
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
-        moved = other.displace.model_dump(exclude_none=True)
         supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
         if not supports:
             places = ", ".join(mm(s.at) for s in keys.supports) or "none: the scene has no supports"
             advice = "a case displaces supports that the scene has: mend the station, or add the support to the scene"
             yield Fault((f"{where}.supports[{j}].at",), places, advice)
             continue
-        held = {name: i for i, s in supports for name in (*s.fix, *s.displace.model_dump(exclude_none=True))}
-        for name in moved:
+        held = {name: i for i, s in supports for name in s.held}
+        for name in other.displace.given:
             key = f"{where}.supports[{j}].displace.{name}"
             if name not in held:
                 advice = "a case does not hold other freedoms than the scene: add it to fix of the scene's support"

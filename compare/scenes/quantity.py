@@ -40,21 +40,27 @@ class Quantity:
         low = f"{'above' if self.above else 'from'} {self.low}"
         return f"{low}, {'below' if self.below else 'up to'} {self.high}"
 
+    @property
+    def unit(self) -> str:
+        """SI unit of its values."""
+        return units.DIMENSIONS[self.dimension][0]
+
     def read(self, value: object) -> float:
         """SI value of ``value``; raises pydantic's error carrying ``allowed`` and ``advice``."""
+        number, low, high = (self._number(v) for v in (value, self.low, self.high))
+        too_low = number <= low if self.above else number < low
+        if not too_low and (number < high if self.below else number <= high):
+            return number
+        advice = f"the value is too {'small' if too_low else 'large'}; a usual one is {units.show(self.example)}"
+        raise self._refused(self.allowed, advice)
+
+    def _number(self, value: object) -> float:
+        """SI value in range or not; raises pydantic's error."""
         try:
-            number = units.parse(value, self.dimension)
+            return units.parse(value, self.dimension)
         except units.UnitError as error:
             allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
             raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
-        low, high = (units.parse(end, self.dimension) for end in (self.low, self.high))
-        too_low = number <= low if self.above else number < low
-        too_high = number >= high if self.below else number > high
-        if too_low or too_high:
-            side = "small" if too_low else "large"
-            advice = f"the value is too {side}; a usual one is {units.show(self.example)}"
-            raise self._refused(self.allowed, advice)
-        return number
 
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
@@ -73,7 +79,7 @@ class Quantity:
             low = "exclusiveMinimum" if self.above else "minimum"
             high = "exclusiveMaximum" if self.below else "maximum"
             return schema | {low: self.low, high: self.high}
-        return schema | {"x-unit": units.DIMENSIONS[self.dimension][0], "pattern": r"^\s*[+-]?[0-9.].*\S$"}
+        return schema | {"x-unit": self.unit, "pattern": r"^\s*[+-]?[0-9.].*\S$"}
 
 
 @dataclass(frozen=True)
@@ -110,13 +116,10 @@ class ForceOrShare(Quantity):
 class Rate(Quantity):
     """Range of a speed, an angular speed or a time."""
 
-    def read(self, value: object) -> float:
-        """SI value; raises pydantic's error carrying ``allowed`` and ``advice``."""
-        number, low, high = (self._number(v) for v in (value, self.low, self.high))
-        if low <= number <= high and not (self.above and number == low):
-            return number
-        side = "large" if number > high else "small"
-        raise self._refused(self.allowed, f"the value is too {side}; a usual one is {units.show(self.example)}")
+    @property
+    def unit(self) -> str:
+        """SI unit of its values."""
+        return next(iter(RATES[self.dimension]))
 
     def _number(self, value: object) -> float:
         rates = RATES[self.dimension]
@@ -127,13 +130,6 @@ class Rate(Quantity):
             article = "an" if self.dimension[0] == "a" else "a"
             raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
         return float(parts[0]) * rates[unit]
-
-    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Text with a unit."""
-        schema: dict[str, Any] = {"type": "string", "examples": [self.example]}
-        unit = next(iter(RATES[self.dimension]))
-        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed, "x-unit": unit}
-        return schema | {"pattern": r"^\s*[+-]?[0-9.].*\S$"}
 
 
 def key(description: str, default: Any = ..., example: Any = None) -> Any:

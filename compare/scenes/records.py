@@ -3,109 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from math import floor, hypot, pi, sin
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.comparison.errors import escaped
-from rollbench.comparison.scenes.circuits import azimuths
+from rollbench.comparison.scenes import schema
 from rollbench.comparison.scenes.keys import MaterialKeys
-from rollbench.comparison.scenes.schema import (
-    BallKeys,
-    FrictionKeys,
-    LoadKeys,
-    NutKeys,
-    SceneKeys,
-    SideKeys,
-    SupportKeys,
-    TermKeys,
-    TrackKeys,
-)
-from rollbench.meshes.parts import (
-    FREEDOMS,
-    BallErrors,
-    Balls,
-    Circulation,
-    Errors,
-    Flange,
-    FourierTerm,
-    Friction,
-    GateLimits,
-    Ingredients,
-    Load,
-    Material,
-    Motion,
-    Nut,
-    Scene,
-    Screw,
-    SideErrors,
-    Solid,
-    Support,
-    Time,
-    Track,
-)
+from rollbench.meshes import parts
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.axis_schema import HousingKeys
 
 
-def scene_of(keys: SceneKeys, name: str) -> Scene:
+def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     """The record of faultless keys."""
-    track, e = keys.track, keys.errors
-    default = keys.material
-    sides = {s: _side(getattr(e, s)) for s in ("SL", "SR", "NL", "NR")}
+    track, e, nut, held = keys.track, keys.errors, keys.nut, keys.solid.nut_held
     listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
-    screw, nut, diameter, held = keys.screw, keys.nut, 2.0 * keys.balls.radius, keys.solid.nut_held
+    material = material_of(keys.balls.material, keys.material)
     former = () if held is None else (f'The former key solid.nut_held = "{held}" is read as nut.held.at.',)
-    return Scene(
+    return parts.Scene(
         name=name,
         title=escaped(keys.title),
-        track=Track(**track.model_dump()),
-        screw=Screw(
-            length=screw.length,
-            outer_diameter=screw.outer_diameter,
-            groove_radius=screw.groove_radius or (screw.conformity or 0.0) * diameter,
-            material=material_of(screw.material, default),
-            bore=screw.bore,
-        ),
-        nut=Nut(
-            position=nut.position,
-            length=nut.length,
-            outer_diameter=nut.outer_diameter,
-            groove_radius=nut.groove_radius or (nut.conformity or 0.0) * diameter,
-            material=material_of(nut.material, default),
-            azimuth=nut.azimuth,
-            flange=_flange(nut),
-        ),
-        balls=Balls(keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track)),
-        errors=Errors(
-            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
+        track=parts.Track(**track.model_dump()),
+        screw=parts.Screw(bore=keys.screw.bore, **_body(keys, keys.screw)),
+        nut=parts.Nut(position=nut.position, azimuth=nut.azimuth, flange=_flange(nut), **_body(keys, nut)),
+        balls=parts.Balls(keys.balls.radius, material, _azimuths(keys.balls, track)),
+        errors=parts.Errors(
+            balls=parts.BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
             seed=e.seed,
             lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
-            **sides,
+            **{side: _side(getattr(e, side)) for side in parts.SIDES},
         ),
         supports=tuple(support_of(s) for s in keys.supports),
         loads=tuple(map(load_of, keys.loads)),
-        ingredients=Ingredients(**keys.ingredients.model_dump()),
-        solid=Solid(**keys.solid.model_dump() | {"nut_held": nut.held.at or held}),
+        ingredients=parts.Ingredients(**keys.ingredients.model_dump()),
+        solid=parts.Solid(**keys.solid.model_dump() | {"nut_held": nut.held.at or held}),
         source=escaped(keys.source),
         assumed=(*map(escaped, keys.assumed), *former),
         members=keys.members,
         friction=None if keys.friction is None else friction_of(keys.friction),
-        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
+        motion=None if keys.motion is None else parts.Motion(**keys.motion.model_dump()),
         role=keys.role,
-        circulation=None if keys.circulation is None else Circulation(**keys.circulation.model_dump()),
-        time=None if keys.time is None else Time(**keys.time.model_dump()),
-        gate=GateLimits(**keys.gate.model_dump()),
+        circulation=None if keys.circulation is None else parts.Circulation(**keys.circulation.model_dump()),
+        time=None if keys.time is None else parts.Time(**keys.time.model_dump()),
+        gate=parts.GateLimits(**keys.gate.model_dump()),
     )
 
 
-def _flange(nut: NutKeys) -> Flange | None:
+def _body(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
+    """What screw and nut have alike."""
+    groove = part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
+    shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove}
+    return {**shape, "material": material_of(part.material, keys.material)}
+
+
+def _flange(nut: schema.NutKeys) -> parts.Flange | None:
     """The nut's flange, its face held as far as the flange goes where the file does not say."""
     if nut.flange is None:
         return None
     seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
-    return Flange(
+    return parts.Flange(
         **nut.flange.model_dump(),
         seat=(0.5 * seat[0], 0.5 * seat[1]),
         bonded=nut.held.centring == "bonded",
@@ -113,7 +72,7 @@ def _flange(nut: NutKeys) -> Flange | None:
     )
 
 
-def friction_of(keys: FrictionKeys) -> Friction:
+def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
     """Coefficients of a scene."""
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
@@ -125,26 +84,29 @@ def friction_of(keys: FrictionKeys) -> Friction:
             f'The former key coupling = "{keys.coupling}" is read as feedback = {str(feedback).lower()}, '
             f"neighbours = {str(neighbours).lower()}.",
         )
-    return Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
+    return parts.Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
 
 
-def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> Material:
+def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
     """A part's material; values that it lacks are the scene's."""
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
     if modulus is None or ratio is None:  # choice_faults has refused this
         raise AssertionError("material without a value")
-    return Material(modulus, ratio)
+    return parts.Material(modulus, ratio)
 
 
-def _azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of its circuits about the
-    nut's centre."""
+def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
+    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of each circuit, circuits
+    with their gaps centred on the nut."""
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     if balls.arcs is None:
-        return azimuths(balls, track)
+        n, turns = balls_of_circuit(balls, track), balls.turns or 1.0
+        spacing, pitch = 2.0 * pi * turns / n, 2.0 * pi * (turns + (balls.circuit_gap or 0.0))
+        middles = (track.phase + (k - (balls.circuits - 1) / 2.0) * pitch for k in range(balls.circuits))
+        return tuple(middle + (i - (n - 1) / 2.0) * spacing for middle in middles for i in range(n))
     n = (balls.count or 0) // track.starts
     ends = np.array(balls.arcs)
     fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
@@ -153,30 +115,49 @@ def _azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
     return tuple(float(x) for x in track.phase + ends[arc, 0] + at - fill[arc])
 
 
-def _side(side: SideKeys) -> SideErrors:
-    return SideErrors(
-        profile=tuple(side.profile),
-        profile_sigma=tuple(side.profile_sigma),
-        pitch=_terms(side.pitch),
-        pitch_along=side.pitch_along,
-        roundness=_terms(side.roundness),
+def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
+    """Balls of one circuit: the count shared, or as many as fill the part of its turns that is asked for, at least one."""
+    if balls.count is not None:
+        return balls.count // (track.starts * balls.circuits)
+    touching = touching_angle(track.pitch_radius, track.lead, 2.0 * balls.radius)
+    return max(1, floor((balls.filling or 0.0) * 2.0 * pi * (balls.turns or 1.0) / touching + 1e-9))
+
+
+def touching_angle(radius: float, lead: float, ball: float) -> float:
+    """Angle [rad] between neighbours on a helix (radius, lead [m]) that touch: their chord is the ball's diameter [m].
+
+    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
+    """
+    from rollbench.meshes.roots import brentq
+
+    def gap(angle: float) -> float:
+        return hypot(2.0 * radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball
+
+    return float(brentq(gap, 0.0, pi, xtol=1e-14)) if gap(pi) > 0.0 else pi
+
+
+def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
+    """Number of balls over all starts and circuits."""
+    return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
+
+
+def _side(side: schema.SideKeys) -> parts.SideErrors:
+    pitch, roundness = (
+        tuple(parts.FourierTerm(**term.model_dump()) for term in terms) for terms in (side.pitch, side.roundness)
     )
+    return parts.SideErrors(tuple(side.profile), tuple(side.profile_sigma), pitch, side.pitch_along, roundness)
 
 
-def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
-    return tuple(FourierTerm(t.harmonic, t.sin, t.cos, t.sigma) for t in terms)
-
-
-def support_of(support: SupportKeys | HousingKeys) -> Support:
+def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
     """Support at a station: freedoms held and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
-    held |= support.displace.model_dump(exclude_none=True)
-    return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))
+    held |= support.displace.given
+    return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
 
 
-def load_of(keys: LoadKeys) -> Load:
+def load_of(keys: schema.LoadKeys) -> parts.Load:
     """Force and moment at a station."""
-    return Load(keys.at, vector(keys.force), vector(keys.moment))
+    return parts.Load(keys.at, vector(keys.force), vector(keys.moment))
 
 
 def vector(values: Sequence[float]) -> tuple[float, float, float]:

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rollbench.comparison.errors import SceneError, escaped
 from rollbench.comparison.registration import kinds
+from rollbench.comparison.scenes.axis_file import read_axis
+from rollbench.comparison.scenes.axis_schema import AxisKeys
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
-from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.fault import Fault, refusal, refuse, spoken
 from rollbench.comparison.scenes.key_checks import choice_faults
-from rollbench.comparison.scenes.load_cases import case_faults, duty_cycle, of_case
+from rollbench.comparison.scenes.load_cases import case_faults, in_cases
 from rollbench.comparison.scenes.mending import sound, validated
 from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.preload import preloaded
 from rollbench.comparison.scenes.records import scene_of
-from rollbench.comparison.scenes.refusal import refusal, refuse, spoken
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.units import show
-from rollbench.meshes.axis import Assembly
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
-
-if TYPE_CHECKING:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
 
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
@@ -34,8 +31,8 @@ FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 def read_tables(raw: dict[str, Any], origin: str) -> Described:
     """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
     kind = raw.get("kind")
-    if "sets" in raw or kind == AXIS:
-        return _read_axis(raw, origin)
+    if _is_axis(raw):
+        return read_axis(sound(raw, AxisKeys, origin), raw, origin, Path(origin).stem)
     nut = raw.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
     if kind is None and FOREIGN & raw.keys() and not bodies:
@@ -56,26 +53,16 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     return of.record(keys, escaped(Path(origin).stem))
 
 
-def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly | DutyCycle:
-    from rollbench.comparison.scenes.axis_file import read_axis
-
-    return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
-
-
-def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
-
-    return sound(raw, AxisKeys, origin)
-
-
 def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
     """The keys of the tables ``raw`` of a whole screw or bearing, or of several sets on one shaft, each by itself in range.
 
     Raises SceneError.
     """
-    if "sets" in raw or raw.get("kind") == AXIS:
-        return _axis_keys(raw, origin)
-    return sound(raw, SceneKeys, origin)
+    return sound(raw, AxisKeys, origin) if _is_axis(raw) else sound(raw, SceneKeys, origin)
+
+
+def _is_axis(raw: dict[str, Any]) -> bool:
+    return "sets" in raw or raw.get("kind") == AXIS
 
 
 def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
@@ -97,13 +84,7 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     if keys.preload is not None:
         scene = preloaded(scene, keys.preload)
         refuse(origin, raw, _body_faults(scene))
-    scene = as_one_arc(scene)
-    if not keys.cases:
-        return scene
-    cycle = duty_cycle(scene, keys.cases)
-    each = (case.scene for case in cycle.cases if isinstance(case.scene, Scene))
-    refuse(origin, raw, [of_case(fault, k) for k, one in enumerate(each) for fault in _body_faults(one)])
-    return cycle
+    return in_cases(as_one_arc(scene), keys.cases, raw, origin, _body_faults)
 
 
 def _body_faults(scene: Scene) -> list[Fault]:

@@ -6,42 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from rollbench.comparison.scenes import keys
 from rollbench.comparison.scenes.catalogue_input import either, with_radius
-from rollbench.comparison.scenes.keys import (
-    MATERIAL,
-    MAX_BALLS,
-    Azimuth,
-    BallSizeKeys,
-    Bore,
-    Clearance,
-    Coefficient,
-    Count,
-    Deviation,
-    Duration,
-    Element,
-    Filling,
-    Forces,
-    Freedom,
-    GrooveKeys,
-    Harmonic,
-    HeadKeys,
-    HelixKeys,
-    MaterialKeys,
-    Moments,
-    MotionKeys,
-    OversizeKeys,
-    Sentence,
-    Shift,
-    Size,
-    Spread,
-    Station,
-    StepGoal,
-    Table,
-    Travel,
-    Turn,
-    Turning,
-    Turns,
-)
 from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, Rate, ShareOfRating, key
 from rollbench.meshes.parts import Flange, Friction, NutHeld
 
@@ -53,18 +19,18 @@ CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
-class TrackKeys(HelixKeys):
+class TrackKeys(keys.HelixKeys):
     """Nominal path of the ball centres."""
 
     model_config = either("pitch_radius", "pitch_diameter")
 
-    pitch_diameter: Annotated[Size | None, Field(exclude=True)] = key(
+    pitch_diameter: Annotated[keys.Size | None, Field(exclude=True)] = key(
         "diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm"
     )
     starts: Annotated[int, Field(ge=1, le=100)] = key(
         "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
     )
-    phase: Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
+    phase: keys.Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
 
     @model_validator(mode="before")
     @classmethod
@@ -72,27 +38,27 @@ class TrackKeys(HelixKeys):
         return with_radius(value, "pitch_radius", "pitch_diameter")
 
 
-class ScrewKeys(GrooveKeys):
+class ScrewKeys(keys.GrooveKeys):
     """Screw shaft, or inner ring of a bearing."""
 
-    length: Size = key("length; stations run from 0 to it", example="800 mm")
-    outer_diameter: Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
-    bore: Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
-    material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
+    length: keys.Size = key("length; stations run from 0 to it", example="800 mm")
+    outer_diameter: keys.Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
+    bore: keys.Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
+    material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
 
 
-class FlangeKeys(Table):
+class FlangeKeys(keys.Table):
     """Flange at an end of the nut, within its length."""
 
-    diameter: Size = key("outer diameter", example="72 mm")
-    thickness: Size = key("thickness", example="11 mm")
+    diameter: keys.Size = key("outer diameter", example="72 mm")
+    thickness: keys.Size = key("thickness", example="11 mm")
     side: Literal["left", "right"] = key("end of the nut", Flange.side, "right")
-    centring: Bore = key(
+    centring: keys.Bore = key(
         "length of the nut's outside, from the flange on, that fits the bore of the housing", "0 mm", "10 mm"
     )
 
 
-class HeldKeys(Table):
+class HeldKeys(keys.Table):
     """Where the nut is held."""
 
     at: NutHeld | None = key(
@@ -101,8 +67,8 @@ class HeldKeys(Table):
         None,
         "left face",
     )
-    inner_diameter: Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
-    outer_diameter: Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
+    inner_diameter: keys.Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
+    outer_diameter: keys.Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
     centring: Literal["free", "bonded"] = key(
         "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
     )
@@ -114,33 +80,33 @@ class HeldKeys(Table):
     )
 
 
-class NutKeys(GrooveKeys):
+class NutKeys(keys.GrooveKeys):
     """Nut, or outer ring of a bearing; held fixed."""
 
-    position: Station = key("station of the nut's centre along the screw", example="400 mm")
-    length: Size = key("length", example="54 mm")
-    outer_diameter: Size = key("outer diameter", example="48 mm")
-    azimuth: Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
+    position: keys.Station = key("station of the nut's centre along the screw", example="400 mm")
+    length: keys.Size = key("length", example="54 mm")
+    outer_diameter: keys.Size = key("outer diameter", example="48 mm")
+    azimuth: keys.Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
     flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
     held: HeldKeys = key("where the nut is held", HeldKeys(), {"at": "left face"})
-    material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
+    material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
 
 
-Arc = Annotated[list[Azimuth], Field(min_length=2, max_length=2)]
+Arc = Annotated[list[keys.Azimuth], Field(min_length=2, max_length=2)]
 
 
-class BallKeys(BallSizeKeys):
+class BallKeys(keys.BallSizeKeys):
     """Balls: count or filling with turns, count with arcs, or the azimuths one by one."""
 
     model_config = either("radius", "diameter")
 
     diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
-    count: Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)
-    filling: Filling | None = key("part of the turns that the balls would fill if they touched (or count)", None, 0.9)
-    turns: Turns | None = key("turns filled by the balls of each circuit, centred on the nut (zero lead: 1)", None)
+    count: keys.Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)
+    filling: keys.Filling | None = key("part of the turns that the balls would fill if they touched (or count)", None, 0.9)
+    turns: keys.Turns | None = key("turns filled by the balls of each circuit, centred on the nut (zero lead: 1)", None)
     circuits: Annotated[int, Field(ge=1, le=1000)] = key("circuits of each start, one after the other", 1, 3)
     circuit_gap: Gap | None = key("turns without balls from each circuit to the next", None, 0.5)
-    azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
+    azimuths: Annotated[list[keys.Azimuth], Field(min_length=1, max_length=keys.MAX_BALLS)] | None = key(
         "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
     )
     arcs: Annotated[list[Arc], Field(min_length=1, max_length=1000)] | None = key(
@@ -148,7 +114,7 @@ class BallKeys(BallSizeKeys):
         None,
         [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
     )
-    material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
+    material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
 
     @model_validator(mode="before")
     @classmethod
@@ -156,35 +122,35 @@ class BallKeys(BallSizeKeys):
         return with_radius(value, "radius", "diameter")
 
 
-class BallErrorKeys(OversizeKeys):
+class BallErrorKeys(keys.OversizeKeys):
     """Errors of the ball radii."""
 
-    listed: dict[str, Deviation] = key(
+    listed: dict[str, keys.Deviation] = key(
         "added to the radius of single balls, by number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
     )
-    sigma: Spread = key("standard deviation of random radius errors", "0 um", "1 um")
+    sigma: keys.Spread = key("standard deviation of random radius errors", "0 um", "1 um")
     distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
 
 
-class TermKeys(Table):
+class TermKeys(keys.Table):
     """One harmonic of an error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi)."""
 
-    harmonic: Harmonic = key("cycles per turn; may be a fraction")
-    sin: Deviation = key("amplitude of the sine", "0 um", "3 um")
-    cos: Deviation = key("amplitude of the cosine", "0 um", "3 um")
-    sigma: Spread = key("standard deviation of normal draws added to both amplitudes", "0 um", "1 um")
+    harmonic: keys.Harmonic = key("cycles per turn; may be a fraction")
+    sin: keys.Deviation = key("amplitude of the sine", "0 um", "3 um")
+    cos: keys.Deviation = key("amplitude of the cosine", "0 um", "3 um")
+    sigma: keys.Spread = key("standard deviation of normal draws added to both amplitudes", "0 um", "1 um")
 
 
 Terms = Annotated[list[TermKeys], Field(max_length=1000)]
 
 
-class SideKeys(Table):
+class SideKeys(keys.Table):
     """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR)."""
 
-    profile: Annotated[list[Deviation], Field(max_length=7)] = key(
+    profile: Annotated[list[keys.Deviation], Field(max_length=7)] = key(
         "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", [], ["3 um", "-1 um"]
     )
-    profile_sigma: Annotated[list[Spread], Field(max_length=7)] = key(
+    profile_sigma: Annotated[list[keys.Spread], Field(max_length=7)] = key(
         "standard deviations of normal draws added to the coefficients of profile", [], ["1 um", "0 um"]
     )
     pitch: Terms = key("displacement of the groove centre along the screw", [], [{"harmonic": 1, "sin": "3 um"}])
@@ -194,7 +160,7 @@ class SideKeys(Table):
     roundness: Terms = key("displacement of the groove centre along the radius", [], [{"harmonic": 2, "cos": "5 um"}])
 
 
-class ErrorKeys(Table):
+class ErrorKeys(keys.Table):
     """Geometric errors; all are zero if left out."""
 
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of every random error", 0, 2019)
@@ -205,34 +171,50 @@ class ErrorKeys(Table):
     NR: SideKeys = key("nut, right flank", SideKeys(), {"profile": ["3 um"]})
 
 
-class DisplaceKeys(Table):
+class DisplaceKeys(keys.Table):
     """Prescribed displacements and small rotations."""
 
-    ux: Shift | None = key("displacement along x", None)
-    uy: Shift | None = key("displacement along y", None)
-    uz: Shift | None = key("displacement along z", None)
-    rx: Turn | None = key("rotation about x", None)
-    ry: Turn | None = key("rotation about y", None)
-    rz: Turn | None = key("rotation about z", None)
+    ux: keys.Shift | None = key("displacement along x", None)
+    uy: keys.Shift | None = key("displacement along y", None)
+    uz: keys.Shift | None = key("displacement along z", None)
+    rx: keys.Turn | None = key("rotation about x", None)
+    ry: keys.Turn | None = key("rotation about y", None)
+    rz: keys.Turn | None = key("rotation about z", None)
+
+    @property
+    def given(self) -> dict[str, float]:
+        """Displacements [m] and rotations [rad] by freedom, those that are given."""
+        return self.model_dump(exclude_none=True)
 
 
-class SupportKeys(Table):
+class SupportKeys(keys.Table):
     """Support of the screw at one station."""
 
-    at: Station = key("station along the screw", example="0 mm")
-    fix: Annotated[list[Freedom], Field(max_length=6)] = key("freedoms held at zero", [], ["ux", "uy", "uz"])
+    at: keys.Station = key("station along the screw", example="0 mm")
+    fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "uz"])
     displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"ux": "300 um"})
 
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Freedoms that it holds, fixed ones first."""
+        return (*self.fix, *self.displace.given)
 
-class LoadKeys(Table):
+
+class LoadKeys(keys.Table):
     """Load on the screw at one station, applied on the axis."""
 
-    at: Station = key("station along the screw", example="0 mm")
-    force: Forces = key("force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: Moments = key("moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    at: keys.Station = key("station along the screw", example="0 mm")
+    force: keys.Forces = key("force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: keys.Moments = key("moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
-class IngredientKeys(Table):
+Supports = Annotated[list[SupportKeys], Field(max_length=1000)]
+Loads = Annotated[list[LoadKeys], Field(max_length=1000)]
+#: Example of loads, and of a case.
+LOADED, CASE = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}], [{"name": "cutting", "share": 1.0}]
+
+
+class IngredientKeys(keys.Table):
     """Which parts of the low-order model are used."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
@@ -244,7 +226,7 @@ class IngredientKeys(Table):
     partition: Literal["nodal", "source", "uniform"] = key(
         "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length", "nodal", "source"
     )
-    element_length: Element = key('length of the elements in the nut, for partition = "uniform"', "1 mm")
+    element_length: keys.Element = key('length of the elements in the nut, for partition = "uniform"', "1 mm")
     section: Literal["groove", "groove squared", "full"] = key(
         "beam section: diameters scaled by k_r (Lin C.8), by k_r without the root, or full", "groove", "full"
     )
@@ -255,13 +237,15 @@ class IngredientKeys(Table):
     )
 
 
-class SolidKeys(Table):
+class SolidKeys(keys.Table):
     """What the 3D reference needs beyond the low-order model; a key left out stands for an assumption, which is printed."""
 
-    nut_inner_diameter: Size | None = key("diameter of the nut's lands; mirrors the screw's if left out", None, "34 mm")
-    hole_diameter: Size | None = key("hole along the meshed screw where it has no bore", None, "3 mm")
-    shaft: Station | None = key("length of 3D shaft beyond each face of the nut; a beam continues it", None, "20 mm")
-    shaft_diameter: Size | None = key(
+    nut_inner_diameter: keys.Size | None = key(
+        "diameter of the nut's lands; mirrors the screw's if left out", None, "34 mm"
+    )
+    hole_diameter: keys.Size | None = key("hole along the meshed screw where it has no bore", None, "3 mm")
+    shaft: keys.Station | None = key("length of 3D shaft beyond each face of the nut; a beam continues it", None, "20 mm")
+    shaft_diameter: keys.Size | None = key(
         "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
     )
     nut_held: NutHeld | None = key("former key of nut.held.at", None, "left face")
@@ -276,15 +260,17 @@ class SolidKeys(Table):
     )
 
 
-class FrictionKeys(Table):
+class FrictionKeys(keys.Table):
     """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
 
-    coefficient: Coefficient | None = key(
+    coefficient: keys.Coefficient | None = key(
         "coefficient of friction of ball on groove; zero is allowed; needed unless screw and nut are given", None, 0.1
     )
-    screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
-    nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
-    balls: Coefficient | None = key("coefficient from ball to ball, where it is not the larger one of the grooves", None)
+    screw: keys.Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
+    nut: keys.Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
+    balls: keys.Coefficient | None = key(
+        "coefficient from ball to ball, where it is not the larger one of the grooves", None
+    )
     feedback: bool = key(
         "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
         Friction.feedback,
@@ -300,32 +286,34 @@ class FrictionKeys(Table):
         None,
         "ball",
     )
-    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+    assumed: keys.Sentences = key(
         "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
     )
 
 
-class CirculationKeys(Table):
+class CirculationKeys(keys.Table):
     """How the balls of a screw go round, for: rollbench friction."""
 
     circuits: Annotated[int, Field(ge=1, le=1000)] = key("closed circuits that share the balls of each start equally", 1, 1)
-    turns: Turns | None = key(
+    turns: keys.Turns | None = key(
         "loaded turns of each start, all circuits together; left out: those that its balls fill", None
     )
-    returning: Annotated[int, Field(ge=0, le=MAX_BALLS)] = key("balls in the return of each circuit", 0, 4)
-    gap: Clearance | None = key("mean clearance between neighbouring balls along a circuit (or filling)", None, "50 um")
-    filling: Filling | None = key("part of a circuit that its balls would fill if they touched (or gap)", None, 0.8)
+    returning: Annotated[int, Field(ge=0, le=keys.MAX_BALLS)] = key("balls in the return of each circuit", 0, 4)
+    gap: keys.Clearance | None = key(
+        "mean clearance between neighbouring balls along a circuit (or filling)", None, "50 um"
+    )
+    filling: keys.Filling | None = key("part of a circuit that its balls would fill if they touched (or gap)", None, 0.8)
 
 
-class TimeKeys(Table):
+class TimeKeys(keys.Table):
     """A run in time, for: rollbench friction. Give angle or duration."""
 
-    angle: Travel | None = key("angle that the part that turns covers", None, "360 deg")
-    duration: Duration | None = key("duration (or angle)", None, "1 s")
+    angle: keys.Travel | None = key("angle that the part that turns covers", None, "360 deg")
+    duration: keys.Duration | None = key("duration (or angle)", None, "1 s")
     steps: Annotated[int, Field(ge=1, le=100_000)] | None = key(
         "number of steps, from 4; left out: as many as keep the errors of the steps below goal", None, 200
     )
-    goal: StepGoal = key(
+    goal: keys.StepGoal = key(
         "largest error of the steps, as a part of the mean friction torque: beyond it the run has not converged", 0.01, 0.01
     )
     output: Literal["balls", "torque"] = key(
@@ -333,7 +321,7 @@ class TimeKeys(Table):
     )
 
 
-class PreloadKeys(Table):
+class PreloadKeys(keys.Table):
     """Preload of one nut: in four-point contact by force or oversize (instead of errors.balls.oversize), or in two-point
     contact by a lead offset of its halves. Give one of the three."""
 
@@ -343,45 +331,43 @@ class PreloadKeys(Table):
         None,
         "500 N",
     )
-    oversize: Deviation | None = key("added to every ball's radius", None, "3 um")
-    lead_offset: Deviation | None = key(
+    oversize: keys.Deviation | None = key("added to every ball's radius", None, "3 um")
+    lead_offset: keys.Deviation | None = key(
         "shift of the nut's groove beyond its centre along the axis, against the rest, the step between two balls: one at "
         "the centre counts to the half before it (two nuts: [[sets]] with an offset)",
         None,
     )
 
 
-class GateKeys(Table):
+class GateKeys(keys.Table):
     """Limits of this scene for: rollbench check."""
 
     max_error: Percent | None = key("limit of the error of any contact load against the 3D reference, in per cent", None, 7)
     rms_error: Percent | None = key("limit of the RMS error of the contact loads, in per cent of the mean load", None, 3)
 
 
-class CaseSupportKeys(Table):
+class CaseSupportKeys(keys.Table):
     """Displacements of one of the scene's supports in a case."""
 
-    at: Station = key("station of the support in the scene", example="0 mm")
+    at: keys.Station = key("station of the support in the scene", example="0 mm")
     displace: DisplaceKeys = key("values of freedoms that the support holds", example={"ux": "300 um"})
 
 
-class CaseKeys(Table):
+class CaseKeys(keys.Table):
     """One of several load cases of the same parts: what differs from the scene, and its share of the revolutions."""
 
-    name: Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
+    name: keys.Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
     share: Share | None = key("part of the revolutions; 0: static check only; all cases together 1", None, 0.5)
     time: CaseTime | None = key("time in one duty cycle, from which the share follows (with speed)", None, "2 s")
-    speed: Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
-    loads: Annotated[list[LoadKeys], Field(max_length=1000)] | None = key(
-        "loads in place of the scene's", None, [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
-    )
+    speed: keys.Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
+    loads: Loads | None = key("loads in place of the scene's", None, LOADED)
     supports: Annotated[list[CaseSupportKeys], Field(max_length=1000)] = key(
         "other displacements of the scene's supports", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
-    oversize: Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
+    oversize: keys.Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
 
 
-class SceneKeys(HeadKeys):
+class SceneKeys(keys.HeadKeys):
     """One whole ball screw or bearing in one load case or several. Lengths, forces and angles are texts with a unit."""
 
     kind: Literal["ball screw", "bearing"] | None = key("what is described; by the lead if left out", None, "ball screw")
@@ -391,25 +377,19 @@ class SceneKeys(HeadKeys):
         "referenced",
     )
     members: Annotated[int, Field(ge=1, le=100_000)] = key("number of draws of the random errors", 1, 200)
-    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), MATERIAL)
+    material: keys.MaterialKeys = key("material of every part that gives none", keys.MaterialKeys(), keys.MATERIAL)
     track: TrackKeys = key("path of the ball centres")
     screw: ScrewKeys = key("screw shaft, or inner ring")
     nut: NutKeys = key("nut, or outer ring")
     balls: BallKeys = key("balls")
     errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
-    supports: Annotated[list[SupportKeys], Field(max_length=1000)] = key(
-        "supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}]
-    )
-    loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
-        "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
-    )
-    cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key(
-        "load cases of the same parts", [], [{"name": "cutting", "share": 1.0}]
-    )
+    supports: Supports = key("supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}])
+    loads: Loads = key("loads on the screw", [], LOADED)
+    cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
     ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
     solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+    motion: keys.MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
     circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
     time: TimeKeys | None = key("run in time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})

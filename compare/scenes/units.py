@@ -24,38 +24,18 @@ DIMENSIONS = {
     "number": ("", "0.28"),
 }
 
-#: unit: (dimension, factor to SI as exact decimal text or fraction; degrees are turned by ``math.radians``).
-COMMON = {
-    "m": ("length", "1"),
-    "cm": ("length", "1e-2"),
-    "mm": ("length", "1e-3"),
-    "um": ("length", "1e-6"),
-    "nm": ("length", "1e-9"),
-    "in": ("length", "0.0254"),
-    "inch": ("length", "0.0254"),
-    "N": ("force", "1"),
-    "kN": ("force", "1e3"),
-    "MN": ("force", "1e6"),
-    "lbf": ("force", "4.4482216152605"),
-    "Pa": ("pressure", "1"),
-    "kPa": ("pressure", "1e3"),
-    "MPa": ("pressure", "1e6"),
-    "GPa": ("pressure", "1e9"),
-    "rad": ("angle", "1"),
-    "mrad": ("angle", "1e-3"),
-    "deg": ("angle", "deg"),
-    "N m": ("moment", "1"),
-    "N mm": ("moment", "1e-3"),
-    "kN m": ("moment", "1e3"),
-    "lbf in": ("moment", "0.1129848290276167"),
-    "N/m": ("stiffness", "1"),
-    "N/mm": ("stiffness", "1e3"),
-    "N/um": ("stiffness", "1e6"),
-    "lbf/in": ("stiffness", "4.4482216152605/0.0254"),
-    "psi": ("pressure", "4.4482216152605/0.00064516"),
-    "K": ("temperature difference", "1"),
-    "degF": ("temperature difference", "5/9"),
+#: By dimension, units with their factor to SI as exact decimal text or fraction; degrees are turned by ``math.radians``.
+_FACTORS = {
+    "length": {"m": "1", "cm": "1e-2", "mm": "1e-3", "um": "1e-6", "nm": "1e-9", "in": "0.0254", "inch": "0.0254"},
+    "force": {"N": "1", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
+    "pressure": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9", "psi": "4.4482216152605/0.00064516"},
+    "angle": {"rad": "1", "mrad": "1e-3", "deg": "deg"},
+    "moment": {"N m": "1", "N mm": "1e-3", "kN m": "1e3", "lbf in": "0.1129848290276167"},
+    "stiffness": {"N/m": "1", "N/mm": "1e3", "N/um": "1e6", "lbf/in": "4.4482216152605/0.0254"},
+    "temperature difference": {"K": "1", "degF": "5/9"},
 }
+#: Dimension and factor of each unit.
+COMMON = {unit: (of, factor) for of, factors in _FACTORS.items() for unit, factor in factors.items()}
 
 _RADIAN = "radian"
 _BASE = {  # pint's base units of each dimension

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.sparse as sp
-from rollbench.hifi.linear_algebra.response import compliance
 
 from rollbench.hifi.bodies.coarse import isostatic, rigid_loads
 from rollbench.hifi.contact.block import boussinesq
@@ -19,6 +18,7 @@ from rollbench.hifi.elements import assembly
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import contact_weights, mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.rolling.regular import monomials
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.contact_bodies import ContactBody, Zone, half_space

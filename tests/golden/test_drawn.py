@@ -26,8 +26,7 @@ from tests.rolling_scenes import linear_pair, screw_pair
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate import further, judged, verdict
-from rollbench.comparison.models import axis_answers
-from rollbench.comparison.models.answers import gather
+from rollbench.comparison.models.answers import gather, gather_axis
 from rollbench.comparison.models.comparison import REFERENCED, from_result
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
@@ -179,7 +178,7 @@ def solved(text: str, model: str) -> Any:
     described = scene_file.read(text, "drawn.toml")
     if isinstance(described, Assembly):
         several = run_model(described, model, COMPILED)
-        return (several, axis_answers.gather(described, several)) if several.converged else several
+        return (several, gather_axis(described, several)) if several.converged else several
     scene = scene_file.whole(described, "drawn.toml")
     result = run_model(scene, model, COMPILED)
     return (result, gather(scene, result, model, COMPILED)) if result.converged else result

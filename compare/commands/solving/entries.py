@@ -11,7 +11,7 @@ from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import shown
 
 if TYPE_CHECKING:
-    from rollbench.comparison.models.axis_answers import AxisAnswers
+    from rollbench.comparison.models.answers import AxisAnswers
 
 #: Width of the labels of the block.
 LABEL = 10

@@ -35,7 +35,7 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.comparison.models.axis_answers import SetAnswers
+    from rollbench.comparison.models.answers import SetAnswers
 
 #: Units of the six motions in results, and factors to them.
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))

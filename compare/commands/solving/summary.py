@@ -19,7 +19,7 @@ from rollbench.meshes.loads import counted, mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:
-    from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+    from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
 
 CONTACT = (
     quantity("ball"),

@@ -5,5 +5,5 @@ from rollbench.comparison.registration import Part, Registration
 REGISTRATION = Registration(
     needs=("bearings", "evidence", "friction"),
     parts=(Part("outside", "sources.makers.section", page="outside"),),
-    functions={"outside": "sources.makers.values:first_page"},
+    functions={"outside": "sources.makers.section:first_page"},
 )

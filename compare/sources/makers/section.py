@@ -8,29 +8,63 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.makers.laws import nuts, torque
-from rollbench.comparison.sources.makers.outside import MEASURED, Outside, Standing, every, grouped, standing, summary
+from rollbench.comparison.sources.makers import outside
+from rollbench.comparison.sources.makers.laws import bearings, nuts, programs, torque
 from rollbench.comparison.sources.makers.tables import tables
-from rollbench.comparison.sources.makers.values import outside_values
 from rollbench.lowfi.rating.rigidity import PRACTICE
+from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 TITLE = "Outside values: makers' tables, measurements, other programs"
+#: Order of quantities in tables; others follow.
+ORDER = ("contact load", "displacement", "pressure", "torque", "rigidity", "rating", "preload")
+LAWS = (
+    bearings.sets,
+    bearings.ball_bearings,
+    bearings.printed_balls,
+    bearings.frozen_pairs,
+    nuts.nut_ratings,
+    nuts.nut_rigidity,
+    nuts.preloaded_nuts,
+    torque.printed_torques,
+    torque.measured,
+)
 
 
-def _of(found: Sequence[Outside], quantity: str, law: str = "", maker: str = "") -> Standing:
+def outside_values(study: Study) -> tuple[outside.Outside, ...]:
+    """Every outside value, by quantity."""
+    return study.once(_computed)
+
+
+def _computed(study: Study) -> tuple[outside.Outside, ...]:
+    found = [*programs.printed_elsewhere(study), *programs.calculix(study), *(x for law in LAWS for x in law())]
+    rank = {name: k for k, name in enumerate(ORDER)}
+    return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
+
+
+def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
+    """Number of outside values, bias and scatter, by quantity: columns for the first page's table."""
+    return outside.by_quantity(outside_values(study))
+
+
+def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = "") -> outside.Standing:
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
-    result = standing(values)
+    result = outside.standing(values)
     assert result is not None
     return result
 
 
-def conclusion(found: Sequence[Outside]) -> str:
+def _clearances_off(found: Sequence[outside.Outside]) -> Array:
+    """Computed less printed clearances [um]."""
+    clearances = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
+    return np.array([x.computed.value - x.value for x in clearances])
+
+
+def conclusion(found: Sequence[outside.Outside]) -> str:
     """How many values there are, and how far the computed ones lie off where nothing is free."""
     judged = [x for x in found if not x.left]
     clear = _of(found, "displacement", "bearing whose angle turns")
-    of_clear = [x for x in judged if x.quantity == "displacement" and x.unit == "um" and x.scale]
-    off = np.array([x.computed.value - x.value for x in of_clear])
+    off = _clearances_off(found)
     sets = [_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
     within = sum(x.verdict == "in the band" for x in judged)
     return (
@@ -44,11 +78,10 @@ def conclusion(found: Sequence[Outside]) -> str:
     )
 
 
-def clearances(found: Sequence[Outside]) -> str:
+def clearances(found: Sequence[outside.Outside]) -> str:
     """How NSK's clearances and rigidities are defined, as far as computed values show."""
     stiff = _of(found, "rigidity", "bearing whose angle turns")
-    of_clear = [x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale]
-    off = np.array([x.computed.value - x.value for x in of_clear])
+    off = _clearances_off(found)
     return (
         "NSK's axial clearances are called measured, but are computed with a contact angle that turns under "
         "load: with balls from the ratings and the conformity from one rigidity of each bearing, "
@@ -57,16 +90,16 @@ def clearances(found: Sequence[Outside]) -> str:
     )
 
 
-def why_softer(found: Sequence[Outside]) -> str:
+def why_softer(found: Sequence[outside.Outside]) -> str:
     """What explains that printed rigidities of nuts are below the computed ones, and what does not."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
-    rest = grouped(most, "maker")
+    rest = outside.grouped(most, "maker")
     after = {key: [float(error_percent(x.practice or 0.0, x.value)) for x in one] for key, one in rest.items()}
     means = [float(np.mean(errors)) for errors in after.values()]
     close = sum(abs(error) <= 10.0 for errors in after.values() for error in errors)
-    bare = standing(most)
-    rex = standing([x for x in judged if x.maker == "Rexroth"])
+    bare = outside.standing(most)
+    rex = outside.standing([x for x in judged if x.maker == "Rexroth"])
     assert bare is not None
     assert rex is not None
     return (
@@ -80,7 +113,7 @@ def why_softer(found: Sequence[Outside]) -> str:
     )
 
 
-def balls_counted(found: Sequence[Outside]) -> str:
+def balls_counted(found: Sequence[outside.Outside]) -> str:
     """Number of loaded balls that the ratings imply."""
     shares = dict[str, list[tuple[float, float]]]()
     for source in tables("nuts-"):
@@ -106,7 +139,7 @@ def balls_counted(found: Sequence[Outside]) -> str:
     )
 
 
-def drag(found: Sequence[Outside]) -> str:
+def drag(found: Sequence[outside.Outside]) -> str:
     """Which of the makers' formulas agrees with sliding balls, and the measured screws."""
     rows = torque.sweep()
     leads = [r.lead for r in rows]
@@ -119,7 +152,7 @@ def drag(found: Sequence[Outside]) -> str:
         for d in (False, True)
     ]
     least = [float(np.median([r.least[k] / getattr(r, key) for r in rows])) for k, key in enumerate(("single", "double"))]
-    cases = [x for x in found if x.cls == MEASURED]
+    cases = [x for x in found if x.cls == outside.MEASURED]
     one = cases[0]
     words = ", ".join(f"{x.value:g} {x.item.split(', ')[1]}" for x in cases)
     return (
@@ -156,10 +189,10 @@ def sweep_table() -> Table:
     return Table.of("outside-drag", "Drag torque over preload times nominal diameter", rows, note)
 
 
-def figure(found: Sequence[Outside]) -> Figure:
+def figure(found: Sequence[outside.Outside]) -> Figure:
     """Computed over printed value, by maker, for what has no band of percents."""
     series = []
-    for (quantity,), values in grouped([x for x in found if not x.left and not x.scale], "quantity").items():
+    for (quantity,), values in outside.grouped([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
@@ -173,8 +206,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     found = outside_values(study)
     items = (
         Text((clearances(found), why_softer(found), balls_counted(found), drag(found))),
-        summary(found),
+        outside.summary(found),
         figure(found),
         sweep_table(),
     )
-    return Section("outside", TITLE, (*items, every(found)), conclusion=conclusion(found))
+    return Section("outside", TITLE, (*items, outside.every(found)), conclusion=conclusion(found))

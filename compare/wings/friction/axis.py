@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis_answers import solve_sets
+from rollbench.comparison.models.answers import solve_sets
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction import output

@@ -11,9 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import load_answers
+from rollbench.comparison.models.answers import load_answers, outside
 from rollbench.comparison.models.loading import preload
-from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.scene_file import kind_of

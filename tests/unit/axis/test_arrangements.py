@@ -7,7 +7,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.arrangement import preload_of_set
+from rollbench.comparison.scenes.axis_file import preload_of_set
 from rollbench.comparison.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
 from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium

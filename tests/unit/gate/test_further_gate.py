@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.columns import Column, column
 from rollbench.comparison.gate.further import not_judged, value_verdict
 from rollbench.comparison.gate.judged import (
     APPROACH,
@@ -20,7 +19,7 @@ from rollbench.comparison.gate.judged import (
     hertz_of,
     parse_limits,
 )
-from rollbench.comparison.gate.loads_file import read_loads
+from rollbench.comparison.gate.loads_file import Column, column, read_loads
 from rollbench.comparison.gate.user import asked, check_scenes
 from rollbench.comparison.gate.values_file import GivenValue, read_values
 from rollbench.comparison.gate.verdict import LARGEST, Limits, Verdict

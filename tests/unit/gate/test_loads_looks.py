@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.gate.loads_looks import NEAR, UNITS, looks
+from rollbench.comparison.gate.verdict import ALIKE, UNITS, looks
 
 FLANKS = ("SL", "NR")
 NEWTONS = {"kilonewtons": 1e3, "pounds": 0.45359237 * 9.80665, "kiloponds": 9.80665, "millinewtons": 1e-3}
@@ -22,7 +22,7 @@ def test_units_are_those_of_their_definitions():
 
 
 @pytest.mark.parametrize("unit", UNITS)
-@pytest.mark.parametrize(("share", "seen"), [(1.0 - 0.99 * NEAR, True), (1.0 + 1.01 * NEAR, False)])
+@pytest.mark.parametrize(("share", "seen"), [(1.0 - 0.99 * ALIKE, True), (1.0 + 1.01 * ALIKE, False)])
 def test_a_sum_near_that_in_another_unit_is_told(unit, share, seen):
     for size in (1.0, 1e-5):
         said = looks(size * share * loads() / NEWTONS[unit], size * loads(), FLANKS, 7.0)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.models.compared_point import SectionAnswer, pull, rigidity
-from rollbench.comparison.models.comparison import finest_bodies
+from rollbench.comparison.models.compared_point import SectionAnswer, pull, rigidity, section
+from rollbench.comparison.models.comparison import finest_bodies, from_result, from_run
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
@@ -29,7 +29,7 @@ def test_at_the_nut_s_centre_the_same_bodies_seem_stiffer(name, model, outside, 
     scene, found = STUDY.scene(name), STUDY.reference(name)
     bodies = finest_bodies(scene, found, (shipped_store(),)) if model == "condensed" else None
     result, run = run_model(scene, model, Options(discretisation=False, condensed=bodies)), found.best
-    at_load = SectionAnswer.of_result(scene, result).moved / SectionAnswer.of_run(scene, run).moved - 1.0
+    at_load = section(scene, from_result(result)).moved / section(scene, from_run(run, "")).moved - 1.0
     place, line = scene.nut.position, run.centreline
     inside = np.interp(place, result.centreline_z, result.centreline[:, 2]) / np.interp(place, line[:, 0], line[:, 3]) - 1.0
     assert (100.0 * at_load, 100.0 * inside) == (pytest.approx(outside, abs=0.05), pytest.approx(centre, abs=0.1))

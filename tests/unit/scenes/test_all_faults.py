@@ -4,8 +4,8 @@ import pytest
 
 from rollbench.comparison.errors import SceneError
 from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.mending import WORDS, hint
 from rollbench.comparison.scenes.template import template
-from rollbench.comparison.scenes.words import WORDS, hint
 
 GOOD = template()
 

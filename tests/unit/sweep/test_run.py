@@ -11,8 +11,7 @@ from math import tau
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.answers import gather
-from rollbench.comparison.models.axis_answers import gather as axis_gather
+from rollbench.comparison.models.answers import gather, gather_axis
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import scene_file
@@ -207,7 +206,7 @@ def test_the_mean_load_of_a_sample_is_that_of_solve():
 def test_several_sets_have_the_same_outputs():
     found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
-    answers = axis_gather(assembly, run_model(assembly, "lin"))
+    answers = gather_axis(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)

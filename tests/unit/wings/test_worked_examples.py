@@ -106,8 +106,8 @@ def test_a_key_of_the_scene_takes_three_places(tree, tmp_path):
     """Record with its frozen default, schema, template: read with its unit, refused with another, no stored run lost."""
     change(tree, "meshes/parts.py", r"(class Track:(?:.|\n)*?    phase: float = 0.0\n)", r"\1    wear: float = 0.0\n")
     change(tree, "meshes/frozen_defaults.py", r'("Track": \{[^}]*?),?\s*\}', r'\1, "wear": "0"}')
-    line = '    wear: Deviation = key("depth that the track has lost", "0 um", "2 um")\n'
-    change(tree, "compare/scenes/schema.py", r'(    phase: Azimuth = key\("azimuth of the helix[^\n]*\n)', rf"\1{line}")
+    line = '    wear: keys.Deviation = key("depth that the track has lost", "0 um", "2 um")\n'
+    change(tree, "compare/scenes/schema.py", r'(    phase: keys.Azimuth = key\("azimuth of the [^\n]*\n)', rf"\1{line}")
     change(tree, "compare/template.toml", r"(?m)^(# starts = 1)", r'# wear = "0 um"\n\1')
     assert '"wear"' in rollbench(tree, "schema", cwd=tmp_path).stdout
     rollbench(tree, "new", "my.toml", cwd=tmp_path)

@@ -10,20 +10,7 @@ import numpy as np
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.smith.evidence.case import (
-    BALL_TORQUE_LOAD,
-    INCH,
-    INCH_POUND,
-    POUND,
-    POUND_PER_INCH,
-    PRELOAD,
-    RPM,
-    SHEET_LOAD,
-    SPEED,
-    VISCOSITY,
-    ball_bearing,
-    bearing_set,
-)
+from rollbench.comparison.sources.smith.evidence import case
 from rollbench.comparison.wings.evidence.entries import Entries
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.bearings import as_printed
@@ -35,31 +22,8 @@ from rollbench.lowfi.bearings.torque import load_torque, static_rating, viscous_
 SHEET_DIFFERENCE = 0.9013479
 #: The sheet's newtons to a pound.
 SHEET_POUND = 4.448
-#: Curvature differences of table 2-1.
-DIFFERENCES = (
-    0.0,
-    0.1075,
-    0.3204,
-    0.4795,
-    0.5916,
-    0.6716,
-    0.7332,
-    0.7948,
-    0.83495,
-    0.87366,
-    0.90999,
-    0.93657,
-    0.95738,
-    0.97290,
-    0.983797,
-    0.990902,
-    0.995112,
-    0.997300,
-    0.9981847,
-    0.9989156,
-    0.9994785,
-    0.9998527,
-)
+#: Curvature differences of table 2-1, its inputs.
+DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))
 #: Curvature differences that approach the line contact.
 NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
@@ -67,13 +31,13 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 @cache
 def state(load: float) -> ThrustState:
     """The bearing under a thrust [N], right."""
-    return thrust_state(ball_bearing(), displacement(ball_bearing(), load))
+    return thrust_state(case.ball_bearing(), displacement(case.ball_bearing(), load))
 
 
 @cache
 def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Sheet:
     """Figure 2-10 at a thrust [lbf]."""
-    b = ball_bearing()
+    b = case.ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
     return as_printed.sheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
@@ -100,7 +64,7 @@ def table_2_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
 
 
 def _inputs(e: Entries) -> None:
-    b = ball_bearing()
+    b = case.ball_bearing()
     lengths = {
         "D": b.ball_diameter,
         "d_i": b.inner_raceway,
@@ -111,21 +75,23 @@ def _inputs(e: Entries) -> None:
         "P_d": b.clearance,
     }
     for key, value in lengths.items():
-        e.number(key, value / INCH)
+        e.number(key, value / case.INCH)
         e.number(f"{key}_mm", 1e3 * value)
-    e.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
+    e.numbers({"Z": float(b.balls), "F": case.SHEET_LOAD / case.POUND, "F_p": case.PRELOAD / case.POUND, "stretch": 2000.0})
     e.numbers({"B": b.centre_distance / b.ball_diameter, "alpha_0": degrees(b.free_angle)})
-    e.number("alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(SHEET_LOAD).angle)):.2f} deg under 2040 lbf")
+    e.number(
+        "alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(case.SHEET_LOAD).angle)):.2f} deg under 2040 lbf"
+    )
 
 
 def _cells(e: Entries) -> None:
     """Cells of figure 2-10 that depend on the contact angle under load."""
-    source, s = sheet(SHEET_LOAD / POUND), state(SHEET_LOAD)
+    source, s = sheet(case.SHEET_LOAD / case.POUND), state(case.SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
-    e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
-    e.number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
+    e.number("F_N", case.SHEET_LOAD, as_printed=SHEET_POUND * case.SHEET_LOAD / case.POUND)
+    e.number("Q", q / case.POUND, as_printed=source.ball_load / SHEET_POUND)
     e.number("Q_N", q, as_printed=source.ball_load)
-    pairs = curvatures(ball_bearing(), s.angle)
+    pairs = curvatures(case.ball_bearing(), s.angle)
     for i, (name, pair, h) in enumerate(zip("io", pairs, (s.inner, s.outer), strict=True)):
         across, along = (1e-3 * float(k) for k in pair)
         difference = (along - across) / (along + across)
@@ -136,11 +102,11 @@ def _cells(e: Entries) -> None:
     e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=source.stiffness)
     e.number("alpha", degrees(angle), as_printed=degrees(source.angle))
     e.number("alpha_rad", angle, as_printed=source.angle)
-    e.number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
-    inner, outer = (float(a) / INCH**2 for a in s.areas())
+    e.number("delta_a", float(s.displacement) / case.INCH, as_printed=source.deflection / 25.4)
+    inner, outer = (float(a) / case.INCH**2 for a in s.areas())
     words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {e.printed('area') / inner:.1f} times"
     e.number("area", inner, words)
-    slope = float(s.stiffness) / POUND_PER_INCH
+    slope = float(s.stiffness) / case.POUND_PER_INCH
     e.number(
         "S_2040",
         slope,
@@ -153,12 +119,18 @@ def _triplex(e: Entries) -> None:
     """Section 2.1.2."""
     for load in (1500.0, 1020.0):
         e.number(
-            f"delta_{load:.0f}", float(state(load * POUND).displacement) / INCH, as_printed=sheet(load).deflection / 25.4
+            f"delta_{load:.0f}",
+            float(state(load * case.POUND).displacement) / case.INCH,
+            as_printed=sheet(load).deflection / 25.4,
         )
-    e.number("gap", 2.0 * float(state(PRELOAD).displacement) / INCH, as_printed=2.0 * sheet(1500.0).deflection / 25.4)
-    triplex = bearing_set("ball", "left")
-    ready, pulled = equilibrium(triplex).loads / POUND, equilibrium(triplex, 2000.0 * POUND).loads / POUND
-    e.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
+    e.number(
+        "gap", 2.0 * float(state(case.PRELOAD).displacement) / case.INCH, as_printed=2.0 * sheet(1500.0).deflection / 25.4
+    )
+    triplex = case.bearing_set("ball", "left")
+    ready, pulled = equilibrium(triplex).loads / case.POUND, equilibrium(triplex, 2000.0 * case.POUND).loads / case.POUND
+    e.numbers(
+        {"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * case.POUND / case.PRELOAD)}
+    )
     e.number("stretch_end", 2000.0, as_printed=1000.0)
     shared = as_printed.shared_loads((1020.0, 1020.0, 2040.0), (1, 1, -1), 1000.0)
     words = "equilibrium under the shaft's whole tension, 2000 lbf, at the end"
@@ -200,7 +172,7 @@ def section_2_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     e = Entries("smith-2.2")
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
-    right = np.array([float(state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
+    right = np.array([float(state(float(n) * case.POUND).stiffness) / case.POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
         e.number(f"measured_{n}", float(value))
         e.number(f"theory_{n}", float(value), as_printed=sheet_tangent(float(n)))
@@ -221,19 +193,28 @@ def section_2_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
 def section_2_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Torque of the ball bearing."""
     e = Entries("smith-2.3")
-    b = ball_bearing()
-    e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
-    e.number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
-    viscous = viscous_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
+    b = case.ball_bearing()
+    e.numbers(
+        {
+            "nu": 1e6 * case.VISCOSITY,
+            "n": case.SPEED / case.RPM,
+            "f_0": 2.0,
+            "F": case.BALL_TORQUE_LOAD / case.POUND,
+            "Y_0": 0.3,
+            "X_0": 0.5,
+        }
+    )
+    e.number("F_kg", case.BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
+    viscous = viscous_torque(2.0, b.pitch_diameter, case.VISCOSITY, case.SPEED) / case.INCH_POUND
     e.number("M_0", viscous)
-    product = 1e6 * VISCOSITY * SPEED / RPM
+    product = 1e6 * case.VISCOSITY * case.SPEED / case.RPM
     e.claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
-    s = state(BALL_TORQUE_LOAD)
+    s = state(case.BALL_TORQUE_LOAD)
     (across, along), _ = curvatures(b, s.angle)
     rating = static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
-    loaded = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
-    whole = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
-    three = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
+    loaded = load_torque(case.BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / case.INCH_POUND
+    whole = load_torque(case.BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / case.INCH_POUND
+    three = load_torque(case.BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / case.INCH_POUND
     words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}"
     e.number("M_1", loaded, words)
     words = f"computed: {viscous:.2f} + {loaded:.2f} = {viscous + loaded:.2f} in-lb"

@@ -11,17 +11,7 @@ import numpy as np
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.smith.evidence.case import (
-    APPLIED,
-    DIRECTIONS,
-    INCH,
-    POUND,
-    POUND_PER_INCH,
-    STRETCH,
-    axis,
-    ball_bearing,
-    bearing_set,
-)
+from rollbench.comparison.sources.smith.evidence import case
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import BallRow
 from rollbench.lowfi.bearings.axis import shaft_stiffness
@@ -30,7 +20,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.roots import brentq
 
 #: Station of the left end's middle [m], and positions of the nut over the length between the ends.
-FIRST, PLACES = 2.0 * INCH, (0.1, 0.5, 0.9)
+FIRST, PLACES = 2.0 * case.INCH, (0.1, 0.5, 0.9)
 
 
 @dataclass(frozen=True)
@@ -46,15 +36,15 @@ class Layout:
     def rows(self, end: str) -> BearingSet:
         """Rows of an end by their laws."""
         directions = self.left if end == "left" else self.right
-        if directions == DIRECTIONS[self.kind][end]:
-            return bearing_set(self.kind, end)
-        return arrangement(BallRow(ball_bearing()), directions, 0.0)
+        if directions == case.DIRECTIONS[self.kind][end]:
+            return case.bearing_set(self.kind, end)
+        return arrangement(BallRow(case.ball_bearing()), directions, 0.0)
 
 
-TRIPLEX = Layout("smith-axis", "triplex, fixed-fixed", "ball", *DIRECTIONS["ball"].values())
-SUPPORTED = Layout("smith-axis-supported", "triplex, fixed-supported", "ball", DIRECTIONS["ball"]["left"], ())
+TRIPLEX = Layout("smith-axis", "triplex, fixed-fixed", "ball", *case.DIRECTIONS["ball"].values())
+SUPPORTED = Layout("smith-axis-supported", "triplex, fixed-supported", "ball", case.DIRECTIONS["ball"]["left"], ())
 TANDEM = Layout("smith-axis-tandem", "tandem pairs, fixed-fixed", "ball", (1, 1), (1, 1))
-TAPERED = Layout("smith-axis-taper", "two-row tapered, fixed-fixed", "taper", *DIRECTIONS["taper"].values())
+TAPERED = Layout("smith-axis-taper", "two-row tapered, fixed-fixed", "taper", *case.DIRECTIONS["taper"].values())
 LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 
@@ -68,12 +58,12 @@ class Ends:
 
 
 @cache
-def by_formulas(layout: Layout, place: float, applied: float = APPLIED) -> Ends:
+def by_formulas(layout: Layout, place: float, applied: float = case.APPLIED) -> Ends:
     """Rows by their laws, all of an end at one place, and a bar: the stretch is that of the ends, preload included.
 
     place: of the nut over the length; applied: force [N] on the screw there, towards the left end.
     """
-    a, first = axis(), layout.rows("left")
+    a, first = case.axis(), layout.rows("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
     if not layout.right:
         k = equilibrium(first, -applied).stiffness
@@ -83,7 +73,7 @@ def by_formulas(layout: Layout, place: float, applied: float = APPLIED) -> Ends:
     def gap(left: float) -> float:
         forces = left, left + applied
         moved = sum(equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
-        return moved + float(bars @ forces) - STRETCH
+        return moved + float(bars @ forces) - case.STRETCH
 
     low = 1e-3 if min(layout.left) > 0 else -2e4  # tandem rows carry tension only
     left = float(brentq(gap, low, 4e4, xtol=1e-6))
@@ -100,8 +90,8 @@ def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG0
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{layout.scene} is an axis")
-    at = FIRST + place * axis().length
-    loads = tuple(replace(x, at=at, force=(0.0, 0.0, -APPLIED)) for x in found.loads)
+    at = FIRST + place * case.axis().length
+    loads = tuple(replace(x, at=at, force=(0.0, 0.0, -case.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
         raise AssertionError(f"{layout.scene}: {result.status}")
@@ -116,7 +106,7 @@ def in_series(layout: Layout) -> float:
     """
     if not layout.right:
         return float("nan")
-    a, force = axis(), by_formulas(layout, 0.5, 0.0).left
+    a, force = case.axis(), by_formulas(layout, 0.5, 0.0).left
     ends = [equilibrium(layout.rows(end), force).stiffness for end in ("left", "right")]
     return as_printed.series_stiffness(ends, float(shaft_stiffness(a, 0.5 * a.length)), float("inf"))
 
@@ -124,8 +114,8 @@ def in_series(layout: Layout) -> float:
 def words(study: Study, layout: Layout) -> str:
     """A layout with the load in the middle by scene and by formulas in one sentence, in the source's units."""
     scene, closed = by_scene(study, layout, 0.5), by_formulas(layout, 0.5)
-    ends = [f"{x.left / POUND:.0f} and {x.right / POUND:.0f} lbf" for x in (scene, closed)]
-    stiff = [f"{x.stiffness / POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
+    ends = [f"{x.left / case.POUND:.0f} and {x.right / case.POUND:.0f} lbf" for x in (scene, closed)]
+    stiff = [f"{x.stiffness / case.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
     return f"as a scene the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
 
 

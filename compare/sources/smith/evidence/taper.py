@@ -10,22 +10,8 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.sources.smith.evidence import case
 from rollbench.comparison.sources.smith.evidence.ball import state
-from rollbench.comparison.sources.smith.evidence.case import (
-    DENSITY,
-    INCH,
-    INCH_POUND,
-    POUND,
-    POUND_PER_INCH,
-    PSI,
-    RING_DEPTH,
-    SHEET_LOAD,
-    SPEED,
-    TAPER_TORQUE_LOAD,
-    VISCOSITY,
-    ball_bearing,
-    taper_bearing,
-)
 from rollbench.comparison.wings.evidence.entries import Entries
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.bearings import as_printed
@@ -36,7 +22,7 @@ from rollbench.lowfi.rollers.roller_slices import SlicedRow, circular_crown
 from rollbench.lowfi.rollers.tapered_roller import RollerContacts, RollerRow, roller_contacts
 
 #: Radial load of the sheet [N], and exponent of its load zone.
-RADIAL, EXPONENT = POUND, 1.1
+RADIAL, EXPONENT = case.POUND, 1.1
 #: Thrusts [lbf] over which the curve is judged straight or not.
 ENDS = (500.0, 2500.0)
 #: Depths [m] that show what the assumed thickness of the rings is worth.
@@ -48,49 +34,49 @@ CROWN, SLICES = 2.0, 101
 @cache
 def right() -> CombinedState:
     """Figure 3-6 with line contacts, roller by roller."""
-    return combined(taper_bearing(), SHEET_LOAD, RADIAL)
+    return combined(case.taper_bearing(), case.SHEET_LOAD, RADIAL)
 
 
 @cache
 def contacts() -> RollerContacts:
     """Contacts of a roller under the thrust of the sheet."""
-    b = taper_bearing()
-    return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
+    b = case.taper_bearing()
+    return roller_contacts(b, case.SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
-def tangent(pounds: float, depth: float = RING_DEPTH) -> float:
+def tangent(pounds: float, depth: float = case.RING_DEPTH) -> float:
     """Right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
-    row = RollerRow(replace(taper_bearing(), depth=depth))
-    return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
+    row = RollerRow(replace(case.taper_bearing(), depth=depth))
+    return row.stiffness(row.deflection(pounds * case.POUND)) / case.POUND_PER_INCH
 
 
 def crowned(pounds: float) -> float:
     """Stiffness [lbf/in] at a thrust [lbf] with crowned rollers, in slices: what a crown could explain."""
-    row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
-    return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
+    row = SlicedRow(case.taper_bearing(), SLICES, circular_crown(CROWN))
+    return row.stiffness(row.deflection(pounds * case.POUND)) / case.POUND_PER_INCH
 
 
 def printed_deflection(pounds: float, length: float, diameter: float, cup: float, roller: float) -> float:
     """Axial deflection [in] by 3.17-3.21 as printed, pure thrust [lbf]; lengths [in], angles [rad]."""
-    line = pounds / (taper_bearing().rollers * np.sin(cup) * length)
+    line = pounds / (case.taper_bearing().rollers * np.sin(cup) * length)
     return as_printed.roller_approach(float(line), diameter, cup, roller) / float(np.sin(cup))
 
 
-def sheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
+def sheet_deflection(pounds: float = case.SHEET_LOAD / case.POUND) -> float:
     """The same with the inputs of figure 3-6 [in]."""
-    b = taper_bearing()
-    return printed_deflection(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
+    b = case.taper_bearing()
+    return printed_deflection(pounds, b.length / case.INCH, b.diameter / case.INCH, b.cup_angle, b.roller_angle)
 
 
 def rounding_range() -> tuple[float, float]:
     """Least and greatest deflection [in] as printed over all roundings of the printed inputs."""
-    b = taper_bearing()
+    b = case.taper_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
-    middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
+    middle = (b.length / case.INCH, b.diameter / case.INCH, b.cup_angle, b.roller_angle)
     found = []
     for signs in product((-1.0, 1.0), repeat=4):
         length, diameter, cup, roller = (float(m + s * h) for m, s, h in zip(middle, signs, half, strict=True))
-        found.append(printed_deflection(SHEET_LOAD / POUND, length, diameter, cup, roller))
+        found.append(printed_deflection(case.SHEET_LOAD / case.POUND, length, diameter, cup, roller))
     return min(found), max(found)
 
 
@@ -100,20 +86,20 @@ def sheet_tangent(pounds: float) -> float:
 
 
 def _sheet(e: Entries) -> None:
-    b = taper_bearing()
+    b = case.taper_bearing()
     e.numbers(
         {
-            "F_r": RADIAL / POUND,
-            "F_a": SHEET_LOAD / POUND,
+            "F_r": RADIAL / case.POUND,
+            "F_a": case.SHEET_LOAD / case.POUND,
             "alpha": float(np.degrees(b.cup_angle)),
             "N": float(b.rollers),
-            "L": b.length / INCH,
+            "L": b.length / case.INCH,
             "gamma": float(np.degrees(b.roller_angle)),
-            "D": b.diameter / INCH,
-            "Z": float(np.tan(b.cup_angle)) * RADIAL / SHEET_LOAD,
+            "D": b.diameter / case.INCH,
+            "Z": float(np.tan(b.cup_angle)) * RADIAL / case.SHEET_LOAD,
         }
     )
-    zone = zone_of_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
+    zone = zone_of_load(case.SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
     exact = load_zone(e.printed("eps"), EXPONENT)
     ratio = e.printed("J_r") / e.printed("J_a")
     words = f"printed J_r/J_a = {ratio:.6g}, Z = {e.printed('Z'):.6g}; "
@@ -124,13 +110,13 @@ def _sheet(e: Entries) -> None:
     low, high = rounding_range()
     e.number(
         "delta_a",
-        right().axial / INCH,
+        right().axial / case.INCH,
         f"3.19 gives {sheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to {high:.6f}; line contacts "
-        f"to the rings' depth {right().axial / INCH:.6f}",
+        f"to the rings' depth {right().axial / case.INCH:.6f}",
         as_printed=sheet_deflection(),
     )
     radial = sheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * e.printed("eps") - 1.0)
-    e.number("delta_r", right().radial / INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial)
+    e.number("delta_r", right().radial / case.INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial)
     slopes, printed = [tangent(f) for f in ENDS], [sheet_tangent(f) for f in ENDS]
     growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
     e.claim(
@@ -142,55 +128,63 @@ def _sheet(e: Entries) -> None:
 
 
 def _ball_growth() -> float:
-    low, high = (float(state(f * POUND).stiffness) for f in ENDS)
+    low, high = (float(state(f * case.POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
 
 def _contacts(e: Entries) -> None:
-    b, c = taper_bearing(), contacts()
+    b, c = case.taper_bearing(), contacts()
     p = as_printed.taper_contact(
-        SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
+        case.SHEET_LOAD / case.POUND,
+        b.rollers,
+        b.length / case.INCH,
+        b.diameter / case.INCH,
+        b.pitch_diameter / case.INCH,
+        b.cone_angle,
     )
-    e.number("a", 0.5 * b.length / INCH)
-    race = SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))) / POUND
+    e.number("a", 0.5 * b.length / case.INCH)
+    race = case.SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))) / case.POUND
     words = f"race load {race:.0f} lbf with the rib's part, {p.load:.0f} as printed"
-    e.number("b", float(c.half_widths[0]) / INCH, words, as_printed=p.half_width)
-    e.number("A", float(c.areas[0]) / INCH**2, words, as_printed=p.area)
-    e.number("sigma", float(c.pressures[0]) / PSI, words, as_printed=p.pressure)
+    e.number("b", float(c.half_widths[0]) / case.INCH, words, as_printed=p.half_width)
+    e.number("A", float(c.areas[0]) / case.INCH**2, words, as_printed=p.area)
+    e.number("sigma", float(c.pressures[0]) / case.PSI, words, as_printed=p.pressure)
     a_rib, b_rib, area = (e.printed(k) for k in ("rib_a", "rib_b", "rib_A"))
     load = 2.0 / 3.0 * np.pi * a_rib * b_rib * e.printed("rib_sigma")
-    words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {c.rib_load / POUND:.0f}"
+    words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {c.rib_load / case.POUND:.0f}"
     for key in ("rib_a", "rib_b", "rib_sigma"):
         e.number(key, None, words)
     e.number("rib_A", np.pi * a_rib * b_rib, "pi a b of the printed semi-axes beside a b", as_printed=a_rib * b_rib)
-    ours = b.rollers * float(c.areas.sum()) / INCH**2
-    inner, outer = (float(a) / INCH**2 for a in state(SHEET_LOAD).areas())
-    balls = ball_bearing().balls * (inner + outer)
+    ours = b.rollers * float(c.areas.sum()) / case.INCH**2
+    inner, outer = (float(a) / case.INCH**2 for a in state(case.SHEET_LOAD).areas())
+    balls = case.ball_bearing().balls * (inner + outer)
     e.number("area_taper", ours, as_printed=2.0 * b.rollers * p.area)
-    e.number("area_ball", balls, "as printed from 0.0065 in2, itself open", as_printed=2.0 * ball_bearing().balls * 0.0065)
+    e.number(
+        "area_ball", balls, "as printed from 0.0065 in2, itself open", as_printed=2.0 * case.ball_bearing().balls * 0.0065
+    )
     e.number("area_rib", b.rollers * np.pi * a_rib * b_rib, as_printed=b.rollers * area)
     e.claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
 
 
 def _torque(e: Entries) -> None:
-    middle = tangent(TAPER_TORQUE_LOAD / POUND)
-    drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
-    by_depth = [tangent(TAPER_TORQUE_LOAD / POUND, depth) for depth in DEPTHS]
-    model, test = sheet_tangent(TAPER_TORQUE_LOAD / POUND), e.printed("S_test")
+    load = case.TAPER_TORQUE_LOAD / case.POUND
+    middle = tangent(load)
+    drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * case.taper_bearing().length)))
+    by_depth = [tangent(load, depth) for depth in DEPTHS]
+    model, test = sheet_tangent(load), e.printed("S_test")
     e.number(
         "S_test",
         middle,
         f"model as printed {model:.3g}, line contacts {middle:.3g} lbf/in at 1500 lbf: "
         f"{float(error_percent(model, test)):+.0f} and {float(error_percent(middle, test)):+.0f} %; rings "
-        f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * RING_DEPTH:g}: {by_depth[0]:.3g} to "
+        f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * case.RING_DEPTH:g}: {by_depth[0]:.3g} to "
         f"{by_depth[1]:.3g} lbf/in; a crown of {CROWN:g} m radius, {drop:.0f} um at the ends of both contacts together, "
-        f"{crowned(TAPER_TORQUE_LOAD / POUND):.3g}, but then {crowned(ENDS[0]):.3g} to {crowned(ENDS[1]):.3g} from "
+        f"{crowned(load):.3g}, but then {crowned(ENDS[0]):.3g} to {crowned(ENDS[1]):.3g} from "
         f"{ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as measured",
     )
-    e.number("F_torque", TAPER_TORQUE_LOAD / POUND)
-    viscosity = VISCOSITY * DENSITY
-    implied = taper_geometry(e.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
-    unit = taper_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
+    e.number("F_torque", load)
+    viscosity = case.VISCOSITY * case.DENSITY
+    implied = taper_geometry(e.printed("M") * case.INCH_POUND, viscosity, case.SPEED, case.TAPER_TORQUE_LOAD)
+    unit = taper_torque(1.0, viscosity, case.SPEED, case.TAPER_TORQUE_LOAD) / case.INCH_POUND
     e.number("M", None, f"{unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
     test = e.printed("M_test")
     e.number("M_test", None, f"needs G_1 = {test / unit:.0f}")

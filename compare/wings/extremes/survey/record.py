@@ -14,7 +14,8 @@ from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.applicability import DESCRIPTORS
-from rollbench.comparison.models.compared_point import SectionAnswer, point, rigidity
+from rollbench.comparison.models.compared_point import point, rigidity, section
+from rollbench.comparison.models.comparison import from_run
 from rollbench.comparison.models.model_form import QUANTITIES, Point, estimate, shipped_points
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.computing import compute
@@ -134,14 +135,14 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
-    section = SectionAnswer.of_run(scene, run), SectionAnswer.of_run(raised, raised_run)
+    places = section(scene, from_run(run, "")), section(raised, from_run(raised_run, ""))
     state |= {
         "contacts": int((run.load > 0.0).sum()),
         "mean_N": round(mean, 4),
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
-        "displacement_um": round(1e6 * section[0].moved, 5),
-        "rigidity_N_per_um": _rounded(rigidity(section), 1e-6),
+        "displacement_um": round(1e6 * places[0].moved, 5),
+        "rigidity_N_per_um": _rounded(rigidity(places), 1e-6),
         "models": {name: _model(scene, answers[name][0], run, p) for name, p in points.items()},
         "places": {d.name: round(d.of(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],

@@ -6,8 +6,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import Scatter, Validated
 from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.sections.u_val import scatter_figure, scatter_table, u_val_table
-from rollbench.comparison.sources.external.rigidity_stages import stages_table
-from rollbench.comparison.sources.external.section import SOURCES, TITLES, assumed_table, summary
+from rollbench.comparison.sources.external.section import SOURCES, TITLES, assumed_table, stages_table, summary
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.reports.figures import draw
 

@@ -8,7 +8,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
 from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.liu.evidence import case, drawn, single_error
+from rollbench.comparison.sources.liu.evidence import case, drawn, given
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
@@ -124,7 +124,7 @@ def test_two_digits_exchanged() -> None:
     q = by_key("plus_Q33_5000").value
     assert q == pytest.approx(142.55, rel=4e-3)
     assert abs(q / 124.55 - 1.0) > 0.14
-    assert single_error.error_of_load(124.55) == pytest.approx(1.36, abs=0.01)
+    assert given.error_of_load(124.55) == pytest.approx(1.36, abs=0.01)
 
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
@@ -140,9 +140,9 @@ def test_no_contact_stiffness_mends_the_offset() -> None:
 
 def test_single_ball_by_hand() -> None:
     """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
-    first, last = single_error.loads_of_others()
+    first, last = given.loads_of_others()
     alone = case.screw().slope * case.screw().stiffness * 2e-6**1.5
     assert first == pytest.approx(alone, rel=0.02)
     assert first < last
-    low, high = single_error.others_change(-2.0)
+    low, high = given.others_change(-2.0)
     assert 0.0 < low < high

@@ -7,7 +7,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.comparison.registration import offered
-from rollbench.comparison.sources.makers import section, values
+from rollbench.comparison.sources.makers import section
 from rollbench.comparison.sources.makers.laws import bearings, nuts, torque
 from rollbench.comparison.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
 from rollbench.comparison.sources.makers.tables import Table, half_step, table
@@ -133,7 +133,7 @@ def test_drag_torque_of_the_measured_screws() -> None:
 
 
 def test_all_values_and_their_table() -> None:
-    found = values.outside_values(STUDY)
+    found = section.outside_values(STUDY)
     judged = [x for x in found if not x.left]
     assert len(judged) >= 1500
     assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}

@@ -6,7 +6,7 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys
 
 from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper, trials
+from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.entries import Entries
 from rollbench.lowfi.bearings import as_printed
@@ -140,9 +140,9 @@ def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
 
 def test_unseating_takes_three_times_the_printed_load() -> None:
     """The outer row of the set is just loose there, and not before."""
-    limit = trials.unseating_load(trials.REDUCED)
+    limit = screw.unseating_load(screw.REDUCED)
     assert limit / case.POUND == pytest.approx(645.5, abs=0.5)
-    rows = case.bearing_set("taper", "left", trials.REDUCED)
+    rows = case.bearing_set("taper", "left", screw.REDUCED)
     from rollbench.lowfi.bearings.sets import equilibrium
 
     assert equilibrium(rows, screw.pull() + 0.5 * limit * 0.999).loads[0] > 0.0
