@@ -52,13 +52,20 @@ MESHED = re.compile(
 ENDED = ("late", "MemoryError", "RecursionError")
 #: How many functions may be gone before the record has to be made anew.
 GONE = 0.1
-#: Old memory is no zeros, two threads, processors without wide vectors.
+#: One processor for all machines: what linear algebra, numpy and the C library's functions choose by it is fixed.
+ONE_PROCESSOR = {
+    "OPENBLAS_CORETYPE": "Nehalem",
+    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL",
+    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA,-FMA4",
+}
+#: Old memory is no zeros, two threads, this machine's own processor.
 OTHER_MACHINE = {
     "MALLOC_PERTURB_": "99",
     "OMP_NUM_THREADS": "2",
     "OPENBLAS_NUM_THREADS": "2",
-    "OPENBLAS_CORETYPE": "Nehalem",
-    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL",
+    "OPENBLAS_CORETYPE": "Haswell",
+    "NPY_DISABLE_CPU_FEATURES": "",
+    "GLIBC_TUNABLES": "",
 }
 #: What machines, versions and round-off decide.
 LEFT_OUT = re.compile(r"second|memory|MB|version|residual|iteration|balance|round_off|imbalance|digest|\bkey\b|path|folder")
@@ -352,6 +359,7 @@ def watched(
             "OMP_NUM_THREADS": "1",
             "OPENBLAS_NUM_THREADS": "1",
             "PYTHONPATH": str(ROOT / ".import"),
+            **ONE_PROCESSOR,
         }
         out = Path(folder) / "sums.json"
         out.write_text(json.dumps(slow), encoding="utf-8")

@@ -1,12 +1,13 @@
 """One-line mutants drawn by seeds: ``python tests/mutants/draw.py [COUNT [SEED ...]]``; prints the rates that tests kill.
 
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
-comparison or an index is another. All tests are run once in a copy that notes which of them evaluate which place; each
-mutant is then tried by these, the quickest first, and the one that fails is run again without the mutant. So the rate is
-that of all tests. What is evaluated at import, and kernels, which note nothing once compiled, are tried by the nearest
-tests: those that import the module, else those that import what imports it, the examples in its docstrings, and the golden
-answers of commands; kernels as plain Python first, then with machine code of their own.
-Minutes for all tests, then seconds to minutes each; exit code 1 below `GOAL`, 2 where a test fails only at times.
+comparison or an index is another. Each mutant is tried by the nearest tests: those that import the module, else those that
+import what imports it, the examples in its docstrings, and the golden numbers of what its functions return and of answers
+of commands; kernels as plain Python first, then with machine code of their own. For those that live, all tests are run once
+in a copy that notes which of them evaluate which place, and each is tried by these, the quickest first; what is evaluated
+at import and kernels, which note nothing once compiled, are left to the nearest. A test that fails is run again without the
+mutant. So the rate is that of all tests but the list of constants (`NO_TEST`), which any change of one breaks.
+Seconds to minutes each, and minutes for all tests; exit code 1 below `GOAL`, 2 where a test fails only at times.
 `RECORD` keeps what became of each: an interrupted run goes on, and survivors are tried again; one that changes no answer
 is marked there by hand, "equivalent: why".
 """
@@ -41,8 +42,11 @@ SHORT = ("-m", "not survey and not each_wing and not installs and not compiles a
 NEAREST = 6
 #: How many of the quickest tests are run before the rest.
 FIRST = 60
-#: Numbers of all kinds of answers and of the 3D models, for every module.
-GOLDEN = "tests/golden"
+#: Numbers of all kinds of answers and of the 3D models, for every module; a test of what functions return, by groups.
+GOLDEN = tuple(f"tests/golden/test_{name}.py" for name in ("answers", "drawn", "golden", "reference", "studies"))
+INSIDE = "tests/golden/test_inside.py::test_nothing_moves_inside[{}]"
+#: A list of constants: no evidence that a number is watched.
+NO_TEST = "tests/golden/test_constants.py"
 #: A call around a drawn place: its value, and a line of the file `REACHED` for each test that evaluates it, in any process.
 NOTE = """
 def _note(number, value, seen=set()):
@@ -140,11 +144,20 @@ def nearest(path: Path) -> list[str]:
     found, examples = [path], [EXAMPLES.format(dotted(path))] if ">>> " in path.read_text(encoding="utf-8") else []
     for _ in range(3):
         users = list(dict.fromkeys(user for one in found for user in importing(one)))
-        tests = [user for user in users if user.name.startswith("test_") and "survey" not in user.name]
+        files = dict.fromkeys(user.relative_to(ROOT).as_posix() for user in users if user.name.startswith("test_"))
+        tests = [file for file in files if "survey" not in file and file != NO_TEST and file not in GOLDEN]
         if tests:
-            return [*(test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]), *examples, GOLDEN]
+            return [*tests[:NEAREST], *examples]
         found = users
     return []
+
+
+def inside(path: Path) -> list[str]:
+    """Golden tests of what functions of a module return, those that take least first."""
+    record = json.loads((ROOT / "tests/golden/inside.json").read_text(encoding="utf-8"))
+    begins = f"{path.relative_to(ROOT).as_posix()}:"
+    groups = [name for name, kept in record.items() if any(key.startswith(begins) for key in kept)]
+    return [INSIDE.format(name) for name in sorted(groups, key=lambda name: len(record[name]))]
 
 
 @dataclass(frozen=True)
@@ -172,37 +185,49 @@ class Mutant:
         return "kernel" in self.path.parts
 
     def tried(self, tests: list[str], folder: Path, patience: float, **environment: str) -> bool:
-        """Whether it survives tests in a copy that holds it. Raises RuntimeError where they fail without it too."""
+        """Whether it survives tests in a copy that holds it; it is killed too where it makes them endless.
+
+        Raises RuntimeError where they fail without it.
+        """
         text = self.path.read_text(encoding="utf-8")
         copy = folder / self.path.relative_to(ROOT)
         copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
-        again = "--lf"
+        files = list(dict.fromkeys(test.partition("::")[0] for test in tests))  # names of tests that passed are none
+        again, endless = ["--lf", *files], None
         try:
             if passes(["--cache-clear", *tests], folder, patience, **environment):
                 return True
         except RuntimeError:  # not even imported
-            again = "--collect-only"
+            again = ["--collect-only", *files]
         except TimeoutExpired:
-            return False
+            again, endless = tests, patience
         finally:
             copy.write_text(text, encoding="utf-8")
-        own = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
-        files = dict.fromkeys(test.partition("::")[0] for test in tests)  # names of tests that passed are none
-        if not passes([again, *files], folder, **own):
-            raise RuntimeError(f"{self.name}: its tests fail without it")
+        without = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
+        try:
+            if not passes(again, folder, endless, **without):
+                raise RuntimeError(f"{self.name}: its tests fail without it")
+        except TimeoutExpired:  # nor do they end in time without it: no verdict
+            return True
         return False
 
-    def survives(self, tests: list[str], folder: Path) -> bool:
-        """Whether tests that evaluate its place pass in a copy that holds it, or the nearest, where there are none."""
-        if tests:
-            return all(self.tried(some, folder, PATIENCE) for some in (tests[:FIRST], tests[FIRST:]) if some)
+    def survives_nearest(self, folder: Path) -> bool:
+        """Whether the nearest tests and golden numbers pass in a copy that holds it."""
         tests = nearest(self.path)
-        if not self.is_kernel:
-            return self.tried(tests, folder, PATIENCE)
-        if not self.tried([*SHORT, *tests[:-1]], folder, PLAIN, NUMBA_DISABLE_JIT="1"):
+        plain = {"NUMBA_DISABLE_JIT": "1"} if self.is_kernel else {}
+        first = [*SHORT, *tests] if self.is_kernel else tests
+        if not self.tried(first, folder, PLAIN if self.is_kernel else PATIENCE, **plain):
             return False
+        if not all(self.tried([test], folder, PATIENCE) for test in inside(self.path)):
+            return False
+        if not self.is_kernel:
+            return self.tried(list(GOLDEN), folder, PATIENCE)
         with tempfile.TemporaryDirectory() as code:
-            return self.tried(tests, folder, COMPILING, **{CODE: code})
+            return self.tried([*tests, *GOLDEN], folder, COMPILING, **{CODE: code})
+
+    def survives(self, tests: list[str], folder: Path) -> bool:
+        """Whether tests that evaluate its place, the quickest first, pass in a copy that holds it."""
+        return all(self.tried(some, folder, PATIENCE) for some in (tests[:FIRST], tests[FIRST:]) if some)
 
 
 def draw(seed: int, count: int) -> Iterator[Mutant]:
@@ -236,7 +261,8 @@ def reaching(drawn: Sequence[Mutant], folder: Path, *options: str) -> dict[Mutan
     try:
         for path, text in texts.items():
             path.write_text(text, encoding="utf-8")
-        all_tests = ("tests", "--ignore", "tests/mutants", "--durations", "0", "--durations-min", "0", *options)
+        left_out = (word for path in ("tests/mutants", NO_TEST) for word in ("--ignore", path))
+        all_tests = ("tests", *left_out, "--durations", "0", "--durations-min", "0", *options)
         said = pytest(all_tests, folder, REACHED=str(noted)).stdout
     finally:
         for path, text in before.items():
@@ -273,21 +299,29 @@ def main(count: int, seeds: Sequence[int]) -> int:
     """Try those of which nothing is kept, and survivors again; print and keep each, and the rates of each seed."""
     drawn = {mutant: seed for seed in seeds for mutant in draw(seed, count)}
     found = {seed: kept(seed) for seed in seeds}
+
+    def note(mutant: Mutant, lives: bool) -> None:
+        known = found[drawn[mutant]]
+        killed = "killed by a later test" if known.get(mutant.name) == "survives" else "killed"
+        known[mutant.name] = "survives" if lives else killed
+        keep(drawn[mutant], known)
+        print(f"{known[mutant.name]}: {mutant.name}", flush=True)
+
     todo = [mutant for mutant, seed in drawn.items() if found[seed].get(mutant.name, "survives") == "survives"]
     with tempfile.TemporaryDirectory() as temporary:
-        folder = copied(Path(temporary))
-        tests = reaching(todo, folder) if todo else {}
-        for mutant in todo:
-            own = found[drawn[mutant]]
-            try:
-                lives = mutant.survives(tests[mutant], folder)
-            except RuntimeError as error:
-                print(error, file=sys.stderr)
-                return 2
-            killed = "killed by a later test" if mutant.name in own else "killed"
-            own[mutant.name] = "survives" if lives else killed
-            keep(drawn[mutant], own)
-            print(f"{own[mutant.name]}: {mutant.name}", flush=True)
+        folder, alive = copied(Path(temporary)), []
+        try:
+            for mutant in todo:
+                if mutant.survives_nearest(folder):
+                    alive.append(mutant)
+                else:
+                    note(mutant, lives=False)
+            tests = reaching(alive, folder) if alive else {}
+            for mutant in alive:
+                note(mutant, mutant.survives(tests[mutant], folder))
+        except RuntimeError as error:
+            print(error, file=sys.stderr)
+            return 2
     reached = True
     for seed, own in found.items():
         first, now = rate(own.values())

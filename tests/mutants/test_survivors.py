@@ -9,6 +9,7 @@ import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from subprocess import TimeoutExpired
 from types import SimpleNamespace
 
 import numpy as np
@@ -153,9 +154,10 @@ def test_drawn_mutants_are_sources_that_differ_in_one_place():
 
 @pytest.fixture
 def own_record(tmp_path, monkeypatch):
-    """A record of its own, and a copy that is none: nothing is run."""
+    """A record of its own, and a copy that is none: nothing is run, and all live through the nearest tests."""
     monkeypatch.setattr(draw, "RECORD", tmp_path / "drawn.json")
     monkeypatch.setattr(draw, "copied", lambda folder: folder)
+    monkeypatch.setattr(draw.Mutant, "survives_nearest", lambda *_: True)
     monkeypatch.setattr(draw, "reaching", lambda drawn, _: {mutant: [mutant.name] for mutant in drawn})
 
 
@@ -242,17 +244,35 @@ def test_kernels_are_tried_as_plain_python_and_their_machine_code_is_kept_apart(
         return "--lf" not in tests and answers.pop(0)
 
     monkeypatch.setattr(draw, "passes", passes)
-    assert mutant.survives([], tmp_path)
+    monkeypatch.setattr(draw, "inside", lambda _: [])
+    assert mutant.survives_nearest(tmp_path)
     assert asked == [({"NUMBA_DISABLE_JIT"}, True), ({"NUMBA_CACHE_DIR"}, True)]
     assert copy.read_text(encoding="utf-8") == path.read_text(encoding="utf-8")
     asked.clear()
     answers[:] = [False, False]
     with pytest.raises(RuntimeError, match="fail without it"):
-        mutant.survives([], tmp_path)
+        mutant.survives_nearest(tmp_path)
     with pytest.raises(RuntimeError, match="fail without it"):
         mutant.tried([], tmp_path, 1.0, NUMBA_CACHE_DIR="")
     plain, code = {"NUMBA_DISABLE_JIT"}, {"NUMBA_CACHE_DIR"}
     assert asked == [(plain, True), (plain, False), (code, True), (set(), False)]
+
+
+def test_tests_that_take_too_long_with_and_without_a_mutant_give_no_verdict(tmp_path, monkeypatch):
+    mutant = next(iter(draw.draw(1, 6)))
+    copy = tmp_path / mutant.path.relative_to(ROOT)
+    copy.parent.mkdir(parents=True)
+    slow_without = [False]
+
+    def passes(*_, **__):
+        if slow_without[0] or copy.read_text(encoding="utf-8") != mutant.path.read_text(encoding="utf-8"):
+            raise TimeoutExpired("pytest", 1.0)
+        return True
+
+    monkeypatch.setattr(draw, "passes", passes)
+    assert not mutant.tried(["tests"], tmp_path, 1.0)
+    slow_without[0] = True
+    assert mutant.tried(["tests"], tmp_path, 1.0)
 
 
 def test_the_kept_record_of_drawn_mutants_reaches_the_goal():
