@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from tests.friction_runs import crowded, setting, sparse
 
-from rollbench.lowfi.friction.screw.steps import change, step_error
-from rollbench.lowfi.friction.screw.travel import resolved, simulate
+from rollbench.lowfi.friction.screw.travel import change, resolved, simulate, step_error
 
 
 def test_smooth_motion_is_of_second_order():

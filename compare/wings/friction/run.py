@@ -13,9 +13,8 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.quantities import number
 from rollbench.comparison.watch import bar
 from rollbench.comparison.wings.friction.answer import Line
-from rollbench.lowfi.friction.screw.steps import UNCLEAR, StepError
 from rollbench.lowfi.friction.screw.track import Track
-from rollbench.lowfi.friction.screw.travel import History, resolved
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, History, StepError, resolved
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.run import Setting
 from rollbench.lowfi.statics.travelling import AGAIN, in_motion

@@ -11,8 +11,7 @@ from tests.helpers import small_screw
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.friction.run import Run, judged, run_data, run_lines
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
-from rollbench.lowfi.friction.screw.steps import Observed, StepError
-from rollbench.lowfi.friction.screw.travel import simulate
+from rollbench.lowfi.friction.screw.travel import Observed, StepError, simulate
 from rollbench.meshes.parts import Time
 
 pytestmark = pytest.mark.xdist_group("run in time")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rollbench.lowfi.friction.screw.steps import MOST, UNCLEAR, change, observed, solve_steps, step_error
+from rollbench.lowfi.friction.screw.travel import MOST, UNCLEAR, change, observed, solve_steps, step_error
 
 
 @dataclass

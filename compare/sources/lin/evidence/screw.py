@@ -24,8 +24,7 @@ from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, PairResult, implied_load, oversize_map, solve_pair
 from rollbench.lowfi.friction.screw.run import Run, RunSummary, equal_steps, summarise
-from rollbench.lowfi.friction.screw.steps import StepError
-from rollbench.lowfi.friction.screw.travel import History, groups, resolved
+from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Quantity, Row
 
