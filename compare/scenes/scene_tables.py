@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import difflib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.errors import SceneError, escaped
 from rollbench.comparison.registration import kinds
-from rollbench.comparison.scenes.axis_file import read_axis
-from rollbench.comparison.scenes.axis_schema import AxisKeys
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
 from rollbench.comparison.scenes.fault import Fault, refusal, refuse, spoken
@@ -24,6 +22,9 @@ from rollbench.comparison.scenes.units import show
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
 
+if TYPE_CHECKING:
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
+
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
@@ -32,7 +33,9 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
     kind = raw.get("kind")
     if _is_axis(raw):
-        return read_axis(sound(raw, AxisKeys, origin), raw, origin, Path(origin).stem)
+        from rollbench.comparison.scenes.axis_file import read_axis
+
+        return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
     nut = raw.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
     if kind is None and FOREIGN & raw.keys() and not bodies:
@@ -58,7 +61,13 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
 
     Raises SceneError.
     """
-    return sound(raw, AxisKeys, origin) if _is_axis(raw) else sound(raw, SceneKeys, origin)
+    return _axis_keys(raw, origin) if _is_axis(raw) else sound(raw, SceneKeys, origin)
+
+
+def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
+
+    return sound(raw, AxisKeys, origin)
 
 
 def _is_axis(raw: dict[str, Any]) -> bool:
