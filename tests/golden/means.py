@@ -50,8 +50,13 @@ def means(value: Any, left_out: Callable[[str], Any], *, properties: bool = Fals
     return out
 
 
-def same(found: dict[str, list[float]], expected: dict[str, list[float]], round_off: float = ROUND_OFF) -> None:
+def same(
+    found: dict[str, list[float]],
+    expected: dict[str, list[float]],
+    round_off: float = ROUND_OFF,
+    tolerance: float = TOLERANCE,
+) -> None:
     """Assert that no number has moved; others may be new."""
     assert not expected.keys() - found.keys()
     for name, (count, size, mean) in expected.items():
-        assert found[name] == pytest.approx([count, size, mean], rel=TOLERANCE, abs=max(TOLERANCE * size, round_off)), name
+        assert found[name] == pytest.approx([count, size, mean], rel=tolerance, abs=max(tolerance * size, round_off)), name

@@ -30,6 +30,10 @@ CELLS, QUADRATURES = (6, 8), (16, 19)
 LEFT_OUT = re.compile(
     r"second|MB|scene|residual|equilibrium|balance|along_groove|deviation|iterations|contact_angle|upwind"
 )
+#: Numbers of the two balls that linear algebra of another processor moves: those of arbitrary rigid motions, not compared,
+#: and those of the contacts, by up to 4e-4 (its kernels of 2008, 2013 and 2017 were tried).
+ARBITRARY = ("setup.ball.G", "setup.patches.3.local", "setup.patches.3.wave.table", "solved.contact.motions")
+BY_PROCESSOR = 1e-3
 
 
 def set_up():
@@ -60,7 +64,9 @@ def test_no_number_of_a_set_up_and_its_loads_moves():
     expected = json.loads(RECORD.read_text(encoding="utf-8"))
     if expected["gmsh"] != version("gmsh"):
         pytest.skip("the record's meshes are another gmsh's")
-    same(set_up(), expected["two balls"], round_off=0.0)
+    found, kept = set_up(), {key: row for key, row in expected["two balls"].items() if key not in ARBITRARY}
+    same(found, {key: row for key, row in kept.items() if not key.startswith("solved.")}, round_off=0.0)
+    same(found, {key: row for key, row in kept.items() if key.startswith("solved.")}, 0.0, BY_PROCESSOR)
 
 
 @pytest.mark.parametrize("name", ROLLING)

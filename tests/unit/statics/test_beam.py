@@ -179,8 +179,8 @@ def test_motion_beyond_the_ends_is_rigid():
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
 def test_banded_solver(engine):
-    """Both engines against a dense solution of a random band, scaled like the beam; round-off of the dense solution is up to
-    1.4e-11 of one of its values, by the processor."""
+    """Both engines against a dense solution of a random band, scaled like the beam; round-off of the dense solution is
+    up to 1.4e-11 of one of its values, by the processor."""
     kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").banded
     rng = np.random.default_rng(1)
     for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
