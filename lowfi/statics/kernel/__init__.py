@@ -9,12 +9,15 @@ from rollbench.lowfi.jit import part_of
 
 #: Kernels that are called from outside, by their module.
 KERNELS = {
-    "axis": ("add_axis", "evaluate_axis", "solve_axis", "solve_lines", "tangent"),
+    "axis": ("evaluate_axis", "solve_axis", "solve_lines", "tangent"),
+    "axis_matrix": ("add_axis",),
+    "axis_start": ("start_axis",),
     "ball": ("settle_ball",),
     "beam": ("assemble_beam",),
-    "elastic": ("solve_forces",),
+    "elastic": ("solve_forces", "start_forces"),
     "elastic_balls": ("ball_rows", "contact_law", "evaluate_balls", "rest"),
-    "newton": ("ensemble", "evaluate", "solve_beam"),
+    "members": ("ensemble",),
+    "newton": ("evaluate", "solve_beam", "start_and_solve"),
     "rollers": ("roller_forces",),
 }
 __all__ = [name for names in KERNELS.values() for name in names]

@@ -14,7 +14,6 @@ from rollbench.lowfi.statics.records import Array, BallContacts, BodyState
 
 from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLED, SETTLING, USE, meet, start_centre
 from .contact import hertz
-from .coupling import cholesky_lower, triangular
 from .rollers import roller_elements, roller_rows
 
 LINEAR, BODY, HIGHER = range(3)
@@ -112,7 +111,7 @@ def inner_gradient(x: Array, contact: Array, local: Array, out: Array) -> tuple[
 
 @kernel
 def inner_hessian(contact: Array, local: Array, H: Array) -> None:
-    """Hessian (3, 3) of a ball's energy by centre and amplitude; that by the centre is bumped by round-off."""
+    """Hessian (3, 3) of a ball's energy by centre and amplitude."""
     H[:, :] = 0.0
     H[2, 2] = 1.0
     for s in range(4):
@@ -126,9 +125,43 @@ def inner_hessian(contact: Array, local: Array, H: Array) -> None:
             H[1, 2] -= kn * mz * g
             H[2, 2] += kn * g * g
     H[1, 0], H[2, 0], H[2, 1] = H[0, 1], H[0, 2], H[1, 2]
+
+
+@kernel
+def factor3(H: Array) -> bool:
+    """Cholesky factor of a (3, 3) matrix in its lower triangle; the first two pivots are bumped by round-off."""
     bump = 1e-14 * (H[0, 0] + H[1, 1])
     H[0, 0] += bump
     H[1, 1] += bump
+    for j in range(3):
+        d = H[j, j]
+        for k in range(j):
+            d -= H[j, k] * H[j, k]
+        if not d > 0.0:
+            return False
+        H[j, j] = sqrt(d)
+        for i in range(j + 1, 3):
+            v = H[i, j]
+            for k in range(j):
+                v -= H[i, k] * H[j, k]
+            H[i, j] = v / H[j, j]
+    return True
+
+
+@kernel
+def forward3(L: Array, b: Array) -> None:
+    """Overwrite b (3,) by L^-1 b."""
+    b[0] = b[0] / L[0, 0]
+    b[1] = (b[1] - L[1, 0] * b[0]) / L[1, 1]
+    b[2] = (b[2] - L[2, 0] * b[0] - L[2, 1] * b[1]) / L[2, 2]
+
+
+@kernel
+def backward3(L: Array, b: Array) -> None:
+    """Overwrite b (3,) by L^-T b."""
+    b[2] = b[2] / L[2, 2]
+    b[1] = (b[1] - L[2, 1] * b[2]) / L[1, 1]
+    b[0] = (b[0] - L[1, 0] * b[1] - L[2, 0] * b[2]) / L[0, 0]
 
 
 @kernel
@@ -146,9 +179,9 @@ def rest(
 ) -> float:
     """Equilibrium of one ball at given motions of its flanks (4, 2): fills x (3,) and ``contact``; returns the energy [J].
 
-    work (6, 3): scratch. See ``ball.settle_ball``, of which this is the form with a body of its own.
+    work (5, 3): scratch. See ``ball.settle_ball``, of which this is the form with a body of its own.
     """
-    H, g, step, begin = work[:3], work[3], work[4], work[5]
+    H, g, trial = work[:3], work[3], work[4]
     start_centre(x, shift, geometry, closure)
     x[2] = 0.0
     energy = press(x, shift, geometry, local, r_ball, profile, contact)
@@ -156,27 +189,33 @@ def rest(
     for _ in range(SETTLING):
         net, scale = inner_gradient(x, contact, local, g)
         if scale <= tiny:
-            contact[:, FORCE] = 0.0
+            for k in range(4):
+                contact[k, FORCE] = 0.0
             return 0.0
         if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
             break
         best = min(best, net)
         inner_hessian(contact, local, H)
-        if not cholesky_lower(H):
+        if not factor3(H):
             break
-        step[:], begin[:] = -g, x
-        triangular(H, step)
-        slope = np.sum(step * g)
+        slope = 0.0
+        trial[0], trial[1], trial[2] = -g[0], -g[1], -g[2]
+        forward3(H, trial)
+        backward3(H, trial)
+        for k in range(3):
+            slope += trial[k] * g[k]
+        sx, sz, sy = trial[0], trial[1], trial[2]
         t, new, lower = 1.0, energy, False
+        ox, oz, oy = x[0], x[1], x[2]
         for _ in range(HALVINGS):
-            x[:] = begin + t * step
+            x[0], x[1], x[2] = ox + t * sx, oz + t * sz, oy + t * sy
             new = press(x, shift, geometry, local, r_ball, profile, contact)
             lower = new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy
             if lower:
                 break
             t *= 0.5
         if not lower:
-            x[:] = begin
+            x[0], x[1], x[2] = ox, oz, oy
             return press(x, shift, geometry, local, r_ball, profile, contact)
         energy = new
     return energy
@@ -186,25 +225,60 @@ def rest(
 def flank_rows(contact: Array, local: Array, rows: Array) -> int:
     """Rows S (6, 8) with S^T S the ball's Hessian by the motions of its flanks; returns how many.
 
-    The square roots sqrt(k) d of the contacts' stiffnesses by the flanks are made orthogonal to those by centre and
-    amplitude (singular value decomposition): no difference of large numbers.
+    The square roots sqrt(k) d of the contacts' stiffnesses by the flanks are orthogonalised (Householder) against those by
+    centre and amplitude: no difference of large numbers.
     """
-    A, B = np.zeros((9, 3)), np.zeros((9, 8))
+    A = np.zeros((9, 3))
+    B = np.zeros((9, 8))
     n = 0
     for s in range(4):
         if contact[s, FORCE] <= 0.0:
             continue
-        mx, mz, kn, kt = contact[s, MX], contact[s, MZ], sqrt(contact[s, KN]), sqrt(contact[s, KT])
-        A[n, 0], A[n, 1], A[n, 2] = kn * mx, kn * mz, -kn * local[s, BODY]
-        A[n + 1, 0], A[n + 1, 1] = -kt * mz, kt * mx
-        B[n : n + 2, 2 * s : 2 * s + 2] = A[n : n + 2, :2]
-        n += 2
+        mx, mz = contact[s, MX], contact[s, MZ]
+        for tangential in range(2):
+            k = sqrt(contact[s, KN] if tangential == 0 else contact[s, KT])
+            dx, dz = (mx, mz) if tangential == 0 else (-mz, mx)
+            A[n, 0], A[n, 1] = k * dx, k * dz
+            A[n, 2] = -k * local[s, BODY] if tangential == 0 else 0.0
+            B[n, 2 * s], B[n, 2 * s + 1] = k * dx, k * dz
+            n += 1
     if n == 0:
         return 0
     A[n, 2] = 1.0
-    across = np.linalg.svd(A[: n + 1])[0][:, 3:]
-    rows[: n - 2] = np.dot(np.ascontiguousarray(across.T), B[: n + 1])
-    return n - 2
+    n += 1
+    used = min(3, n)
+    for c in range(used):
+        norm = 0.0
+        for i in range(c, n):
+            norm += A[i, c] * A[i, c]
+        norm = sqrt(norm)
+        if A[c, c] > 0.0:
+            norm = -norm
+        A[c, c] -= norm
+        size = 0.0
+        for i in range(c, n):
+            size += A[i, c] * A[i, c]
+        if size == 0.0:
+            continue
+        for j in range(c + 1, 3):
+            reflect(A[:, c], A[:, j], c, n, size)
+        for j in range(8):
+            reflect(A[:, c], B[:, j], c, n, size)
+    for i in range(used, n):
+        for j in range(8):
+            rows[i - used, j] = B[i, j]
+    return n - used
+
+
+@kernel
+def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> None:
+    """Householder reflection of x[first:last] by ``direction`` of squared length ``size``."""
+    dot = 0.0
+    for i in range(first, last):
+        dot += direction[i] * x[i]
+    dot *= 2.0 / size
+    for i in range(first, last):
+        x[i] -= dot * direction[i]
 
 
 @kernel
@@ -215,7 +289,7 @@ def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
     energy, scale, tiny = 0.0, 0.0, contacts.tiny
-    work = np.empty((6, 3))
+    work = np.empty((5, 3))
     balls = r_ball.shape[0]
     for i in range(balls):
         energy += rest(

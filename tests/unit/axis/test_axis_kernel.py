@@ -11,10 +11,10 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers.line_contact import LineLaw
 from rollbench.lowfi.statics.axis import sides
-from rollbench.lowfi.statics.axis.solve import prepare
+from rollbench.lowfi.statics.axis.solve import iterate, prepare
 from rollbench.lowfi.statics.axis.system import build, moved_flanks, tapered
-from rollbench.lowfi.statics.kernel import axis, ball, newton, rollers, skyline
-from rollbench.lowfi.statics.records import Slopes
+from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
+from rollbench.lowfi.statics.records import AxisSlopes
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
 from rollbench.meshes.parts import Load
 
@@ -34,7 +34,7 @@ def mixed():
 def ready(request):
     parts = MODELS[request.param].of_assembly(mixed())
     prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=False))
-    prepared.iterate()
+    iterate(prepared)
     rng = np.random.default_rng(1)
     prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
     n, lengths = prepared.system.structure.nodes.size, prepared.system.axis.lengths
@@ -47,11 +47,11 @@ def ready(request):
 
 def evaluated(prepared, step=None, t=0.0):
     s, state = prepared.system, prepared.state
-    out = Slopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
+    out = AxisSlopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
     q, d = state.q.copy(), state.d.copy()
     if step is not None:
-        newton.advance(s.axis, state, q, d, step, t)
-    energy, _ = axis.evaluate_axis(prepared.given, state, out)
+        axis.advance_axis(s.axis, state, q, d, step, t)
+    energy, _ = axis.evaluate_axis(s.axis, s.contacts, s.slices, state, out)
     state.q[:], state.d[:] = q, d
     return energy, out
 
@@ -68,9 +68,9 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     change = (ends[1][1].gradient - ends[0][1].gradient) / 2e-2
     evaluated(ready)
     values = np.zeros(s.axis.start[-1])
-    axis.add_axis(values, s.axis)
-    axis.add_balls(values, s.axis, s.contacts, out.hessians)
-    axis.add_rollers(values, s.axis, s.slices, ready.state.slices)
+    axis_matrix.add_axis(values, s.axis)
+    axis_matrix.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis_matrix.add_rollers(values, s.axis, s.slices, ready.state.slices)
     lines = full(values, s.axis)
     place = (6 * s.axis.place[:, None] + np.arange(6)).ravel()
     product = (lines @ _placed(step, place, len(lines)))[place].reshape(step.shape)
@@ -94,20 +94,31 @@ def full(values, arrays):
     return out
 
 
+def test_both_ways_of_adding_the_balls_agree(ready):
+    s = ready.system
+    _, out = evaluated(ready)
+    one, other = np.zeros(s.axis.start[-1]), np.zeros(s.axis.start[-1])
+    axis_matrix.add_balls(one, s.axis, s.contacts, out.hessians)
+    axis_matrix.loop_balls(other, s.axis, s.contacts, out.hessians)
+    assert relative(other, one) < 1e-13
+
+
 def test_envelope_is_factored_as_the_full_matrix(ready):
     s = ready.system
     _, out = evaluated(ready)
     values = np.zeros(s.axis.start[-1])
-    axis.add_axis(values, s.axis)
-    axis.add_balls(values, s.axis, s.contacts, out.hessians)
-    axis.hold(values, s.axis, np.full(6, 1e3))
+    axis_matrix.add_axis(values, s.axis)
+    axis_matrix.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis_matrix.hold(values, s.axis, np.full(6, 1e3))
     matrix, b = full(values, s.axis), np.random.default_rng(3).normal(size=s.axis.first.size)
-    found, x = values.copy(), b.copy()
-    assert skyline.row_factor(found, s.axis.first, s.axis.start)
-    skyline.row_solve(found, s.axis.first, s.axis.start, x)
-    assert relative(matrix @ x, b) < 1e-7
-    values[s.axis.start[7] + 7] = -1.0
-    assert not skyline.row_factor(values, s.axis.first, s.axis.start)
+    for factor, solve in ((skyline.row_factor, skyline.row_solve), (skyline.factor, skyline.substitute)):
+        found, x = values.copy(), b.copy()
+        assert factor(found, s.axis.first, s.axis.start)
+        solve(found, s.axis.first, s.axis.start, x)
+        assert relative(matrix @ x, b) < 1e-7
+        broken = values.copy()
+        broken[s.axis.start[7] + 7] = -1.0
+        assert not factor(broken, s.axis.first, s.axis.start)
 
 
 def test_hessian_of_four_flanks_holds_that_of_the_screws(ready):
@@ -146,7 +157,7 @@ def test_compiled_kernels_find_the_same():
     found = []
     for compiled in (False, True):
         prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=compiled))
-        outcome = prepared.iterate()
+        outcome = iterate(prepared)
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
     assert relative(found[1], found[0]) < 1e-11
