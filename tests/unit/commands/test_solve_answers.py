@@ -32,7 +32,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.like import scene_like
 from rollbench.lowfi.rating.rigidity import slope_of
-from rollbench.lowfi.statics import elastic, static
+from rollbench.lowfi.statics import elastic_system, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic
 from rollbench.lowfi.statics.axis import solve as axis_solve
 from rollbench.lowfi.statics.result import StaticResult
@@ -177,7 +177,7 @@ def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(
     monkeypatch: pytest.MonkeyPatch, command, model: str
 ) -> None:
     """A screw of more balls than elastic bodies take has loads and no tangent, and says why."""
-    monkeypatch.setattr(elastic, "LARGEST", 20)
+    monkeypatch.setattr(elastic_system, "LARGEST", 20)
     code, text, _ = command("solve", "lin-case1", "--model", model, "--json")
     axial = strict(text)["summary"]["axial"]
     assert (code, axial["tangent_N_per_um"]) == (0, None)
