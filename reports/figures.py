@@ -246,7 +246,12 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
 
 
 def _draw_series(axes: Any, series: Series, number: int) -> None:
-    """Draw one curve or band in the colour, marker and dash of its number."""
+    """Draw one curve or band in the colour, marker and dash of its number. Raises ValueError for labels or bars of another
+    number than its points."""
+    bars = zip(("lower error bars", "upper error bars"), series.bars or (), strict=False)
+    for what, values in (("texts", series.texts), ("names", series.names), *bars):
+        if len(values) not in (0, len(series.x)):
+            raise ValueError(f"curve {series.label!r}: {len(values)} {what} for {len(series.x)} points")
     x, y = np.asarray(series.x, float), np.asarray(series.y, float)
     colour = PALETTE[number % len(PALETTE)]
     marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]

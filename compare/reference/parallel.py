@@ -112,8 +112,8 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
     from joblib import Parallel, cpu_count, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
     with local(max(1, cpu_count() // workers)):  # max_nbytes: no read-only arguments
+        many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:
             for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard

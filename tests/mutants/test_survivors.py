@@ -117,8 +117,8 @@ def test_the_limit_of_rigid_bodies_is_the_mean_of_its_quadratures_and_their_dist
     state = SimpleNamespace(
         converged=True, status="converged", upwind=0.0, power=1.0, residual=0.0, seconds=0.0, contacts=()
     )
-    monkeypatch.setattr(runs, "solve_rolling", lambda *_: state)
-    monkeypatch.setattr(runs, "solve_rigid_rolling", lambda _, quadrature, **__: quadrature)
+    monkeypatch.setattr(runs.balls, "solve_rolling", lambda *_: state)
+    monkeypatch.setattr(runs.balls, "solve_rigid_rolling", lambda _, quadrature, **__: quadrature)
     monkeypatch.setattr(runs, "measures", lambda _, apart, __: {"force 1-2 N": 1.0 if apart is state else float(apart)})
     run = runs.compute(any_shipped("lin-pair-a"), 1)
     ends = sorted(runs.QUADRATURES)
