@@ -19,11 +19,10 @@ from rollbench.comparison.scenes.scene_file import loads
 from rollbench.comparison.sources.liu import bench as chain_bench
 from rollbench.comparison.wings.bench import bench, growth, startup, waits
 from rollbench.comparison.wings.bench.arguments import bench as bench_command
-from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.bench import command_line_job, run_bench
 from rollbench.comparison.wings.bench.costs import timing
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.bench.prepared import Energy, Source
-from rollbench.comparison.wings.bench.startup import command_line_job
 from rollbench.comparison.wings.bench.waits import LONG, TYPED, Wait
 from rollbench.lowfi.jit import code_folder
 
