@@ -10,8 +10,6 @@ reach a tighter one, and iterates in vain for it: one job shows that comparison,
 from __future__ import annotations
 
 import json
-import subprocess
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -24,6 +22,7 @@ from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.wings.bench.costs.timing import Job, launch, timed
 from rollbench.comparison.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
+from rollbench.comparison.wings.bench.startup import command_line_job, startup_jobs
 from rollbench.comparison.wings.members.ensemble import ENOUGH, run_ensemble
 from rollbench.lowfi.as_source import static as lin
 from rollbench.lowfi.statics.response import forget
@@ -253,44 +252,3 @@ def _jobs(repeats: int) -> Iterator[Job]:
         yield from (Job(**json.loads(line)) for line in done.stdout.splitlines())
     yield command_line_job()
     yield from startup_jobs()
-
-
-def command_line_job() -> Job:
-    """First solve from the command line, process start to exit."""
-    arguments = ["-m", "rollbench", "solve", "lin-case1", "--json"]
-    seconds, done = launch(arguments)
-    try:
-        solver = json.loads(done.stdout)["solver"]
-        unknowns, failed = int(solver["unknowns"]), done.returncode != 0
-    except (ValueError, KeyError, TypeError):
-        unknowns, failed = 0, True
-    if failed:
-        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
-        return Job("first call, command line", None, None, None, None, f"not measured: {last[0][:120]}")
-    note = "python -m rollbench solve lin-case1 --json: interpreter, imports, solve and output"
-    return Job("first call, command line", seconds, None, unknowns, None, note)
-
-
-def startup_jobs() -> Iterator[Job]:
-    """Import time, and the time to compile the kernels into an empty cache, each in a process of its own."""
-    code = (
-        "from time import perf_counter as t; a = t()\n"
-        "from rollbench.comparison.scenes.catalogue import scene\n"
-        "from rollbench.lowfi.statics.static import solve_static; b = t()\n"
-        "s = scene('lin-case1'); solve_static(s, engine={engine!r}); c = t(); solve_static(s, engine={engine!r})\n"
-        "print(b - a, c - b - (t() - c))"
-    )
-    _, done = launch(["-c", code.format(engine="interpreted")])
-    note = "imports of a low-order solve (numpy among them), after the interpreter's own start"
-    yield Job("imports", _number(done, 0), None, None, None, note)
-    with tempfile.TemporaryDirectory() as cache:
-        for job, note in (
-            ("compile the kernels", "first compiled solve less a second one, with an empty cache: once per machine"),
-            ("load the kernels", "the same with the cache filled: once per process that uses compiled kernels"),
-        ):
-            _, done = launch(["-c", code.format(engine="compiled")], {"NUMBA_CACHE_DIR": cache})
-            yield Job(job, _number(done, 1), None, None, None, note)
-
-
-def _number(done: subprocess.CompletedProcess[str], place: int) -> float | None:
-    return float(done.stdout.split()[place]) if done.returncode == 0 else None
