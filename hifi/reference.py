@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.contact.balls import State, solve_balls
-from rollbench.hifi.contact.result import ContactResult
+from rollbench.hifi.contact.balls import ContactResult, State, solve_balls
 from rollbench.hifi.contact_kinematics import (
     along_track,
     directions_matrix,

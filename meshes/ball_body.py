@@ -20,8 +20,8 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import Meshed
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.quality import Quality, measure, refuse_bad, straighten, untangle
-from rollbench.meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
+from rollbench.meshes.quality import Quality, mended
+from rollbench.meshes.shell import BEND, POOREST, Shell, best_of, fill, graded
 from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
 
 Flags = NDArray[np.bool_]
@@ -138,10 +138,8 @@ def _meshed(
         sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
         filled = fill(shell, volume)
         box_nodes = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
-        mesh = untangle(filled.named(shell), filled.on(shell.tris()))
-        mesh, moved = straighten(mesh, np.concatenate(box_nodes), STRAIGHTENED)
-        quality = measure(mesh)
-        refuse_bad(quality, "ball")
+        kept = np.concatenate(box_nodes)
+        mesh, moved, quality = mended(filled.named(shell), "ball", filled.on(shell.tris()), kept)
         nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
         body = BallBody(mesh, nodes, meshes, quality)

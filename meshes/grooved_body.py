@@ -33,13 +33,12 @@ from rollbench.meshes.groove import (
 )
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.quality import Quality, arc_deviation, measure, refuse_bad, straighten, untangle
+from rollbench.meshes.quality import Quality, arc_deviation, mended
 from rollbench.meshes.shell import (
     BEND,
     EXACT,
     GROWTH,
     POOREST,
-    STRAIGHTENED,
     WALL,
     Curve,
     Filled,
@@ -339,10 +338,8 @@ def _collected(surface: Surface, filled: Filled) -> GroovedBody:
     places = zip(surface.corners, spec.sockets, strict=True)
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
     sockets = np.array(rows, dtype=np.int64).reshape(len(rows), -1 if rows else 0)
-    mesh = untangle(filled.named(shell), filled.on(shell.tris()))
-    mesh, _ = straighten(mesh, sockets, STRAIGHTENED)
-    quality = measure(mesh)
-    refuse_bad(quality, "screw" if spec.outer else "nut")
+    name = "screw" if spec.outer else "nut"
+    mesh, _, quality = mended(filled.named(shell), name, filled.on(shell.tris()), sockets)
     flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
     ends = surface.groove.ends
     deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.in_whole(x)]) for s, x in flanks.items())

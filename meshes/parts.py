@@ -253,7 +253,7 @@ class Solid:
     ``nut_held``: where the nut is held (half a face: the inner or outer half of its width; the flange's: at its ``seat``);
     ``screw_held``: at the ends of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid
     beyond the contact patches; ``nut_groove``: through the whole nut, or filled beyond the loaded balls
-    (`meshes.groove_end`).
+    (`meshes.groove.GrooveEnds`).
     """
 
     nut_inner_diameter: float | None = None

@@ -12,22 +12,18 @@ from skfem.element import Element
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import moved
 
-#: Share of cells below this scaled Jacobian is counted.
-POOR = 0.1
 #: Cells measured at once.
 CHUNK = 8192
 
 
 @dataclass(frozen=True)
 class Quality:
-    """Cells and nodes of a mesh, smallest and median scaled Jacobian, share of cells below 0.1, the worst cell and where
-    it is (its middle, [m])."""
+    """Cells and nodes of a mesh, smallest and median scaled Jacobian, the worst cell and where it is (its middle, [m])."""
 
     cells: int
     nodes: int
     smallest: float
     median: float
-    poor: float
     worst: int
     where: tuple[float, float, float]
 
@@ -80,26 +76,25 @@ def measure(mesh: Mesh) -> Quality:
         mesh.doflocs.shape[1],
         float(jacobians[worst]),
         float(np.median(jacobians)),
-        float((jacobians < POOR).mean()),
         worst,
         (float(x), float(y), float(z)),
     )
 
 
-def refuse_bad(quality: Quality, name: str, least: float = 0.0) -> None:
-    """Raise ValueError where the worst cell's scaled Jacobian is not above ``least``."""
-    if quality.smallest > least:
+def refuse_bad(quality: Quality, name: str) -> None:
+    """Raise ValueError where the worst cell is turned inside out."""
+    if quality.smallest > 0.0:
         return
     r, z = np.hypot(*quality.where[:2]), quality.where[2]
-    state = "turned inside out" if quality.smallest <= 0.0 else "too flat"
     raise ValueError(
         f"mesh of the {name}: cell {quality.worst} of {quality.cells} at r = {1e3 * r:.4g} mm, z = {1e3 * z:.4g} mm is "
-        f"{state} (scaled Jacobian {quality.smallest:.2g}, must exceed {least:g}): choose smaller element sizes"
+        f"turned inside out (scaled Jacobian {quality.smallest:.2g}, must exceed 0): choose smaller element sizes"
     )
 
 
-#: Scaled Jacobian below which a curved cell is mended.
-BENT = 0.05
+#: Scaled Jacobian below which a curved cell is mended, and below which its edges are straightened, though the surface
+#: suffers.
+BENT, STRAIGHTENED = 0.05, 0.01
 
 
 def untangle(mesh: Mesh, surface: Index) -> Mesh:
@@ -137,7 +132,7 @@ def untangle(mesh: Mesh, surface: Index) -> Mesh:
     return moved(mesh, points)
 
 
-def straighten(mesh: Mesh, keep: Index, threshold: float = 0.1) -> tuple[Mesh, int]:
+def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
     """The mesh with straightened edges of badly curved P2 tetrahedra, how many nodes moved; nodes ``keep`` stay."""
     cells = mesh.dofs.element_dofs.T
     points = mesh.doflocs.T.copy()
@@ -146,7 +141,7 @@ def straighten(mesh: Mesh, keep: Index, threshold: float = 0.1) -> tuple[Mesh, i
     changed = np.zeros_like(free)
     near = cells
     for _ in range(8):
-        bad = near[_of_cells(moved(mesh, points), near) < threshold]
+        bad = near[_of_cells(moved(mesh, points), near) < STRAIGHTENED]
         before = int(changed.sum())
         for k, (i, j) in enumerate(mesh.refdom.edges):
             middle = 0.5 * (points[bad[:, i]] + points[bad[:, j]])
@@ -158,6 +153,15 @@ def straighten(mesh: Mesh, keep: Index, threshold: float = 0.1) -> tuple[Mesh, i
             break
         near = cells[changed[cells].any(axis=1)]
     return moved(mesh, points), int(changed.sum())
+
+
+def mended(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
+    """The mesh of a body with its cells untangled, nodes of the surface staying, then straightened, nodes ``keep`` staying;
+    how many nodes that moved; its quality. Raises ValueError where a cell stays turned inside out."""
+    mesh, straight = straighten(untangle(mesh, surface), keep)
+    quality = measure(mesh)
+    refuse_bad(quality, name)
+    return mesh, straight, quality
 
 
 def arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:

@@ -53,8 +53,6 @@ OPTIONS = {
 }
 #: Sine of an angle from which a triangle is sound.
 SLENDER = 0.3
-#: Cells below this scaled Jacobian have their edges straightened, though the surface suffers.
-STRAIGHTENED = 0.01
 #: What is tried in turn: gmsh's algorithms for faces (6 frontal, 5 Delaunay) and volume (1 Delaunay, 4 frontal), share of
 #: the element sizes.
 ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))

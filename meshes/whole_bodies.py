@@ -1,4 +1,4 @@
-"""Whole screws, nuts and balls, without sockets: second-order tetrahedra, fine where contacts are expected.
+"""Whole screws, nuts, balls, and halves of rings and balls, without sockets: second-order tetrahedra, fine at contacts.
 
 They serve other programs, which find the contact themselves. Surfaces are those of ``meshes.grooved_body`` and
 ``meshes.ball_body``, known exactly; element sizes grow in proportion to the distance from the expected contacts.
@@ -8,23 +8,196 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, sphere
 from rollbench.meshes.fem import Meshed, nodes_on
-from rollbench.meshes.groove import BodySpec, Groove
+from rollbench.meshes.groove import BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import Surface
-from rollbench.meshes.half_bodies import HalfRing, half_sphere
-from rollbench.meshes.quality import Quality, measure, refuse_bad, straighten, untangle
-from rollbench.meshes.shell import POOREST, STRAIGHTENED, Placing, Shell, best_of, fill
+from rollbench.meshes.grooved_body import FLANK, Surface
+from rollbench.meshes.parts import SIDES
+from rollbench.meshes.quality import Quality, mended
+from rollbench.meshes.shell import BEND, POOREST, WALL, Curve, Placing, Shell, Side, best_of, fill
 from rollbench.meshes.sockets import SocketSize, socket_points
+
+#: Azimuths [rad] of the two parts of the cut.
+CUT = (0.0, np.pi)
+
+
+def sizes_as_asked(shell: Shell) -> None:
+    """Keep gmsh from making faces as fine inside as their boundary is: the cut's boundary is what is fine of it."""
+    shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+
+
+class HalfRing:
+    """The surface of a ring's half, azimuths 0 to 180 deg, in a shell; the plane y = 0 is its boundary "cut".
+
+    A ring pair whose balls stand at 0 and 180 deg, moved within the plane y = 0, deforms as its mirror image does: the half
+    at y >= 0 suffices, with as fine a mesh for half the nodes. Faces are as exact as those of ``meshes.grooved_body``.
+
+    Around the section: the smooth surface behind the groove, high end, land, flank, flank, land, low end.
+    """
+
+    def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
+        """Divide and triangulate all of it; share: of the usual longest edges on curved faces. Raises ValueError for a
+        helix, a ring without bore, a groove of one arc, or one that leaves no land or wall."""
+        if m.rg or spec.r_in <= 0.0 or m.one_arc:
+            raise ValueError("only a ring with a bore and a groove of two arcs is cut in halves")
+        self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
+        sizes_as_asked(shell)
+        g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
+        self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.coarse)
+        self.land_limit = share * BEND[1] * g.land
+        self.behind_limit = min(share * BEND[1] * g.behind, max(WALL * g.wall, shell.fine))
+        r, zeta = g.profile(g.sides[0], np.array([g.apex]))
+        corners = np.array(
+            [
+                (g.behind, low),
+                (g.behind, high),
+                (g.land, high),
+                (g.land, line + g.half),
+                (float(r[0]), line + float(zeta[0])),
+                (g.land, line - g.half),
+                (g.land, low),
+            ]
+        )
+        limits = [self.behind_limit, self.behind_limit, *[self.land_limit] * 5]
+        limits[3:6] = [min(self.land_limit, self.flank_limit)] * 3
+        nodes = [shell.nodes(cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
+        self.arcs = [
+            shell.curve(circle(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))) for k in range(7)
+        ]
+        self.corners, self.line = corners, line
+        self.cuts = [[self._edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)]
+        self._faces()
+
+    def _edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> Curve:
+        """Edge k of the section at an azimuth, from corner k to the next."""
+        ends = int(nodes[k]), int(nodes[(k + 1) % 7])
+        if k in (3, 4):
+            begin, end = self._gamma(k)
+            return self.shell.curve(lambda t: self._flank(k, t, phi), begin, end, self.flank_limit, ends)
+        limit = self.behind_limit if k == 0 else self.land_limit
+
+        def space(t: Array) -> Array:
+            r, z = self._straight(k, t)
+            return cylindrical(r, phi, z)
+
+        return self.shell.curve(space, 0.0, 1.0, limit, ends)
+
+    def _gamma(self, k: int) -> tuple[float, float]:
+        g = self.groove
+        return (g.edge, g.apex) if k == 3 else (g.apex, g.edge)
+
+    def _side(self, k: int) -> int:
+        return self.groove.sides[1 if k == 3 else 0]
+
+    def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
+        r, zeta = self.groove.profile(self._side(k), gamma)
+        return cylindrical(r, phi, self.line + zeta)
+
+    def _straight(self, k: int, t: Array) -> tuple[Array, Array]:
+        """Radius and z along a straight edge."""
+        x = self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k])
+        return x[:, 0], x[:, 1]
+
+    def _section(self, k: int, t: Array) -> Array:
+        """Radius and z ``(n, 2)`` along any edge."""
+        if k in (3, 4):
+            r, zeta = self.groove.profile(self._side(k), t)
+            return np.stack([r, self.line + zeta], axis=1)
+        return np.stack(self._straight(k, t), axis=1)
+
+    def _around(self, k: int, begin: float, end: float) -> list[Side]:
+        """Boundary of the face that edge k sweeps, in (azimuth, coordinate): from ``begin`` at corner k to ``end``."""
+
+        def at(t: Array, phi: float) -> Array:
+            place = begin + (end - begin) * t if k not in (3, 4) else t
+            return upright(phi)(place)
+
+        first, last = (cut[k] for cut in self.cuts)
+        return [
+            self.arcs[k].on(level(begin)),
+            last.on(lambda t: at(t, CUT[1])),
+            self.arcs[(k + 1) % 7].back(level(end)),
+            first.back(lambda t: at(t, CUT[0])),
+        ]
+
+    def _faces(self) -> None:
+        """Triangulate what the edges sweep, the flat ends, and the cut."""
+        outer = self.spec.outer
+        for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
+            r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
+            limit = self.behind_limit if k == 0 else self.land_limit
+            self._swept(name, k, (begin, end), np.array([r, 1.0]), _cylinder(r), limit)
+        for k in (3, 4):
+            side = self._side(k)
+            scale = np.array([self.corners[4, 0], float(self.groove.m.radius[side])])
+            self._swept(f"flank {SIDES[side]}", k, self._gamma(k), scale, self._flank_space(k, scale), self.flank_limit)
+        for k, name in ((1, "high end"), (6, "low end")):
+            self._end(name, k)
+        for phi, cut in zip(CUT, self.cuts, strict=True):
+            loop = [cut[k].on(partial(self._section, k)) for k in range(7)]
+            self.shell.face("cut", [loop], _section_space(phi), np.inf)
+
+    def _flank_space(self, k: int, scale: Array) -> Placing:
+        return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
+
+    def _end(self, name: str, k: int) -> None:
+        """A flat end, which edge k sweeps."""
+        first, last = (cut[k] for cut in self.cuts)
+
+        def edge(sign: float) -> Placing:
+            return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
+
+        loop = [
+            self.arcs[k].on(seen(float(self.corners[k, 0]))),
+            last.on(edge(-1.0)),
+            self.arcs[(k + 1) % 7].back(seen(float(self.corners[(k + 1) % 7, 0]))),
+            first.back(edge(1.0)),
+        ]
+        self.shell.face(name, [loop], flat(float(self.corners[k, 1])), np.inf)
+
+    def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
+        loop = [(n, x * scale) for n, x in self._around(k, *ends)]
+        self.shell.face(name, [loop], space, limit)
+
+
+def _cylinder(r: float) -> Placing:
+    return lambda x: cylindrical(r, x[:, 0] / r, x[:, 1])
+
+
+def _section_space(phi: float) -> Placing:
+    return lambda x: cylindrical(x[:, 0], phi, x[:, 1])
+
+
+def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
+    """Triangulate the half of a sphere about the origin at sign * y >= 0: boundary "sphere", and its "cut"."""
+    sizes_as_asked(shell)
+    limit = share * BEND[1] * radius
+    middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
+    equator = shell.curve(lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
+
+    def plane(x: Array) -> Array:
+        return np.asarray(x @ middle.T / (1.0 - x @ pole / radius)[:, None])
+
+    def space(at: Array) -> Array:
+        square = np.sum((at / radius) ** 2, axis=1)[:, None]
+        return np.asarray((radius * (square - 1.0) * pole + 2.0 * at @ middle) / (square + 1.0))
+
+    def stretch(at: Array) -> Array:
+        return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
+
+    rim = shell.points[equator.nodes]
+    shell.face("sphere", [[(equator.nodes, plane(rim))]], space, limit, stretch)
+    shell.face("cut", [[(equator.nodes, rim @ middle.T)]], lambda at: at @ middle, np.inf)
 
 
 @dataclass(frozen=True)
@@ -133,10 +306,8 @@ def _meshed(name: str, surface: Callable[[Shell, float], object], refinement: Re
         shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)
         surface(shell, share)
         filled = fill(shell, volume)
-        mesh = untangle(filled.named(shell), filled.on(shell.tris()))
-        mesh, moved = straighten(mesh, np.zeros(0, dtype=np.int64), STRAIGHTENED)
-        quality = measure(mesh)
-        refuse_bad(quality, name)
+        free = np.zeros(0, dtype=np.int64)
+        mesh, moved, quality = mended(filled.named(shell), name, filled.on(shell.tris()), free)
         return WholeBody(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
 
     return best_of(name, attempt)

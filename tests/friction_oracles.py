@@ -8,9 +8,8 @@ from scipy.special import ellipe
 from rollbench.lowfi.friction.contact.ellipse import Contacts
 from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.screw.coupled import PATIENCE
+from rollbench.lowfi.friction.screw.coupled import PATIENCE, solve_joint
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.joint import solve_joint
 from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows, settle_load
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,

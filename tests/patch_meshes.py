@@ -71,14 +71,10 @@ def tets(fine, way="straight"):
     return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if way == "none" else socket(turned=way == "turned"))
 
 
-def patch(kind, where="groove", side=0, fine=0.16e-3, linear=None):
+def patch(kind, where="groove", side=0, fine=0.16e-3):
     """Patch mesh and the directions of its contact forces."""
     place, centre = places(side)[where]
-    linear = kind == "P1" if linear is None else linear
-    if kind == "Q2":
-        mesh = build_patch(lines(2.0), ZONE, place, socket(), linear=linear)
-    else:
-        mesh = build_tet_patch(tets(fine), place, socket(), linear=linear)
+    mesh = build_patch(lines(2.0), ZONE, place, socket()) if kind == "Q2" else build_tet_patch(tets(fine), place, socket())
     arms = mesh.points[mesh.contact] - centre
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
 

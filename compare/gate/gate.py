@@ -10,11 +10,11 @@ from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED, gate_points, known_exceedances
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.source_start import best_start
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.as_source.static import best_start
 
 #: Limit [%] of the default model's largest error of the mean load: it guards against regressions.
 TIGHT = 2.0

@@ -23,7 +23,7 @@ from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import contact_weights, mean_weights
 from rollbench.hifi.linear_algebra.solvers import compliance, factor
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.fem import Meshed, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from rollbench.meshes.sockets import SocketMesh
 from rollbench.meshes.tet_patch import LocalTets, signed_volumes
 
@@ -43,7 +43,7 @@ class Lines:
 
 
 @dataclass(frozen=True)
-class PatchMesh:
+class PatchMesh(Meshed):
     """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; local coordinates of its nodes ``(n, 3)``;
     nodes of the contact zone ``(c,)``, the shape
     of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
@@ -69,16 +69,6 @@ class PatchMesh:
     def areas(self) -> Array:
         """Areas of the pressure hats ``(c,)`` [m2]."""
         return np.asarray(self.weights.sum(axis=1)).ravel()
-
-    @property
-    def points(self) -> Array:
-        """Nodes ``(n, 3)`` [m]."""
-        return points_of(self.mesh)
-
-    @property
-    def cells(self) -> Index:
-        """Nodes of the cells in gmsh's order."""
-        return cells_of(self.mesh)
 
 
 @dataclass(frozen=True)
@@ -117,20 +107,18 @@ def growing(start: float, end: float, first: float, ratio: float) -> Array:
     return start + np.concatenate([[0.0], np.cumsum(widths)])
 
 
-def build_patch(
-    lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
-) -> PatchMesh:
+def build_patch(lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
     """Patch mesh: ``place`` maps local coordinates ``(n, 3)`` to points; ``zone``: half widths of the contact zone.
 
-    The interface nodes are put onto the socket's triangles, so that rigid motions of the socket strain nothing; linear:
-    whether the coarse body is of first order (`tie_matrix`). Raises ValueError where one lies on no triangle.
+    The interface nodes are put onto the socket's second-order triangles, so that its rigid motions strain nothing. Raises
+    ValueError where one lies on no triangle.
     """
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _placed(points_of(grid), place, socket, linear)
+    points, interface, tie, nodes = _placed(points_of(grid), place, socket)
     mesh = moved(grid, points)
     if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
         grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _placed(points_of(grid), place, socket, linear)
+        points, interface, tie, nodes = _placed(points_of(grid), place, socket)
         mesh = moved(grid, points)
     xi = points_of(grid)
     top = np.abs(xi[:, 1]) < 1e-12
@@ -144,12 +132,13 @@ def build_patch(
     return _patch(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
 
 
-def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool) -> PatchMesh:
-    """Patch of first-order tetrahedra from a box meshed in local coordinates, put into its socket as by `build_patch`.
+def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
+    """Patch of first-order tetrahedra from a box meshed in local coordinates, put into its socket as by `build_patch`, but
+    into that of a body of first order, too.
 
     Tributary areas are thirds of the triangles around a node. Raises ValueError where the map turns cells inside out.
     """
-    points, interface, tie, nodes = _placed(local.xi, place, socket, linear)
+    points, interface, tie, nodes = _placed(local.xi, place, socket, linear=True)
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError("tetrahedra of a patch are turned inside out by the map to space: make the far edge shorter")
@@ -232,7 +221,7 @@ def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
 
 
 def _placed(
-    xi: Array, place: Callable[[Array], Array], socket: SocketMesh, linear: bool
+    xi: Array, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_matrix, Array]:
     """Points of local coordinates, those of the interface on the socket's triangles; the interface, its tie, the socket's
     nodes."""

@@ -8,6 +8,15 @@ With C = blkdiag(D_i) + U G U^T (one block per ball), gaps g = g0 + C lambda - N
 is convex; at its minimum w = U^T lambda and the rigid motions y are in equilibrium. Each psi_i is one ball between given
 grooves, a small contact problem solved exactly by an active set, so every step has converged contacts and the energy can
 guard the step. A plain active set on all balls at once may cycle, because free balls have equality constraints.
+
+Contact pairs i carry forces lambda_i >= 0 [N], pressing the bodies apart, and have gaps g_i >= 0 [m]:
+
+    g = g0 + C lambda - N y,   lambda >= 0,   g >= 0,   lambda_i g_i = 0,   N^T lambda = f          (1)
+
+g0: gaps of the undeformed bodies at rest; C: compliance, symmetric positive definite; y: rigid motions of the free
+bodies (translations [m], rotations [rad]), column j of N being the gap closed by a unit of motion j; f: loads on them
+[N, N m], positive where they do work in a closing motion. These are the optimality conditions of the convex problem
+min 1/2 lambda^T C lambda + g0^T lambda over lambda >= 0 with N^T lambda = f, so a solution's forces are unique.
 """
 
 from __future__ import annotations
@@ -26,7 +35,6 @@ from scipy.linalg.lapack import dpotrs, dpstrf
 from scipy.optimize import nnls
 
 from rollbench.hifi.contact.compliance import BallBlock, BlockFactor, Compliance, Indices, factored
-from rollbench.hifi.contact.result import ContactResult
 from rollbench.meshes.arrays import Array
 
 Flags = NDArray[np.bool_]
@@ -38,6 +46,28 @@ HOLD = 1e4
 KEPT = 0.2
 #: Answer of the bodies to a pattern of forces, over the contact's own, that Newton's step leaves out.
 FEEBLE = 1e-4
+
+
+@dataclass(frozen=True)
+class ContactResult:
+    """Solution of (1), or the last state and the reason why it is none.
+
+    forces: (n,) [N]; gaps: (n,) [m], round-off on closed pairs; motions: (k,) rigid motions y [m, rad]; iterations: of
+    Newton's method; status: "converged", or why not; equilibrium: the largest unbalanced force over the largest force on
+    a ball.
+    """
+
+    forces: Array
+    gaps: Array
+    motions: Array
+    iterations: int
+    status: str
+    equilibrium: float
+
+    @property
+    def converged(self) -> bool:
+        """Whether (1) holds."""
+        return self.status == "converged"
 
 
 @dataclass

@@ -139,7 +139,7 @@ def patch_mesh(
     for far in RIM_EDGES:
         box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet, far)
         try:
-            return build_tet_patch(build_tets(box, socket), place, socket, linear=True)
+            return build_tet_patch(build_tets(box, socket), place, socket)
         except ValueError:
             if far == RIM_EDGES[-1]:
                 raise

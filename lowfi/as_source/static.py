@@ -360,3 +360,11 @@ def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Arr
         x = x.copy()
         x[free] += step
     return x, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"
+
+
+def best_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
+    """The source's Newton from its designer's guess, or by load steps where that fails."""
+    solution = solve_source(scene, kinematics=kinematics, start="guess")
+    if solution.converged:
+        return solution
+    return solve_source(scene, kinematics=kinematics, start="load steps")

@@ -156,13 +156,13 @@ def preloaded(row: Row, directions: Sequence[int], force: float) -> BearingSet:
     return BearingSet((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))
 
 
-def lift_off_force(bearings: BearingSet, direction: int = 1) -> float:
-    """External thrust [N] along ``direction`` (+1, -1) at which the rows facing the other way have all become loose.
+def lift_off_force(bearings: BearingSet) -> float:
+    """External thrust [N] along + at which the rows facing the other way have all become loose.
 
     2^n times the preload for two equal opposed rows of load ~ deflection^n: 2.83 for balls of fixed contact angle.
     """
-    others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -direction]
+    others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:
         raise ValueError("no row faces the other way")
-    state = state_at(bearings, direction * max(others))
+    state = state_at(bearings, max(others))
     return float(np.array(bearings.directions) @ state.loads)

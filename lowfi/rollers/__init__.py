@@ -1,1 +1,1 @@
-"""Tapered rollers: line contact, a bearing's row, and its slices under a tilt."""
+"""Tapered rollers: line contact, a bearing's row, and its slices."""

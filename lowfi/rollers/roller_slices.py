@@ -1,12 +1,11 @@
-"""Roller between two raceways cut into slices: crown and tilt.
+"""Roller between two raceways cut into slices: crown.
 
-Slice k of width L/n at x_k sees the approach delta + theta x_k less the profile's drop, and carries the plane-strain line
-load of that approach by itself; load and moment are the sums. theta is the tilt of one raceway against the other: a roller
-free to follow takes half of it at each contact, which the law of both contacts in series counts already. Slices do not feel
-one another (no edge stress): with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
+Slice k of width L/n at x_k sees the approach delta less the profile's drop, and carries the plane-strain line load of that
+approach by itself; the load is the sum. Slices do not feel one another (no edge stress): with a profile that ends in no
+step that is within a few per cent; a sharp edge needs 3D.
 
 All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2
-with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) is unchanged. A tapered roller without crown or tilt is loaded evenly.
+with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) is unchanged. A tapered roller without crown is loaded evenly.
 """
 
 from __future__ import annotations
@@ -35,11 +34,10 @@ class SlicedRoller:
 
 @dataclass(frozen=True)
 class SliceState:
-    """Force [N], moment about the middle [N m], stiffness (2, 2) against (delta, theta), line loads (n,) [N/m]."""
+    """Force [N], its slope against the approach [N/m], line loads (n,) [N/m]."""
 
     force: float
-    moment: float
-    stiffness: Array
+    stiffness: float
     line_loads: Array
 
 
@@ -60,33 +58,28 @@ def sliced(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Arra
     return SlicedRoller(bearing.law(), x, bearing.length, drop)
 
 
-def slice_state(roller: SlicedRoller, approach: float, tilt: float = 0.0) -> SliceState:
-    """Loads at an approach of the raceways [m] in the middle and a tilt [rad] of one against the other."""
-    q = roller.law.line_load(approach + tilt * roller.places - roller.drop)
+def slice_state(roller: SlicedRoller, approach: float) -> SliceState:
+    """Loads at an approach of the raceways [m]."""
+    q = roller.law.line_load(approach - roller.drop)
     width = roller.length / roller.places.size
-    base = np.column_stack([np.ones_like(roller.places), roller.places])
-    force, moment = width * (q @ base)
-    stiffness = width * (base.T * roller.law.slope(q)) @ base
-    return SliceState(float(force), float(moment), stiffness, q)
+    return SliceState(float(width * q.sum()), float(width * roller.law.slope(q).sum()), q)
 
 
-def approach_of(roller: SlicedRoller, force: float, tilt: float = 0.0) -> float:
-    """Approach [m] of the raceways under a force [N] at a given tilt [rad], to round-off; the force grows with it.
+def approach_of(roller: SlicedRoller, force: float) -> float:
+    """Approach [m] of the raceways under a force [N], to round-off; the force grows with it.
 
     Raises ValueError unless the force is positive.
     """
     if force <= 0.0:
         raise ValueError("a roller carries compression only: the force must be positive")
-    low = float((roller.drop - tilt * roller.places).min())
-    high = float(roller.law.approach(force / roller.length).max() + (roller.drop - tilt * roller.places).max())
-    return float(
-        brentq(lambda d: slice_state(roller, d, tilt).force - force, low, high * (1.0 + 1e-9), xtol=1e-22, rtol=8.9e-16)
-    )
+    low = float(roller.drop.min())
+    high = float(roller.law.approach(force / roller.length).max() + roller.drop.max()) * (1.0 + 1e-9)
+    return float(brentq(lambda d: slice_state(roller, d).force - force, low, high, xtol=1e-22, rtol=8.9e-16))
 
 
 @dataclass(frozen=True)
 class SlicedRow:
-    """A tapered bearing with sliced rollers as a row of a set under pure thrust, rings without tilt."""
+    """A tapered bearing with sliced rollers as a row of a set under pure thrust."""
 
     bearing: TaperedBearing
     slices: int = 31
@@ -105,7 +98,7 @@ class SlicedRow:
     def stiffness(self, deflection: float) -> float:
         """Slope of the thrust [N/m]."""
         sin = np.sin(self.bearing.cup_angle)
-        return float(self.bearing.rollers * sin**2 * slice_state(self.roller, deflection * sin).stiffness[0, 0])
+        return float(self.bearing.rollers * sin**2 * slice_state(self.roller, deflection * sin).stiffness)
 
     def deflection(self, load: float) -> float:
         """Axial deflection [m] under a thrust [N]. Raises ValueError unless it is positive."""

@@ -6,9 +6,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.comparison.printed.printed_data import load_table, tables
-from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.audit import judge, misprints
 from rollbench.comparison.wings.evidence.gate import evidence_row
-from rollbench.comparison.wings.evidence.left_out import misprints
 from rollbench.comparison.wings.evidence.registry import evidence
 
 pytestmark = pytest.mark.xdist_group(GROUP)

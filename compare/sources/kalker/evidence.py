@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.hifi.rolling.verification import linear_coefficients
 
 #: Ratios of semi-axes and Poisson's ratios; grids of each ratio, cells along and across.
@@ -48,11 +48,9 @@ def _solved() -> Iterator[Coefficient]:
                 yield Coefficient(f"{name}_{ratio}_{poisson}", tuple(map(float, values)), answer, one_side)
 
 
-def table_e3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_e3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Kalker's coefficients for a/b of 0.2, 1, 5 and nu of 0, 0.25, 0.5."""
-    sheet = Sheet("kalker-E3")
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)
         how = "extrapolated" if one.extrapolated else "the finest grid's"
         sheet.number(one.key, one.answer, f"grids {grids}; {how}")
-    return sheet.evidence()

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
+import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
+from pathlib import Path
 from typing import Any, Literal
 
 from rollbench.comparison import data
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
-from rollbench.comparison.registration import registered, source_files
+from rollbench.comparison.registration import ROOT, registered, source_files
 from rollbench.comparison.wings.evidence.record import Evidence, sentences
 from rollbench.comparison.wings.evidence.registry import by_table, evidence, not_computed
 
@@ -34,6 +36,29 @@ VERDICTS: dict[Verdict, str] = {
 }
 #: Verdicts that are counted apart: they say nothing of a model.
 APART: tuple[Verdict, ...] = ("input", "identity")
+
+
+@cache
+def misprints() -> list[dict[str, str]]:
+    """Misprints and faults of all sources: source, place, wrong, right, evidence, command that shows it, test."""
+    out = []
+    for path in source_files("misprints.toml"):
+        for row in _rows(path):
+            shown = f"rollbench audit --only {row['shown']}" if "shown" in row else f"pytest {row['test']}"
+            kept = {key: row[key] for key in ("place", "wrong", "right", "evidence")}
+            out.append({"source": path.parent.name, **kept, "command": shown, "test": row["test"]})
+    return out
+
+
+@cache
+def left_out() -> list[dict[str, Any]]:
+    """Groups of printed numbers that are no entries: source, place, what, count, reason."""
+    return _rows(ROOT / "printed" / "audit" / "left-out.toml")
+
+
+def _rows(path: Path) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = tomllib.loads(path.read_text(encoding="utf-8"))["row"]
+    return rows
 
 
 def sources() -> dict[str, str]:

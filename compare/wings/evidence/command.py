@@ -12,8 +12,18 @@ from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import tables
-from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
-from rollbench.comparison.wings.evidence.left_out import left_out, misprints
+from rollbench.comparison.wings.evidence.audit import (
+    APART,
+    VERDICTS,
+    Audited,
+    as_stored,
+    audit,
+    changes,
+    counts,
+    left_out,
+    misprints,
+    trust,
+)
 from rollbench.comparison.wings.evidence.registry import traces
 from rollbench.comparison.writing import replace_file
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
-from rollbench.comparison.printed.printed_data import Printed, load_table
+from rollbench.comparison.printed.printed_data import Printed, load_table, value_of
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,15 @@ class Sheet:
         """File a number in the printed unit; holds: whether the printed one comes out under the inferred reading. Raises
         KeyError for an unknown key."""
         self._file(key, value=value, as_printed=as_printed, reading=reading, holds=holds, words=words)
+
+    def numbers(self, values: Mapping[str, float]) -> None:
+        """File right values by key. Raises KeyError for an unknown key."""
+        for key, value in values.items():
+            self.number(key, float(value))
+
+    def printed(self, key: str) -> float:
+        """Printed number of an entry, for arithmetic. Raises KeyError for a claim or an unknown key."""
+        return value_of(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
         """File whether a claim holds, and the figures behind it. Raises KeyError for an unknown key."""

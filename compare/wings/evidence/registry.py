@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
@@ -12,7 +12,7 @@ from typing import Any
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import KINDS, Printed, load_table, tables
 from rollbench.comparison.registration import load, registered, source_files
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 
 #: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
 Behind = tuple[str, ...] | str
@@ -20,7 +20,7 @@ Behind = tuple[str, ...] | str
 
 @dataclass(frozen=True)
 class Computation:
-    """One printed table: the function that computes its evidence (as `registration.load` takes it; empty: nothing is
+    """One printed table: the function that files its evidence (as `registration.load` takes it; empty: nothing is
     computed), the test file that asserts every entry of it, what is behind its entries, by pattern of the key (the first
     that fits counts), and the wings that it needs."""
 
@@ -30,11 +30,11 @@ class Computation:
     behind: tuple[tuple[str, Behind], ...]
     needs: tuple[str, ...] = ()
 
-    @property
-    def compute(self) -> Callable[[Study], tuple[Evidence, ...]]:
-        """The function, imported now."""
-        function: Callable[[Study], tuple[Evidence, ...]] = load(self.computed_by)
-        return function
+    def compute(self, study: Study) -> tuple[Evidence, ...]:
+        """Evidence of every entry: the function, imported now, files it in a sheet of the table."""
+        sheet = Sheet(self.table)
+        load(self.computed_by)(sheet, study)
+        return sheet.evidence()
 
     @property
     def function(self) -> str:

@@ -165,9 +165,9 @@ def ball_contacts(bearing: Bearing, load: Settled, mode: Mode = "right") -> Cont
     return contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
-def motion_problem(bearing: Bearing, load: Settled, at: Contacts, free_z: bool = False) -> Problem:
+def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
     """The problem of motion at given loads and angles; works for two, three or four loaded contacts."""
-    maps, drives = contact_maps(bearing, load.angle, free_z)
+    maps, drives = contact_maps(bearing, load.angle)
     return Problem(at=at, maps=maps, drives=drives, push=np.zeros(maps.shape[2]))
 
 
@@ -199,20 +199,17 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "righ
     return Solution(bearing, load, at, problem, motion, inner_torque(bearing, load, motion))
 
 
-def solve_ball_as_printed(
-    bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, start: Array | None = None, fast: bool = False
-) -> Solution:
+def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> Solution:
     """The source's method, faults included: Table B.1's Hertz constants, sigmoid, root of 3.19, torque 3.21.
 
-    With a ``start`` (3,) a plain search for the root, which fails from most of them near two-point contact; without,
-    from the motion of least dissipation, then if need be with a sigmoid that grows ever sharper.
+    The root is searched from the motion of least dissipation, then if need be with a sigmoid that grows ever sharper.
     """
     load = bearing_load(bearing, force_x, u_y, "as printed")
     at = ball_contacts(bearing, load, "as printed")
     problem = motion_problem(bearing, load, at)
-    first = least_dissipation(problem, fast=fast).q if start is None else start
+    first = least_dissipation(problem, fast=fast).q
     motion = balance_by_root(problem, law, first, fast)
-    if motion.status != "exact" and start is None:
+    if motion.status != "exact":
         motion = balance_by_sharpening(problem, law, first, fast)
     return Solution(bearing, load, at, problem, motion, motion.loss / bearing.speed)
 

@@ -207,7 +207,6 @@ def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
     d = float(B.law().approach(1100.0 / B.length))
     s = slice_state(r, d)
     assert s.force == pytest.approx(1100.0, rel=1e-12)
-    assert s.moment == pytest.approx(0.0, abs=1e-12)
     assert approach_of(r, 1100.0) == pytest.approx(d, rel=1e-12)
     row = SlicedRow(B, slices)
     assert row.deflection(THRUST) == pytest.approx(RollerRow(B).deflection(THRUST), rel=1e-12)
@@ -221,24 +220,10 @@ def test_a_roller_on_one_apex_is_loaded_evenly():
     np.testing.assert_allclose(g, float(B.law().g), rtol=1e-13)
 
 
-def test_tilt_turns_the_load_and_softens():
-    r = sliced(B, 200)
-    plain, tilted = (slice_state(r, approach_of(r, 1100.0, t), t) for t in (0.0, 2e-4))
-    back = slice_state(r, approach_of(r, 1100.0, -2e-4), -2e-4)
-    assert tilted.moment > 0.0
-    assert back.moment == pytest.approx(-tilted.moment, rel=1e-10)
-    # M = k L^3/12 theta for small tilt
-    small = slice_state(r, approach_of(r, 1100.0, 1e-7), 1e-7).moment
-    k = plain.stiffness[0, 0] / B.length
-    assert small == pytest.approx(k * B.length**3 / 12.0 * 1e-7, rel=1e-4)
-
-
 def test_slice_stiffness_is_the_derivative():
     r = sliced(B, 60, circular_crown(4.0))
-    for i, (d, t) in enumerate(((1e-11, 0.0), (0.0, 1e-9))):
-        up, down = slice_state(r, 8e-6 + d, 2e-4 + t), slice_state(r, 8e-6 - d, 2e-4 - t)
-        slope = np.array([up.force - down.force, up.moment - down.moment]) / (2.0 * (d + t))
-        np.testing.assert_allclose(slice_state(r, 8e-6, 2e-4).stiffness[:, i], slope, rtol=3e-6)
+    up, down = slice_state(r, 8e-6 + 1e-11), slice_state(r, 8e-6 - 1e-11)
+    assert slice_state(r, 8e-6).stiffness == pytest.approx((up.force - down.force) / 2e-11, rel=3e-6)
 
 
 def test_slices_converge_with_second_order():

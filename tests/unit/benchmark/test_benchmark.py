@@ -14,9 +14,9 @@ from rollbench.comparison.models.modelling import varied
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.benchmark import answers, exporting
 from rollbench.comparison.wings.benchmark.command import run_score
+from rollbench.comparison.wings.benchmark.exporting import schema
 from rollbench.comparison.wings.benchmark.neutral import described
 from rollbench.comparison.wings.benchmark.problems import JUNCTION, PROBLEMS, RUNS, fixed_text, key_of
-from rollbench.comparison.wings.benchmark.schema import schema
 from rollbench.comparison.wings.benchmark.scoring import Given, read, score
 from rollbench.comparison.wings.benchmark.step_files import off, write_step
 from rollbench.hifi.several_sets import bodies_of

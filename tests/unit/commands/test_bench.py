@@ -17,7 +17,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.scenes.scene_file import loads
 from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, growth, startup, waits
+from rollbench.comparison.wings.bench import bench, section, startup, waits
 from rollbench.comparison.wings.bench.arguments import bench as bench_command
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.comparison.wings.bench.costs import timing
@@ -213,8 +213,8 @@ def test_names_of_long_jobs_are_refused_without_long():
 def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):
     points = [(n, 1e-3 * n**1.5, 2.0 * n) for n in (8.0, 16.0, 32.0, 64.0)]
     for name in ("by_balls", "by_members"):
-        monkeypatch.setattr(growth, name, lambda _: {"lin": points})
-    table, figure = growth.scaling(Study(quick=True))
+        monkeypatch.setattr(section, name, lambda _: {"lin": points})
+    table, figure = section.scaling(Study(quick=True))
     assert len(table.rows) == 8
     assert [s.label for panel in figure.panels for s in panel.series] == ["lin: exponent 1.50", "lin: exponent 1.00"] * 2
 
@@ -222,12 +222,12 @@ def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):
 def test_growth_is_measured_once_and_kept(monkeypatch, tmp_path):
     measured = []
     for name in ("by_balls", "by_members"):
-        monkeypatch.setattr(growth, name, lambda: measured.append(1) or {"lin": [(8.0, 1e-3, 2.0), (16.0, 2e-3, 4.0)]})
-    monkeypatch.setattr(growth, "shipped_store", lambda: tmp_path / "none")
-    points, said = growth.growth(Study((tmp_path,)))
-    again, kept = growth.growth(Study((tmp_path,)))
+        monkeypatch.setattr(section, name, lambda: measured.append(1) or {"lin": [(8.0, 1e-3, 2.0), (16.0, 2e-3, 4.0)]})
+    monkeypatch.setattr(section, "shipped_store", lambda: tmp_path / "none")
+    points, said = section.growth(Study((tmp_path,)))
+    again, kept = section.growth(Study((tmp_path,)))
     assert len(measured) == 2
     assert again == {of: {model: [list(p) for p in x] for model, x in found.items()} for of, found in points.items()}
     assert (said, kept.split(",")[0]) == ("Measured for this report.", "Kept")
-    growth.growth(Study((tmp_path,), timed=True))
+    section.growth(Study((tmp_path,), timed=True))
     assert len(measured) == 4

@@ -7,8 +7,7 @@ import pytest
 from tests.friction_runs import WAVES, crowded
 from tests.helpers import solved
 
-from rollbench.lowfi.friction.whole.neighbours import TOUCHING, neighbours
-from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.friction.whole.state import TOUCHING, friction_state, neighbours
 from rollbench.meshes.parts import BallErrors, Friction, Motion
 
 #: Against this motion the balls of ``touching`` close up; with it they part.

@@ -79,7 +79,7 @@ def test_contact_nodes_of_ball_and_groove_coincide(side):
     """On rays from the ball's centre, also where the two sockets are triangulated differently."""
     groove = patch("P1", "groove", side)[1]
     local = tets(0.16e-3, "turned")
-    mesh = build_tet_patch(local, places(side)["ball"][0], socket(turned=True), linear=True)
+    mesh = build_tet_patch(local, places(side)["ball"][0], socket(turned=True))
     ball = mesh.points[mesh.contact]
     np.testing.assert_allclose(ball / np.linalg.norm(ball, axis=1)[:, None], groove, atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ball, axis=1), MAP.ball, rtol=1e-14)

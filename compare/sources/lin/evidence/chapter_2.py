@@ -12,7 +12,7 @@ from rollbench.comparison.models.comparison import PRINTED
 from rollbench.comparison.models.study import Study, with_groove
 from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.sources.lin.reconstruction.combined import predicted
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet, count_of
+from rollbench.comparison.wings.evidence.record import Sheet, count_of
 from rollbench.comparison.wings.members.ensemble import of_study
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
@@ -71,11 +71,10 @@ QUANTITIES = {
 SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
-def table_b_1(study: Study) -> tuple[Evidence, ...]:
+def table_b_1(sheet: Sheet, study: Study) -> None:
     """Table B.1: as printed with conformity 0.56 and the faults, right with the same groove."""
     scene = with_groove(study.scene("lin-case1"), TABLE_CONFORMITY)
     faulty, right = dict(zip("SN", printed_sides(scene), strict=True)), right_sides(scene)
-    sheet = Sheet("lin-B1")
     for letter, printed in faulty.items():
         for start, (attribute, name, unit) in QUANTITIES.items():
             key = f"{start}{letter}"
@@ -83,7 +82,6 @@ def table_b_1(study: Study) -> tuple[Evidence, ...]:
             true = unit * right[letter][SWAPPED.get(key, name)]
             sheet.number(key, true, words, as_printed=unit * getattr(printed, attribute))
     sheet.number("F_1", None, as_printed=faulty["S"].F_1)
-    return sheet.evidence()
 
 
 # --- section 2.4.1, case studies 1, 2 and 3: printed numbers and claims, with the errors against ANSYS
@@ -131,9 +129,8 @@ def spread_of_choices(study: Study) -> str:
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
 
-def section_2_4_1(study: Study) -> tuple[Evidence, ...]:
+def section_2_4_1(sheet: Sheet, study: Study) -> None:
     """Numbers and claims of 2.4.1."""
-    sheet = Sheet("lin-2.4.1")
     _case_1(study, sheet)
     _case_2(study, sheet)
     _case_3(study, sheet)
@@ -146,7 +143,6 @@ def section_2_4_1(study: Study) -> tuple[Evidence, ...]:
         times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
         "arithmetic of Table 2.2, case 1; run times of this project are in section timing",
     )
-    return sheet.evidence()
 
 
 def _case_1(study: Study, sheet: Sheet) -> None:
@@ -256,16 +252,14 @@ SIGNIFICANT = 2.0 * 5.38
 SEEN = 0.05
 
 
-def section_2_4_2(study: Study) -> tuple[Evidence, ...]:
+def section_2_4_2(sheet: Sheet, study: Study) -> None:
     """Numbers and claims of 2.4.2; those on random errors stay open where the study draws no screws."""
-    sheet = Sheet("lin-2.4.2")
     groove = groove_section(study.scene("lin-case1"))
     sheet.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
     sheet.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
     _single_errors(study, sheet)
     if study.members != 0:
         _drawn_errors(study, sheet)
-    return sheet.evidence()
 
 
 def _single_errors(study: Study, sheet: Sheet) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet, count_of
+from rollbench.comparison.wings.evidence.record import Sheet, count_of
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene, SideErrors, Support
@@ -54,16 +54,14 @@ def readings(scene: Scene) -> list[tuple[str, Scene]]:
     return out
 
 
-def section_4_3_2(study: Study) -> tuple[Evidence, ...]:
+def section_4_3_2(sheet: Sheet, study: Study) -> None:
     """Numbers and claims of 4.3.2."""
-    sheet = Sheet("lin-4.3.2")
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
     sheet.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
     sheet.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
     sheet.number("force", pitch.loads[0].force[2], "key of the scene")
     for screw in SCREWS:
         _claims(study, sheet, screw)
-    return sheet.evidence()
 
 
 def _claims(study: Study, sheet: Sheet, screw: str) -> None:

@@ -13,7 +13,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table, value_of
 from rollbench.comparison.sources.lin.evidence import source_cases
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
@@ -72,9 +72,9 @@ def claim_maps() -> PairMaps:
 # --- values of the printed entries
 
 
-def table_3_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.1: inputs."""
-    b, sheet = ROTARY, Sheet("lin-3.1")
+    b = ROTARY
     values = {
         "R_B": 1e3 * b.ball_radius,
         "conformity": 0.5 * b.groove_radius / b.ball_radius,
@@ -86,9 +86,7 @@ def table_3_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         "E": b.young,
         "nu": b.poisson,
     }
-    for key, value in values.items():
-        sheet.number(key, float(value))
-    return sheet.evidence()
+    sheet.numbers(values)
 
 
 def rotary_value(s: rotary.Solution, key: str) -> float:
@@ -110,9 +108,8 @@ def rise(first: rotary.Solution, raised: rotary.Solution, what: str) -> float:
     return raised.torque / first.torque - 1.0
 
 
-def table_3_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_3_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.2 and the increases of 3.2.2: as printed, and with exact Hertz constants and least dissipation."""
-    sheet = Sheet("lin-3.2")
     for row in load_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
@@ -122,12 +119,11 @@ def table_3_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
             faulty, true = rotary_value(as_printed(case), key), rotary_value(right(case), key)
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
         sheet.number(row.key, true, words, as_printed=faulty)
-    return sheet.evidence()
 
 
-def table_3_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_3_3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.3: inputs, the worst case of 3.3.4.1 and its claims."""
-    b, sheet = LINEAR, Sheet("lin-3.3")
+    b = LINEAR
     values = {
         "ball_radius": 1e3 * b.ball_radius,
         "conformity": b.conformity,
@@ -140,11 +136,9 @@ def table_3_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         "contact_angle": degrees(b.contact_angle),
         "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
-    for key, value in values.items():
-        sheet.number(key, value)
+    sheet.numbers(values)
     _worst_case(sheet)
     _claims_of_maps(sheet, claim_maps())
-    return sheet.evidence()
 
 
 def _worst_case(sheet: Sheet) -> None:
@@ -189,9 +183,8 @@ def formula_deviation(mated: bool) -> Array:
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
-def table_3_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_3_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.4: velocity deviations [%]."""
-    sheet = Sheet("lin-3.4")
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
         found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)
@@ -202,7 +195,6 @@ def table_3_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         else:
             sheet.number(f"{case}_eps{ball}_numerical", diagonal, as_printed=balanced)
         sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]))
-    return sheet.evidence()
 
 
 def misprinted_force() -> float:
@@ -213,9 +205,8 @@ def misprinted_force() -> float:
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
 
 
-def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_3_5(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
-    sheet = Sheet("lin-3.5")
     spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=case == "b")[1] for case in "ab"}
     as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
@@ -228,7 +219,6 @@ def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     sheet.claim("error_analytic", off < 6.0, f"{off:.1f} % off the printed ANSYS force")
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
         sheet.words(f"{case}_time_{model}", "another machine and language; not compared, see table timing-friction")
-    return sheet.evidence()
 
 
 def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
@@ -239,9 +229,9 @@ def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
     return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
 
 
-def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def appendix_g(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Appendix G: the linear range of the friction force, for the groove of Table 3.3 and conformity 0.52."""
-    sheet, pressure = Sheet("lin-G"), MULTIPLE * YIELD
+    pressure = MULTIPLE * YIELD
     ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
     a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
@@ -258,7 +248,6 @@ def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every ta
     sheet.number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
     eta = degrees(reach * a_over_r)
     sheet.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
-    return sheet.evidence()
 
 
 # --- lin 3.2 and 3.3 under several sets of assumptions: balance of power of the rotary cases, loads of the linear pair

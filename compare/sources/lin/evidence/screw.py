@@ -15,7 +15,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.scenes.catalogue import case as case_of
 from rollbench.comparison.sources.lin.evidence import source_cases
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
@@ -102,9 +102,9 @@ def onset(study: Study, errors: str, idle: float) -> Onset:
 # --- values of the printed entries
 
 
-def given_3_6(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def given_3_6(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.6: inputs."""
-    g, sheet = source_cases.table_3_6(), Sheet("lin-3.6")
+    g = source_cases.table_3_6()
     values = {
         "R_B": 1e3 * g.ball_radius,
         "conformity": 0.5 * g.groove_radius / g.ball_radius,
@@ -116,10 +116,8 @@ def given_3_6(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         "nu": g.poisson,
         "force": source_cases.plain(0.0).force[0],
     }
-    for key, value in values.items():
-        sheet.number(key, float(value))
+    sheet.numbers(values)
     _modulus(sheet, g.young)
-    return sheet.evidence()
 
 
 def _modulus(sheet: Sheet, young: float) -> None:
@@ -127,9 +125,8 @@ def _modulus(sheet: Sheet, young: float) -> None:
     sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def table_3_7(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_3_7(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 3.7 and the text around it: plain reading and inferred reading."""
-    sheet = Sheet("lin-3.7")
     for case in THETA:
         _pair_of_3_7(sheet, case)
         force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
@@ -137,7 +134,6 @@ def table_3_7(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         sheet.words(f"ansys_{case}", "another program; the 3D model of this project is in table rolling-pairs")
         words = "another machine and language; run times of this project are in table timing-friction"
         sheet.words(f"time_{case}", words)
-    return sheet.evidence()
 
 
 def _pair_of_3_7(sheet: Sheet, case: str) -> None:
@@ -192,9 +188,9 @@ def steps_in_words(amplitude: float) -> str:
     )
 
 
-def section_3_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_3_4_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """3.4.4: inputs, the numbers with theta of 3 degrees (and of 2 in the words), and the claims."""
-    base, sheet = source_cases.lin_3_4_4(), Sheet("lin-3.4.4")
+    base = source_cases.lin_3_4_4()
     inputs = {
         "balls": base.count,
         "turns": base.turns,
@@ -203,11 +199,9 @@ def section_3_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every
         "steps": base.steps,
         "occupation": 100.0 * base.occupation,
     }
-    for key, value in inputs.items():
-        sheet.number(key, float(value))
+    sheet.numbers(inputs)
     _numbers_of_run(sheet)
     _claims_of_run(sheet)
-    return sheet.evidence()
 
 
 def _numbers_of_run(sheet: Sheet) -> None:
@@ -240,9 +234,9 @@ def _claims_of_run(sheet: Sheet) -> None:
     sheet.claim("none_then_again", all(again), "with 2 and with 3 deg")
 
 
-def table_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_4_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 4.2: inputs; dimensions that enter no model here stay open."""
-    four, double, sheet = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False), Sheet("lin-4.2")
+    four, double = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False)
     g = four.groove
     values = {
         "pitch_diameter": 2e3 * g.pitch_radius,
@@ -257,19 +251,16 @@ def table_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
             f"groove_{key}": 1e3 * case.groove.groove_radius,
             f"balls_{key}": case.count,
         }
-    for key, value in values.items():
-        sheet.number(key, float(value))
+    sheet.numbers(values)
     _modulus(sheet, g.young)
     apart = 2e3 * (double.rows[1].place - double.rows[0].place)
     sheet.number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
     for key in ("outer_diameter", "inner_diameter", "thickness_4p"):
         sheet.words(key, "enters no model here: nothing to compare")
-    return sheet.evidence()
 
 
-def section_4_3(study: Study) -> tuple[Evidence, ...]:
+def section_4_3(sheet: Sheet, study: Study) -> None:
     """4.3.1 and the conclusion of 4.3.2 carried through to ball-to-ball contact."""
-    sheet = Sheet("lin-4.3")
     _bearings(sheet)
     first = {(e, i): degrees(onset(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
     lost = {e: int((onset(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
@@ -280,7 +271,6 @@ def section_4_3(study: Study) -> tuple[Evidence, ...]:
         f"{first['roundness', 0.9]:.0f} deg at 0.9 of the nominal velocity; with pitch error "
         f"{first['pitch', 0.0]:.0f} deg; {lost['roundness']} balls lost against {lost['pitch']}",
     )
-    return sheet.evidence()
 
 
 def _bearings(sheet: Sheet) -> None:

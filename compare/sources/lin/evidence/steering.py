@@ -11,7 +11,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.arrays import Array
@@ -159,9 +159,9 @@ def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
     return high[0] / low[0], high[1] / low[1]
 
 
-def section_4_2(study: Study) -> tuple[Evidence, ...]:
+def section_4_2(sheet: Sheet, study: Study) -> None:
     """Table 4.1 and sections 4.2.1, 4.2.2."""
-    sheet, scene = Sheet("lin-4.2.1"), study.scene(SCREW)
+    scene = study.scene(SCREW)
     material = scene.balls.material
     given = {
         "length": 1e3 * scene.screw.length,
@@ -176,11 +176,9 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:
         "E": material.youngs_modulus,
         "nu": material.poissons_ratio,
     }
-    for key, value in given.items():
-        sheet.number(key, value)
+    sheet.numbers(given)
     _lash(sheet, study)
     _sizing(sheet)
-    return sheet.evidence()
 
 
 def _lash(sheet: Sheet, study: Study) -> None:

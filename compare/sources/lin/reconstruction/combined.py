@@ -32,41 +32,13 @@ from rollbench.comparison.sources.lin.reconstruction.readings import (
 )
 from rollbench.meshes.arrays import Array
 
-#: Sizes of the tetrahedra [m], radius of the body of influence [m], growth beyond it, edge of the block [m].
-SIZES = (0.074e-3, 0.076e-3, 0.078e-3, 0.079e-3, 0.080e-3, 0.081e-3, 0.082e-3, 0.084e-3, 0.086e-3)
-RADIUS, GROWTH, BLOCK = 0.6e-3, 0.3, 4e-3
 #: Ball of case 2 that is too large, and by how much [m] in radius.
 LARGE, OVERSIZE = 16, 1e-6
 #: Drawn pairs of meshes of case 1 and case 2.
 DRAWN = 5000
-#: Approach of such a contact by Hertz [m], and what `mesh_scatter` finds: mean error of the approach and its scatter [%].
+#: Approach of such a contact by Hertz [m], mean error of the approach on meshes of about the source's size, and scatter [%]
+#: of one contact between two bodies meshed apart: measured by `tests/sources/lin/literature/test_reconstruction.py`.
 APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
-
-
-@dataclass(frozen=True)
-class MeshScatter:
-    """approach: of the contact by Hertz [m]; bias: mean error of the approaches [%]; percent: their scatter [%], of one
-    contact between two bodies meshed apart."""
-
-    approach: float
-    bias: float
-    percent: float
-
-
-def mesh_scatter() -> MeshScatter:
-    """Scatter of a contact's approach over meshes of about the source's size. Needs gmsh."""
-    from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, on_mesh
-    from rollbench.meshes.block import Influence, tetrahedra
-
-    job = JOBS["B"]
-    found = []
-    for size in SIZES:
-        mesh = tetrahedra(1, Influence(size, (RADIUS,) * 3, GROWTH, SOURCE_COARSE), BLOCK)
-        found.append(on_mesh(job, mesh, job.exact.semi_y / size).approach)
-    error = 100.0 * (np.array(found) / job.exact.approach - 1.0)
-    trend = np.polyval(np.polyfit(SIZES, error, 1), SIZES)
-    alone = float(np.linalg.norm(error - trend) / np.sqrt(len(SIZES) - 2))
-    return MeshScatter(float(job.exact.approach), float(error.mean()), alone / np.sqrt(2.0))
 
 
 def share_of_closure(solid: tuple[Array, ...]) -> float:

@@ -11,6 +11,7 @@ from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import lateral, load_panel, loads
 from rollbench.comparison.sources.lin.evidence import chapter_2
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
@@ -187,7 +188,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("cases 1, 2, 3 on four models")
-    found = study.once(chapter_2.section_2_4_1)
+    found = evidence(study, "lin-2.4.1")
     step("what the open choices change")
     rows = choice_rows(study.once(chapter_2.choices))
     offset = study.solve("lin-case3-offset")

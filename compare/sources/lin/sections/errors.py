@@ -9,7 +9,8 @@ import numpy as np
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.sources.lin.evidence.chapter_2 import ratio, section_2_4_2
+from rollbench.comparison.sources.lin.evidence.chapter_2 import ratio
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.comparison.wings.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES
@@ -87,7 +88,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "errors",
         "Geometric errors (2.4.2)",
         (
-            printed_table("errors-claims", "Section 2.4.2: printed and computed", study.once(section_2_4_2)),
+            printed_table("errors-claims", "Section 2.4.2: printed and computed", evidence(study, "lin-2.4.2")),
             Figure(
                 "errors-loads",
                 "Load distribution with geometric errors",

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Literal
 
 from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.source_start import best_start
 from rollbench.comparison.models.study import Study
+from rollbench.lowfi.as_source.static import best_start
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 SCENES = (

@@ -8,9 +8,10 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study, with_groove
-from rollbench.comparison.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY, table_b_1
+from rollbench.comparison.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
@@ -25,7 +26,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("Table B.1")
     rows: list[Row] = []
-    for f in study.once(table_b_1):
+    for f in evidence(study, "lin-B1"):
         p = f.printed
         rows.append(
             {

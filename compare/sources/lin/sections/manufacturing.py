@@ -10,7 +10,8 @@ import numpy as np
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, value_of
 from rollbench.comparison.sections.curves import loads
-from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
+from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, spread, unloaded
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Errors, Scene
@@ -70,7 +71,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "manufacturing",
         "Steering gear (4.2), pitch against roundness errors (4.3.2)",
         (
-            printed_table("manufacturing-claims", "Section 4.3.2: printed and computed", study.once(section_4_3_2)),
+            printed_table("manufacturing-claims", "Section 4.3.2: printed and computed", evidence(study, "lin-4.3.2")),
             Figure("manufacturing-loads", "Errors and load distribution", tuple(panels), "", 3),
             Table.of(
                 "manufacturing-readings",

@@ -9,7 +9,8 @@ import numpy as np
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.sources.lin.evidence import steering
-from rollbench.comparison.sources.lin.evidence.steering import RACK, REACH, SCREW, rack, section_4_2
+from rollbench.comparison.sources.lin.evidence.steering import RACK, REACH, SCREW, rack
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -152,7 +153,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "Lash tests and steering gear (Lin 4.2)",
         (
             Text(ABOUT, bullets=True),
-            printed_table("steering-gear", "Section 4.2: printed and computed", study.once(section_4_2)),
+            printed_table("steering-gear", "Section 4.2: printed and computed", evidence(study, "lin-4.2.1")),
             figures[0],
             Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
             figures[1],

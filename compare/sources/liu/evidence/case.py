@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.evidence.entries import Entries
 from rollbench.lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
 from rollbench.lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
 from rollbench.meshes.arrays import Array
@@ -47,7 +47,7 @@ def balls() -> int:
 @cache
 def printed_ratio() -> float:
     """Q78/Q1 without errors of section 4.1: the input that the chain's compliance is calibrated to."""
-    return Entries("liu-4.1").printed("ratio")
+    return value_of("liu-4.1", "ratio")
 
 
 def calibration_load() -> float:

@@ -6,8 +6,7 @@ import numpy as np
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.liu.evidence import case
-from rollbench.comparison.wings.evidence.entries import Entries
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.lowfi.random_errors.ensemble import Quantity
 from rollbench.meshes.arrays import Array
@@ -41,7 +40,7 @@ def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
 
 
-def placed(e: Entries, key: str, *remarks: str) -> None:
+def placed(e: Sheet, key: str, *remarks: str) -> None:
     """File the median for a random number, and its percentile with its sampling error in words."""
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of(key)
@@ -62,9 +61,8 @@ def falling(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.d
     return np.asarray((a > b) & (b > c))
 
 
-def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Section 4.3."""
-    e = Entries("liu-4.3")
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
             placed(e, row.key)
@@ -87,10 +85,9 @@ def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     a, b, c = (case.sample(h, "displacement_first_loaded", 1000.0) for h in RANGES)
     e.claim("further", *share((a < b) & (b < c)))
     _curves(e)
-    return e.evidence()
 
 
-def _curves(e: Entries) -> None:
+def _curves(e: Sheet) -> None:
     """Claims on the curves of displacement over load, on medians."""
     loads = np.array(case.LOADS[1])
     curve = np.array([[np.median(case.sample(h, "displacement", f)) for f in loads] for h in RANGES])
@@ -123,9 +120,8 @@ def secant(load: float, step: float) -> float:
     return 1e-8 * step / (moved[1] - moved[0])
 
 
-def section_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_4(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Section 4.4."""
-    e = Entries("liu-4.4")
     free = 1e-8 * solve_chain(case.screw(), np.zeros(case.balls()), 3000.0).stiffness
     bare = e.printed("K_0_3000")
     for row in (f.printed for f in e.evidence()):
@@ -144,10 +140,9 @@ def section_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     low = min(e.printed(f"K_{s}_1100") for s in SETS)
     e.number("spread_percent", 100.0 * e.printed("spread_1100") / low)
     _claims(e)
-    return e.evidence()
 
 
-def _claims(e: Entries) -> None:
+def _claims(e: Sheet) -> None:
     """Claims of section 4.4."""
     s = {load: spreads(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *share((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))

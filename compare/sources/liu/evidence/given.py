@@ -9,8 +9,7 @@ import numpy as np
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.liu.evidence import case
-from rollbench.comparison.wings.evidence.entries import Entries
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.random_errors.chain import Chain, end_ratio, first_carrying_load, solve_chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.random_errors.ensemble import draw_errors
@@ -23,9 +22,8 @@ FEW = 20
 LIGHT, HEAVY = 1000.0, 5000.0
 
 
-def section_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Section 2.1 and Table 2."""
-    e = Entries("liu-2")
     scene = case.liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
     mm = {"R": track.pitch_radius, "D": 2.0 * balls.radius, "P_h": track.lead, "r": scene.screw.groove_radius}
@@ -39,7 +37,6 @@ def section_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     e.number("range", right, as_printed=sum(parts))
     e.numbers({f"e_{h}": float(h) for h in case.LOADS})
     e.claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
-    return e.evidence()
 
 
 def loosest_agreement() -> tuple[int, int, float]:
@@ -55,9 +52,8 @@ def loosest_agreement() -> tuple[int, int, float]:
     return same, rounds, worst
 
 
-def section_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Section 3."""
-    e = Entries("liu-3")
     steps = max(solve_chain(case.screw(), x, 500.0).iterations for x in draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6))
     same, rounds, worst = loosest_agreement()
     e.claim(
@@ -81,7 +77,6 @@ def section_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     medians = [float(np.median(case.sample(3, "stiffness", f))) / 1e8 for f in case.LOADS[3]]
     words = ", ".join(f"{v:.2f}" for v in medians)
     e.claim("falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)")
-    return e.evidence()
 
 
 def mei() -> Chain:
@@ -96,9 +91,9 @@ def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.floa
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
-def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Section 4.1."""
-    e, load = Entries("liu-4.1"), case.calibration_load()
+    load = case.calibration_load()
     area = 1e6 * case.implied_area(26.0)
     words = f"compliance of a segment {case.screw().compliance:.4g} m/N"
     words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
@@ -113,7 +108,6 @@ def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     errors = draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6)
     worst = [mei_deviations(case.screw(), x)[0] for x in errors]
     e.claim("deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws")
-    return e.evidence()
 
 
 def ratio(error_um: float, load: float) -> float:
@@ -148,9 +142,8 @@ def loads_of_others() -> tuple[float, float]:
     )
 
 
-def section_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Section 4.2."""
-    e = Entries("liu-4.2")
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
             q = float(case.single(error, load).load[32])
@@ -174,4 +167,3 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     pairs = [(ratio(2.0, f), ratio(-2.0, f)) for f in (LIGHT, HEAVY)]
     words = ", ".join(f"{a:.4f} at +2 um, {b:.4f} at -2 um" for a, b in pairs)
     e.claim("plus_evens", all(a > b for a, b in pairs), words)
-    return e.evidence()

@@ -11,8 +11,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.smith.evidence import case
-from rollbench.comparison.wings.evidence.entries import Entries
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import ThrustState, contact_parameters, curvatures, displacement, thrust_state
 from rollbench.lowfi.bearings.sets import equilibrium
@@ -48,9 +47,8 @@ def sheet_tangent(pounds: float) -> float:
     return 2.0 * step * 25.4 / (sheet(pounds + step).deflection - sheet(pounds - step).deflection)
 
 
-def table_2_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def table_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 2-1 from exact elliptic integrals."""
-    e = Entries("smith-table-2-1")
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
@@ -60,10 +58,9 @@ def table_2_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         steps = np.diff(np.log(limit[:, column])) * sign
         words = ", ".join(f"{v:.3g}" for v in limit[:, column])
         e.claim(f"{name}_22", bool(np.all(steps > 1.0)), f"{words} at 1 - F(p) = 1e-4, 1e-7, 1e-10")
-    return e.evidence()
 
 
-def _inputs(e: Entries) -> None:
+def _inputs(e: Sheet) -> None:
     b = case.ball_bearing()
     lengths = {
         "D": b.ball_diameter,
@@ -84,7 +81,7 @@ def _inputs(e: Entries) -> None:
     )
 
 
-def _cells(e: Entries) -> None:
+def _cells(e: Sheet) -> None:
     """Cells of figure 2-10 that depend on the contact angle under load."""
     source, s = sheet(case.SHEET_LOAD / case.POUND), state(case.SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
@@ -115,7 +112,7 @@ def _cells(e: Entries) -> None:
     )
 
 
-def _triplex(e: Entries) -> None:
+def _triplex(e: Sheet) -> None:
     """Section 2.1.2."""
     for load in (1500.0, 1020.0):
         e.number(
@@ -152,9 +149,8 @@ def fit_range() -> tuple[float, float, float]:
     return low, high, off(0.5)
 
 
-def section_2_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Figure 2-10 and section 2.1.2."""
-    e = Entries("smith-2.1")
     _inputs(e)
     _cells(e)
     _triplex(e)
@@ -164,12 +160,10 @@ def section_2_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     minor, exact = as_printed.fitted(f, "minor"), contact_parameters(f)[2]
     percent = float(error_percent(minor, exact))
     e.claim("fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}")
-    return e.evidence()
 
 
-def section_2_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Table 2-2: right tangent stiffness beside both printed columns, the sheet's own tangent as printed."""
-    e = Entries("smith-2.2")
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(state(float(n) * case.POUND).stiffness) / case.POUND_PER_INCH for n in loads])
@@ -187,12 +181,10 @@ def section_2_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     digits = 1e6 * 500.0 * (1.0 / measured[1:] ** 2 + 1.0 / measured[:-1] ** 2)
     straight = bool(np.all(np.abs(steps - steps.mean()) <= 2.0 * digits))
     e.claim("parabola", straight, f"differences of 1/S {steps.min():.5f} to {steps.max():.5f} 1e-6 in/lbf a row")
-    return e.evidence()
 
 
-def section_2_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_2_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Torque of the ball bearing."""
-    e = Entries("smith-2.3")
     b = case.ball_bearing()
     e.numbers(
         {
@@ -226,4 +218,3 @@ def section_2_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     off = float(error_percent(viscous + loaded, test))
     words = f"{e.printed('M'):g} is {percent:+.0f} % off {test:g} in-lb, the computed sum {off:+.0f} %"
     e.claim("fair", abs(percent) <= 10.0, words)
-    return e.evidence()

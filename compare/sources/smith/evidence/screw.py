@@ -8,10 +8,10 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.scenes.units import parse
 from rollbench.comparison.sources.smith.evidence import case, layouts
-from rollbench.comparison.wings.evidence.entries import Entries
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import (
     TorqueBudget,
@@ -64,9 +64,8 @@ def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -
     return [float(v) for v in loads]
 
 
-def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Stretch and warming."""
-    e = Entries("smith-4.1")
     a = case.axis()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
     e.numbers(
@@ -85,12 +84,10 @@ def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
     e.number("F", pull() / case.POUND, words)
     e.number("F_end", pull() / case.POUND, as_printed=0.5 * round(pull() / case.POUND, -1))
-    return e.evidence()
 
 
-def section_4_2(study: Study) -> tuple[Evidence, ...]:
+def section_4_2(e: Sheet, study: Study) -> None:
     """Loads and stiffness of the supports, stiffness of the axis."""
-    e = Entries("smith-4.2")
     for kind in KINDS:
         for end in case.DIRECTIONS[kind]:
             _support(e, kind, end)
@@ -113,10 +110,9 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
     words += f"; as scenes, between triplex sets and with one, {scenes[0] / scenes[1]:.2f} in the middle"
     e.claim("supported", bool(np.all(ratio > 1.0)), words)
-    return e.evidence()
 
 
-def _support(e: Entries, kind: str, end: str) -> None:
+def _support(e: Sheet, kind: str, end: str) -> None:
     """Loads and stiffnesses of the rows of one end."""
     count = len(case.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
@@ -140,7 +136,7 @@ def topology(supports: float) -> float:
     return float(axis_stiffness(a, 0.5 * a.length, case.NUT))
 
 
-def _total(e: Entries, kind: str, as_scenes: str) -> None:
+def _total(e: Sheet, kind: str, as_scenes: str) -> None:
     """Stiffness of the axis as printed, and in the right topology with the printed and with our bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -151,11 +147,9 @@ def _total(e: Entries, kind: str, as_scenes: str) -> None:
     e.number(f"total_{kind}", right, f"{words}; {as_scenes}", as_printed=printed)
 
 
-def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Torque budget."""
-    e = Entries("smith-4.3")
-    parts = Entries("smith-2.3"), Entries("smith-3")
-    rows = {"ball": (3, parts[0].printed("M")), "taper": (2, parts[1].printed("M"))}
+    rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
     e.number("nut", 18.0)
     shaft = shaft_inertia(STEEL, 2.0 * float(np.sqrt(case.axis().area / np.pi)), case.axis().length)
     alone = acceleration_torque([shaft], angular_speed(TRAVERSE, LEAD), 1.0) / case.INCH_POUND
@@ -167,13 +161,12 @@ def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
         e.number(f"bearings_{kind}", ends[0])
         e.number(f"constant_{kind}", budget.constant_speed)
         e.number(f"start_{kind}", budget.start_up)
-    return e.evidence()
 
 
 # --- chapter 5
 
 
-def _drive(e: Entries) -> None:
+def _drive(e: Sheet) -> None:
     """Section 5.1."""
     warming = unloading_warming(case.axis(), case.STRETCH, case.EXPANSION) / case.DEG_F
     e.numbers(
@@ -191,33 +184,31 @@ def _drive(e: Entries) -> None:
     e.claim("five", 4.5 < warming < 5.0, f"{warming:.2f} degF")
 
 
-def _torque_tests(e: Entries) -> None:
+def _torque_tests(e: Sheet) -> None:
     """Section 5.2.1: sums of printed parts against the tests."""
-    theory = Entries("smith-4.3")
     off = {}
     for kind in KINDS:
         for when in ("start", "constant"):
             key = f"{when}_{kind}"
-            predicted = theory.printed(key)
+            predicted = value_of("smith-4.3", key)
             off[key] = float(error_percent(predicted, e.printed(key)))
             e.number(key, predicted, "sum of the printed parts")
         e.number(f"used_{kind}", 100.0 * e.printed(f"start_{kind}") / MOTOR)
     words = ", ".join(f"{v:+.1f} %" for v in off.values())
     e.claim("torque_10", all(abs(v) <= 10.0 for v in off.values()), words)
-    single = [float(error_percent(t.printed("M"), t.printed("M_test"))) for t in (Entries("smith-2.3"), Entries("smith-3"))]
+    single = [float(error_percent(value_of(t, "M"), value_of(t, "M_test"))) for t in ("smith-2.3", "smith-3")]
     e.claim("torque_10_single", all(abs(v) <= 10.0 for v in single), ", ".join(f"{v:+.0f} %" for v in single))
-    ball, taper = (t.printed("M_test") for t in (Entries("smith-2.3"), Entries("smith-3")))
+    ball, taper = (value_of(t, "M_test") for t in ("smith-2.3", "smith-3"))
     e.claim("four_times", 3.5 <= taper / ball <= 4.0, f"{taper / ball:.1f} times")
     e.number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
 
 
-def _stiffness_tests(e: Entries) -> None:
+def _stiffness_tests(e: Sheet) -> None:
     """Section 5.2.2: the tests against the right topology, and the claim as it stands."""
-    theory = Entries("smith-4.2")
     off = []
     for kind in KINDS:
         right = topology(end_state(kind, "left", "stretch").stiffness) / case.POUND_PER_INCH / 1e6
-        measured, predicted = e.printed(f"S_{kind}"), theory.printed(f"total_{kind}")
+        measured, predicted = e.printed(f"S_{kind}"), value_of("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
         e.number(f"S_{kind}", right, words)
@@ -225,12 +216,12 @@ def _stiffness_tests(e: Entries) -> None:
     e.number("six", float(error_percent(e.printed("S_ball"), e.printed("S_taper"))))
 
 
-def _heat(e: Entries) -> None:
+def _heat(e: Sheet) -> None:
     """Section 5.2.4."""
     torque = {
-        "rise_ball": Entries("smith-2.3").printed("M_test_3"),
-        "rise_nut": Entries("smith-4.3").printed("nut"),
-        "rise_taper": Entries("smith-3").printed("M_test_2"),
+        "rise_ball": value_of("smith-2.3", "M_test_3"),
+        "rise_nut": value_of("smith-4.3", "nut"),
+        "rise_taper": value_of("smith-3", "M_test_2"),
     }
     a_pound = {key: e.printed(key) / value for key, value in torque.items()}
     spread = float(error_percent(max(a_pound.values()), min(a_pound.values())))
@@ -248,7 +239,7 @@ def unseating_load(preload: float) -> float:
     return (lift_off_force(case.bearing_set("taper", "left", preload)) - pull()) / share
 
 
-def _reduced(e: Entries) -> None:
+def _reduced(e: Sheet) -> None:
     """Section 5.3."""
     for end in ("left", "right"):
         printed = printed_loads("taper", end, "stretch", (REDUCED / case.POUND,) * 2)
@@ -264,9 +255,7 @@ def _reduced(e: Entries) -> None:
     e.number("unseat", unseating_load(REDUCED) / case.POUND, words, as_printed=2.0 * least)
 
 
-def chapter_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def chapter_5(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Every entry of chapter 5."""
-    e = Entries("smith-5")
     for fill in (_drive, _torque_tests, _stiffness_tests, _heat, _reduced):
         fill(e)
-    return e.evidence()

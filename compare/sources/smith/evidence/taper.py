@@ -12,8 +12,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.smith.evidence import case
 from rollbench.comparison.sources.smith.evidence.ball import state
-from rollbench.comparison.wings.evidence.entries import Entries
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.combined_load import CombinedState, combined
 from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load
@@ -85,7 +84,7 @@ def sheet_tangent(pounds: float) -> float:
     return 2.0 / (sheet_deflection(pounds + 1.0) - sheet_deflection(pounds - 1.0))
 
 
-def _sheet(e: Entries) -> None:
+def _sheet(e: Sheet) -> None:
     b = case.taper_bearing()
     e.numbers(
         {
@@ -132,7 +131,7 @@ def _ball_growth() -> float:
     return float(error_percent(high, low))
 
 
-def _contacts(e: Entries) -> None:
+def _contacts(e: Sheet) -> None:
     b, c = case.taper_bearing(), contacts()
     p = as_printed.taper_contact(
         case.SHEET_LOAD / case.POUND,
@@ -165,7 +164,7 @@ def _contacts(e: Entries) -> None:
     e.claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
 
 
-def _torque(e: Entries) -> None:
+def _torque(e: Sheet) -> None:
     load = case.TAPER_TORQUE_LOAD / case.POUND
     middle = tangent(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * case.taper_bearing().length)))
@@ -193,10 +192,8 @@ def _torque(e: Entries) -> None:
     e.claim("fair", abs(percent) <= 10.0, f"{percent:+.0f} %")
 
 
-def chapter_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def chapter_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Every entry of chapter 3."""
-    e = Entries("smith-3")
     _sheet(e)
     _contacts(e)
     _torque(e)
-    return e.evidence()

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
-from rollbench.comparison.wings.evidence.left_out import left_out, misprints
+from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, audit, counts, left_out, misprints, trust
 from rollbench.reports.records import Quantity, Section, Table, Text
 
 

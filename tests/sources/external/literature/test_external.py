@@ -12,8 +12,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.schema import FrictionKeys
 from rollbench.comparison.sources.external.evidence import bearings, case, screws
 from rollbench.comparison.sources.external.gate import band_row, external_rows
-from rollbench.comparison.wings.evidence.audit import audit
-from rollbench.comparison.wings.evidence.left_out import left_out
+from rollbench.comparison.wings.evidence.audit import audit, left_out
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle

@@ -10,11 +10,11 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
+from rollbench.comparison.sources.kalker.section import PatchField
 from rollbench.comparison.wings.rolling import changes as rolling_changes
 from rollbench.comparison.wings.rolling import rows as rolling_rows
 from rollbench.comparison.wings.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
 from rollbench.comparison.wings.rolling.changes import Change, Series, changes, from_rest
-from rollbench.comparison.wings.rolling.patches import PatchField
 from rollbench.comparison.wings.rolling.rows import KNOWN
 from rollbench.comparison.wings.rolling.runs import FINITE, LEVELS
 from rollbench.reports.figures import draw_map

@@ -8,7 +8,7 @@ from tests.sources.entries import check, found, keys
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper
 from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 
@@ -83,7 +83,7 @@ def test_sheet_s_curvature_differences() -> None:
 
 def test_rib_contact() -> None:
     """The area is pi a b, not a b; the printed ellipse and pressure carry 160 lbf, the roller's balance asks for 35."""
-    e = Entries("smith-3")
+    e = Sheet("smith-3")
     a, b, area, peak = (e.printed(f"rib_{k}") for k in ("a", "b", "A", "sigma"))
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)

@@ -11,7 +11,7 @@ from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import units
 from rollbench.comparison.sources.smith import section as smith
 from rollbench.comparison.sources.smith.evidence import case
-from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Sheet
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -66,5 +66,5 @@ def test_case_in_si():
     assert b.ball_diameter == pytest.approx(8.73125e-3, rel=1e-12)
     assert t.cup_angle == pytest.approx(np.radians(30.8))
     assert pytest.approx(4.4482216152605 / 0.0254) == case.POUND_PER_INCH
-    with pytest.raises(KeyError, match="claim"):
-        Entries("smith-5").printed("four_times")
+    with pytest.raises(KeyError, match="no number"):
+        Sheet("smith-5").printed("four_times")
