@@ -185,9 +185,6 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
     equator = shell.curve(lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
 
-    def plane(x: Array) -> Array:
-        return np.asarray(x @ middle.T / (1.0 - x @ pole / radius)[:, None])
-
     def space(at: Array) -> Array:
         square = np.sum((at / radius) ** 2, axis=1)[:, None]
         return np.asarray((radius * (square - 1.0) * pole + 2.0 * at @ middle) / (square + 1.0))
@@ -195,9 +192,9 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
     def stretch(at: Array) -> Array:
         return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
 
-    rim = shell.points[equator.nodes]
-    shell.face("sphere", [[(equator.nodes, plane(rim))]], space, limit, stretch)
-    shell.face("cut", [[(equator.nodes, rim @ middle.T)]], lambda at: at @ middle, np.inf)
+    rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the same in the projection from the pole
+    shell.face("sphere", rim, space, limit, stretch)
+    shell.face("cut", rim, lambda at: at @ middle, np.inf)
 
 
 @dataclass(frozen=True)
