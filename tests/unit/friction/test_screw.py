@@ -28,12 +28,6 @@ TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
 
-@pytest.fixture
-def rng() -> np.random.Generator:
-    """The same draws in whatever order tests run."""
-    return np.random.default_rng(3)
-
-
 def rotation(vector):
     """Rotation matrix of a rotation vector."""
     angle = np.linalg.norm(vector)
@@ -71,11 +65,10 @@ def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
         y = -normals[i]
         x, z = np.cross(y, [0.0, 1.0, 0.0]), np.array([0.0, 1.0, 0.0])
         speed = screw.screw_speed if ON_SCREW[i] else screw.nut_speed
-        velocity = []
+        velocity, h = [], 1e-6
         for small in (np.zeros(3), 1e-4 * x, 1e-4 * z):
             offset = screw.ball_radius * normals[i] + small
             point = turn[0] * screw.pitch_radius + turn.T @ offset
-            h = 1e-6
             groove = (helical(screw, point, speed * h) - helical(screw, point, -speed * h)) / (2.0 * h)
             velocity.append(turn @ (material_velocity(screw, q, offset, 0.3) - groove))
         assert seen[i, :2] == pytest.approx([velocity[0] @ x, velocity[0] @ z], abs=1e-8)
@@ -86,10 +79,11 @@ def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
 
 def test_printed_velocity_fields_3_65_and_f_4_to_f_6() -> None:
     """The formulas as printed, at the contact centres, up to the sense of the axes."""
-    angle, (b, x, y, z) = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
+    angle, q = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
+    b, x, y, z = q
     r, pitch, lead, length = SCREW.ball_radius, SCREW.pitch_radius, SCREW.lead, 2.0 * np.pi * SCREW.radius
     maps, drives = SCREW.maps(SCREW.normals(angle))
-    seen = drives + maps @ np.array([b, x, y, z])
+    seen = drives + maps @ q
     cos, sin = np.cos(angle), np.sin(angle)
     orbit = np.where(ON_SCREW, b, b - SCREW.nut_speed)
     turn = np.array([-1.0, 1.0, 1.0, -1.0])  # of omega_x
@@ -131,14 +125,10 @@ def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
     assert off == pytest.approx(-1.67e-4, abs=2e-6)
 
 
-def cell_of(pair, push=None):
-    cell = pair.cell()
-    return cell if push is None else replace(cell, push=push)
-
-
 def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
-    cell = cell_of(replace(inferred(TWO), free="rz", force=(3.0, 50.0)), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
+    pair = replace(inferred(TWO), free="rz", force=(3.0, 50.0))
+    cell = replace(pair.cell(), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
     scale, arrays = 1e-6, load_arrays(cell)
     state = cell_state(arrays)
 
@@ -159,15 +149,14 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     slope = np.append(state.ball.ravel(), state.inner)
     for k in range(6):
         step = np.eye(6)[k] * h
-        up = energy_at(p + step[:4].reshape(2, 2), u + step[4:])
-        down = energy_at(p - step[:4].reshape(2, 2), u - step[4:])
+        up, down = (energy_at(p + s * step[:4].reshape(2, 2), u + s * step[4:]) for s in (1.0, -1.0))
         assert (up - down) / (2.0 * h) == pytest.approx(slope[k], rel=1e-5)
 
 
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
-    cell = cell_of(replace(plain(TWO), oversize=oversize, force=(force,)))
+    cell = replace(plain(TWO), oversize=oversize, force=(force,)).cell()
     reference = settle_load(cell)
     assert reference.converged
     for _ in range(5):
@@ -272,18 +261,8 @@ def test_long_radius_is_the_linear_bearing() -> None:
     angles, loads = pair_state(line, np.radians(3.0), 0.5, 200.0)
     order = [0, 1, 3, 2]  # BL, BR, TL, TR of BL, BR, TR, TL
     radius = 1000.0
-    screw = ScrewGroove(
-        line.ball_radius,
-        line.conformity * 2.0 * line.ball_radius,
-        radius,
-        0.0,
-        line.contact_angle,
-        line.young,
-        line.poisson,
-        line.mu,
-        line.speed / radius,
-        mu_balls=line.mu_balls,
-    )
+    groove = line.ball_radius, line.conformity * 2.0 * line.ball_radius, radius, 0.0, line.contact_angle
+    screw = ScrewGroove(*groove, line.young, line.poisson, line.mu, line.speed / radius, mu_balls=line.mu_balls)
     normals = screw.normals(angles[:, order])
     pairs = [solve_chain(Chain(screw, loads[:, order], normals, np.array([slack, np.inf]))) for slack in (np.inf, 0.0)]
     assert pairs[1].ball_force[0] == pytest.approx(found.force, rel=1e-4)
@@ -300,9 +279,8 @@ def test_coupled_ball_is_in_equilibrium(coupling: str, oversize: float) -> None:
     assert r.converged
     w, n = r.motion.wrench, r.motion.normals
     scale = float(r.load.force.sum())
-    force = w[:, :3].sum(axis=0) - r.load.force[0] @ n
     moment = w[:, 3:].sum(axis=0) + np.cross(SCREW.ball_radius * n, w[:, :3]).sum(axis=0)
-    assert np.abs(force).max() < 1e-8 * scale
+    assert np.abs(w[:, :3].sum(axis=0) - r.load.force[0] @ n).max() < 1e-8 * scale
     assert np.abs(moment).max() < 1e-8 * scale * SCREW.ball_radius
     on_screw = (r.load.force[0][:, None] * n - w[:, :3])[ON_SCREW].sum(axis=0) @ SCREW.axis
     if coupling == "ball and screw":
