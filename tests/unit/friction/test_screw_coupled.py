@@ -36,7 +36,7 @@ def out_of_balance(pair: Pair, state: CoupledChain) -> float:
 
 
 @pytest.mark.parametrize("case", WEDGED)
-def test_wedged_pairs_converge_and_are_in_equilibrium(case) -> None:
+def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     force, clearance, theta, mu = case
     pair = Pair(table_3_6(mu=mu), tuple(np.radians(theta)), oversize=-clearance, force=(force,), coupling="ball")
     r = solve_pair(pair)
@@ -46,6 +46,8 @@ def test_wedged_pairs_converge_and_are_in_equilibrium(case) -> None:
     for state in (r.free, r.touching):
         assert out_of_balance(pair, state) < 1e-8
         assert state.motion.input_power == pytest.approx(state.motion.loss, rel=1e-8)
+    one = ball_cell(pair.groove, np.radians(theta[0]) * np.array(BOTH), -clearance, "z", np.array([force]))
+    assert coupled_ball(one, "ball").converged
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
@@ -82,12 +84,6 @@ def test_random_pairs_with_clearance_converge(coupling: str, count: int) -> None
         assert max(out_of_balance(pair, s) for s in (r.free, r.touching)) < 1e-8
 
 
-def test_wedged_single_balls_converge() -> None:
-    for force, clearance, theta, mu in WEDGED:
-        cell = ball_cell(table_3_6(mu=mu), np.radians(theta[0]) * np.array(BOTH), -clearance, "z", np.array([force]))
-        assert coupled_ball(cell, "ball").converged
-
-
 def test_too_few_rounds_are_reported() -> None:
     cell, slack = plain(np.radians(2.0)).cell(), np.array([0.0, np.inf])
     assert not coupled_chain(cell, slack, "ball", rounds=2).converged
@@ -104,16 +100,11 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     floats = solve_pair(pair).free
     load = floats.load.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
-    found = []
-    rng = np.random.default_rng(1)
+    found, rng, cell = [], np.random.default_rng(1), pair.cell()
     for _ in range(40):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
-        cell = pair.cell()
-        found.append(
-            coupled_chain(
-                cell, np.full(2, np.inf), "ball", None, 100, Guess(push, np.zeros(1), floats.motion.q, np.zeros(2))
-            )
-        )
+        guess = Guess(push, np.zeros(1), floats.motion.q, np.zeros(2))
+        found.append(coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
     wedged = [s for s in found if s.load.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)

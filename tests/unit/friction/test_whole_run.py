@@ -8,8 +8,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tests import whole_screws
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
-from tests.helpers import small_screw
-from tests.whole_screws import contacts_in, mirrored, scene_of, state
+from tests.helpers import mirrored, small_screw
+from tests.whole_screws import contacts_in, scene_of, state
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.compliance.parts import REFINED

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.helpers import small_screw, solved
-from tests.whole_screws import AXIAL, MU, SCENES, TURN, mirrored, state, two_starts
+from tests.helpers import mirrored, small_screw, solved
+from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import ball_friction, ball_path, closing_speeds
