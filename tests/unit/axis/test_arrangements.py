@@ -50,26 +50,30 @@ def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
 
 def test_rows_stand_side_by_side_and_share_the_preload() -> None:
     found = read(SET)
-    assert [(s.name, s.thrust) for s in found.sets] == [("support 1", "-z"), ("support 2", "+z"), ("support 3", "+z")]
+    assert [s.name for s in found.sets] == ["support 1", "support 2", "support 3"]
+    assert [s.thrust for s in found.sets] == ["-z", "+z", "+z"]
     assert [s.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])
     assert [s.parts.nut.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])  # type: ignore[union-attr]
     total = preload_of_set("DBD", 3350.0)
     assert [s.preload for s in found.sets] == pytest.approx([total, 0.5 * total, 0.5 * total])
-    by_conformity = ('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf")
-    stated = read(changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), *by_conformity))
+    stated = read(
+        changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), ('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf"))
+    )
     assert [s.preload for s in stated.sets] == pytest.approx([4500.0, 2250.0, 2250.0])
-    tandem = ('arrangement = "DBD"', 'arrangement = "DT"'), ('pair_preload = "3350 N"', "")
-    free = read(changed(*tandem, *by_conformity))
+    tandem = (
+        ('arrangement = "DBD"', 'arrangement = "DT"'),
+        ('pair_preload = "3350 N"', ""),
+        ('pair_rigidity = "1030 N/um"', ""),
+    )
+    free = read(changed(*tandem, ("# conf", "conf")))
     assert [(s.thrust, s.preload) for s in free.sets] == [("+z", 0.0)] * 2
 
 
-def test_conformity_gives_the_rigidity_of_the_pair_back_where_any_does() -> None:
+def test_conformity_gives_the_rigidity_of_the_pair_back() -> None:
     found = read(SET)
     one = row_of(found)
     assert 2e-6 * one.stiffness(one.deflection(3350.0)) == pytest.approx(1030.0, rel=1e-6)
     assert any("from the rigidity of a pair, 1030 N/um at 3350 N" in text for text in found.assumed)
-    with pytest.raises(InputError, match=r"sets\[0\]\.pair_rigidity"):
-        read(changed(('pair_rigidity = "1030 N/um"', 'pair_rigidity = "9000 N/um"')))
 
 
 def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
@@ -92,6 +96,11 @@ def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> Non
     assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
     assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
     assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.rating))
+
+
+def test_a_rigidity_that_no_conformity_gives_is_refused() -> None:
+    with pytest.raises(InputError, match=r"sets\[0\]\.pair_rigidity"):
+        read(changed(('pair_rigidity = "1030 N/um"', 'pair_rigidity = "9000 N/um"')))
 
 
 def test_a_housing_that_is_held_where_it_is_stands():

@@ -29,6 +29,11 @@ THICK = (Segment(0.0, 0.3, 30.0),)
 GUIDED = Support(0.15, ALL_BUT_AXIAL)
 
 
+def with_load(*sets, force, at=0.1, held=GUIDED):
+    """A thick shaft with these sets under a force."""
+    return assembly(*sets, segments=THICK, supports=(held,), loads=(Load(at, force),))
+
+
 def ball_bearing():
     """The bearing of `tests.axes` by its closed formulas: raceways that leave its contact angle without load."""
     inner, outer = GROOVE, 0.53 * 7e-3
@@ -47,7 +52,7 @@ def test_rows_share_thrust_as_their_laws_say(pattern):
         for i, (c, s) in enumerate(zip(pattern, signs, strict=True))
     ]
     for thrust in (0.0, 500.0, -500.0, 4000.0):
-        found = solved(assembly(*sets, segments=THICK, supports=(GUIDED,), loads=(Load(0.1, (0.0, 0.0, thrust)),)))
+        found = solved(with_load(*sets, force=(0.0, 0.0, thrust)))
         closed = equilibrium(BearingSet((row,) * len(signs), tuple(signs), (gap,) * len(signs)), thrust)
         forces = [-s.force[2] * sign for s, sign in zip(found.sets, signs, strict=True)]
         assert relative(forces, closed.loads) < 3e-4  # Hertz: the race's curvature at its nominal contact angle
@@ -61,9 +66,8 @@ def roller_set(**options):
 
 @pytest.mark.parametrize("radial", [0.0, 2000.0])
 def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
-    held = tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz"))
-    loads = (Load(0.15, (radial, 0.0, 3000.0)),)
-    found = solved(assembly(roller_set(), segments=THICK, supports=(Support(0.15, held),), loads=loads))
+    held = Support(0.15, tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz")))
+    found = solved(with_load(roller_set(), force=(radial, 0.0, 3000.0), at=0.15, held=held))
     alone = combined(tapered(ROLLERS), 3000.0, radial)
     # without moment equilibrium, as there: the shaft is kept from tilting, and slices are loaded evenly
     assert relative(found.sets[0].roller_load, alone.loads) < 1e-7
@@ -75,7 +79,7 @@ def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
 def test_rollers_of_a_shaft_that_tilts_are_loaded_unevenly():
     tilted = Support(0.15, (*((k, 0.0) for k in ("ux", "uy", "rx", "rz")), ("ry", 2e-4)))
     found, relieved = (
-        solved(assembly(rollers, segments=THICK, supports=(tilted,), loads=(Load(0.15, (0.0, 0.0, 3000.0)),)))
+        solved(with_load(rollers, force=(0.0, 0.0, 3000.0), at=0.15, held=tilted))
         for rollers in (roller_set(), replace(roller_set(), parts=replace(ROLLERS, crown=2.0)))
     )
     assert np.ptp(found.sets[0].line_loads, axis=1).max() > 0.2 * found.sets[0].line_loads.max()

@@ -149,12 +149,7 @@ def test_mirror():
     np.testing.assert_allclose(two.velocity, one.velocity, rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-9)
     np.testing.assert_allclose(two.rotation, one.rotation * [1.0, -1.0], atol=1e-7)
-
-
-def test_reversed_motion_of_swapped_balls():
-    """Carriage backwards and balls in reverse order: the same contacts under the same forces."""
-    angles, loads = random_chain(4, 7)
-    one = solve_linear_chain(prepare(BEARING, angles, loads))
+    # carriage backwards and balls in reverse order: the same contacts under the same forces
     two = solve_linear_chain(prepare(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
     np.testing.assert_allclose(two.velocity, -one.velocity[::-1], rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force[::-1], atol=1e-9)

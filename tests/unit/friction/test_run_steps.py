@@ -39,12 +39,6 @@ def jump(steps, at=0.37):
     return np.where(middles(steps) + 0.5 / steps > at, 3.0, 1.0)
 
 
-def counted(torques):
-    """A run's torques over a number of steps, and the numbers that were asked for."""
-    tried = []
-    return tried, lambda steps: tried.append(steps) or Fake(torques(steps))
-
-
 def test_smooth_runs_are_of_second_order_and_the_estimate_is_their_error():
     found = error_of([smooth(n) for n in (256, 512, 1024)])
     exact = 2.0 + np.sin(middles(1024))
@@ -99,9 +93,14 @@ def test_an_order_above_that_of_smooth_motion_is_not_used():
     assert observed(1.0, 1e-6).error == pytest.approx(1.25 * 0.25 / 3.0)
 
 
+def test_fewer_than_three_levels_tell_no_error():
+    assert error_of([smooth(64), smooth(128)]) is None
+    assert solve_steps(lambda n: Fake(smooth(n)), 3, 8, 0.01)[1] is None
+
+
 def test_torques_over_steps_of_any_number_are_compared_in_their_means():
-    coarse = np.array([1.0, 2.0, 3.0])
-    assert change(coarse, np.repeat(coarse, 2)) == pytest.approx(0.0, abs=1e-15)
+    coarse, fine = np.array([1.0, 2.0, 3.0]), np.array([1.0, 1.0, 2.0, 2.0, 3.0, 3.0])
+    assert change(coarse, fine) == pytest.approx(0.0, abs=1e-15)
     assert change(np.array([2.0]), np.array([1.0, 2.0, 6.0])) == pytest.approx(1.0)
     assert change(np.array([0.0, 0.0]), np.array([3.0, 3.0, 0.0])) == pytest.approx(2.0)
 
@@ -114,7 +113,12 @@ def test_a_torque_of_zero_and_one_without_change_have_no_error():
 
 
 def test_steps_are_doubled_until_the_errors_are_small():
-    tried, simulate = counted(lambda n: smooth(n, 10.0))
+    tried = []
+
+    def simulate(steps):
+        tried.append(steps)
+        return Fake(smooth(steps, 10.0))
+
     found, error = solve_steps(simulate, None, 8, 1e-3)
     assert tried == [8 * 2**k for k in range(len(tried))]
     assert found.per_step.size == tried[-1]
@@ -124,23 +128,31 @@ def test_steps_are_doubled_until_the_errors_are_small():
 
 @pytest.mark.parametrize("steps", [40, 42, 7, 4])
 def test_given_steps_are_solved_with_half_and_a_quarter(steps):
-    tried, simulate = counted(smooth)
+    tried = []
+
+    def simulate(steps):
+        tried.append(steps)
+        return Fake(smooth(steps))
+
     found, error = solve_steps(simulate, steps, 8, 1e-9)
     assert tried == [steps // 4, steps // 2, steps]
     assert found.per_step.size == steps
     assert error.steps == tuple(tried)
 
 
-def test_a_run_that_ends_early_and_fewer_than_three_levels_have_no_error():
+def test_a_run_that_ends_early_has_no_error():
     found, error = solve_steps(lambda _: Fake(np.ones(3), False), None, 8, 0.01)
     assert error is None
     assert not found.good
-    assert error_of([smooth(64), smooth(128)]) is None
-    assert solve_steps(lambda n: Fake(smooth(n)), 3, 8, 0.01)[1] is None
 
 
 def test_steps_end_at_a_limit():
-    tried, noisy = counted(lambda n: 1.0 + (-1.0) ** np.log2(n // 5000) * np.ones(n) * 0.5)
+    tried = []
+
+    def noisy(steps):
+        tried.append(steps)
+        return Fake(1.0 + (-1.0) ** len(tried) * np.ones(steps) * 0.5)
+
     _, error = solve_steps(noisy, None, 5000, 0.01)
     assert tried == [5000, 10000, 20000]
     assert tried[-1] <= MOST

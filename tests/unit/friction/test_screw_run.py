@@ -127,6 +127,9 @@ def test_bad_input(change: dict[str, int], match: str) -> None:
 def test_groups() -> None:
     touching = np.array([[1, 0, 0, 1, 1, 0, 1], [0, 0, 0, 0, 0, 0, 0], [1, 1, 1, 1, 1, 1, 1], [0, 1, 1, 0, 1, 0, 0]])
     assert list(groups(touching.astype(bool))) == [2, 0, 1, 2]
+
+
+def test_summary() -> None:
     s = summarise(result())
     assert s.groups == 4
     assert 0.0 < s.at < s.none_at

@@ -37,10 +37,13 @@ def test_loads_are_ours(pair):
     np.testing.assert_allclose(found.angle[loaded], ours.angle[loaded], atol=1e-9)
 
 
-def test_loads_of_many_balls_are_ours_and_those_not_found_not_converged():
+def test_loads_of_many_balls_are_ours():
     run = lin_3_4_4()
     cell = run_cell(run, *run.place(run.ring * np.arange(37) / 37, 0.0))
     np.testing.assert_allclose(loads_by_root(cell).force, settle_load(cell).force, rtol=1e-9)
+
+
+def test_loads_that_are_not_found_are_not_converged():
     cell = plain(TWO).cell()
     away = first_place(cell)
     lost = Places(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
@@ -141,6 +144,13 @@ def test_run_is_ours_until_balls_meet_and_near_it_after():
     assert 0.0 < found.overlap < 0.05 * run.groove.pair.spacing
 
 
+def test_steps_that_are_asked_for():
+    found = simulate_by_root(few_balls(), 3)
+    assert found.gap.shape == (3, 6)
+    assert len(found.status) == found.nut_angle.size == 3
+    np.testing.assert_allclose(found.nut_angle, 2.0 * np.pi * 0.01 * np.arange(3))
+
+
 def test_a_failed_step_is_counted_and_keeps_the_speeds(monkeypatch):
     real, calls = source_run.loads_by_root, []
 
@@ -150,8 +160,6 @@ def test_a_failed_step_is_counted_and_keeps_the_speeds(monkeypatch):
 
     monkeypatch.setattr(source_run, "loads_by_root", sometimes)
     found = simulate_by_root(few_balls(), 4)
-    assert found.gap.shape == (4, 6)
-    np.testing.assert_allclose(found.nut_angle, 2.0 * np.pi * 0.01 * np.arange(4))
     assert found.status == ("exact", "exact", "failed", "exact")
     assert found.failures == 1
     assert found.overlapping == 0

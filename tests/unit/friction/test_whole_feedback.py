@@ -93,21 +93,28 @@ def test_feedback_keeps_loads_balances_and_matters_most_in_two_point_contact(nam
     assert t.forward != t.backward
 
 
-def test_feedback_keeps_the_load_of_contacts_past_the_apex_or_fails(monkeypatch):
-    """Of hardly any contact angle: balls climb one side of the groove; where angles had lost their signs, load was lost."""
-    scene = small_screw(5, 0.9, beta=np.radians(0.001), force=(0.0, 0.0, 300.0))
-    found = state(scene, COUPLED)
+def past_the_apex():
+    """A screw of hardly any contact angle under an axial load: balls climb one side of the groove."""
+    return small_screw(5, 0.9, beta=np.radians(0.001), force=(0.0, 0.0, 300.0))
+
+
+def test_feedback_keeps_the_load_of_contacts_past_the_apex():
+    found = state(past_the_apex(), COUPLED)
     assert np.any((found.at.angle < -0.05) & (found.at.force > 0.0))
     assert not found.unsettled
     assert found.torque.load == pytest.approx(300.0, rel=1e-5)
+
+
+def test_feedback_that_loses_the_axial_load_fails(monkeypatch):
+    """As it did where angles had lost their signs past the apex."""
     monkeypatch.setattr(feedback, "contact_angles", lambda normal: np.abs(contact_angles(normal)))
-    assert state(scene, COUPLED).unsettled == (0, 1, 2, 3, 4)
+    assert state(past_the_apex(), COUPLED).unsettled == (0, 1, 2, 3, 4)
 
 
 def test_feedback_mirrors_reverses_and_leaves_rings_alone():
     scene = small_screw(5, 0.9, oversize=4e-6, force=(60.0, 25.0, 500.0))
-    scenes = (scene, TURN), (mirrored(scene), Motion(-10.0)), (scene, Motion(-10.0))
-    one, other, back = (state(s, COUPLED, motion).torque for s, motion in scenes)
+    one, other = state(scene, COUPLED).torque, state(mirrored(scene), COUPLED, Motion(-10.0)).torque
+    back = state(scene, COUPLED, Motion(-10.0)).torque
     assert other.friction == pytest.approx(one.friction, rel=1e-6)
     assert (back.power, back.reverse_power) == pytest.approx((one.reverse_power, one.power), rel=1e-9)
     assert (back.forward, back.backward) == pytest.approx((one.forward, one.backward), rel=1e-6)

@@ -8,8 +8,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tests import whole_screws
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
-from tests.helpers import mirrored, small_screw
-from tests.whole_screws import contacts_in, scene_of, state
+from tests.helpers import mirrored, small_screw, solved
+from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.compliance.parts import REFINED
@@ -19,6 +19,7 @@ from rollbench.lowfi.friction.screw.run import run_cell
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
+from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics import again
 from rollbench.lowfi.statics.again import beam_loads, elastic_loads
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -86,12 +87,19 @@ def test_balls_leave_and_enter_and_bear_load_on_the_loaded_arc_alone():
 
 
 def test_a_tiny_run_is_the_state_at_the_instant():
-    two_point = small_screw(6, 0.6, force=(0.0, 0.0, 500.0), screw="rigid")
-    for scene, friction, near in ((sparse(), MU, 1e-6), (two_point, Friction(0.1, 0.1), 1e-5)):
-        found, h = state(replace(scene, motion=TURN), friction), simulate(setting(scene, friction), 1e-7, 2)
-        assert h.torque[0] == pytest.approx(found.torque.friction, rel=near)
-        assert h.omega[0] == pytest.approx(found.balls.orbit, rel=near)
-    assert h.torque[0] > 1.2 * simulate(setting(two_point, MU), 1e-7, 2).torque[0], "two-point contact"
+    scene = replace(sparse(), motion=TURN)
+    found = friction_state(scene, solved(scene), MU, TURN)
+    h = simulate(setting(scene), 1e-7, 2)
+    assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-6)
+    assert h.omega[0] == pytest.approx(found.balls.orbit, rel=1e-6)
+
+
+def test_friction_that_moves_balls_is_that_of_the_instant():
+    scene, friction = replace(small_screw(6, 0.6, force=(0.0, 0.0, 500.0), screw="rigid"), motion=TURN), Friction(0.1, 0.1)
+    found = friction_state(scene, solved(scene), friction, TURN)
+    h = simulate(setting(scene, friction), 1e-7, 2)
+    assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-5)
+    assert h.torque[0] > 1.2 * simulate(setting(scene, MU), 1e-7, 2).torque[0], "two-point contact"
 
 
 def test_left_hand_is_the_mirrored_right_hand():

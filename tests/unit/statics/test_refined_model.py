@@ -124,7 +124,7 @@ def test_kept_points_are_what_the_ladder_gives_now() -> None:
     kept = {(p.scene, p.model): p for p in model_form.shipped_points()}
     assert {m for _, m in kept} == {m.name for m in ladder.RUNGS}
     for name in ("lin-case1", "unseen-flange"):
-        for p in ladder.points(study, rungs_of(study.scene(name)).values()):
+        for p in ladder.points(study, list(rungs_of(study.scene(name)).values())):
             old = kept[p.scene, p.model]
             assert p.percent == pytest.approx(old.percent, abs=2e-3)
             assert p.features == pytest.approx(old.features, abs=2e-3)
