@@ -67,15 +67,12 @@ def test_pairs_and_chains_have_ratios_where_the_source_finds_the_answer(rows):
     assert "from the solution" not in rows["screw pair, inferred reading"].note
 
 
-def test_whole_run_is_stated_as_extrapolated(monkeypatch):
+def test_whole_run_is_stated_as_extrapolated_and_one_that_fails_has_no_ratio(monkeypatch):
     monkeypatch.setattr(friction_bench, "SOURCE_STEPS", 2)
     row = next(friction_bench.run_jobs(1))
     assert row.ratio > 2.0
     assert "2 steps times 100" in row.note
     assert "overlap in 0 of these" in row.note
-
-
-def test_run_that_fails_has_no_ratio(monkeypatch):
     real = friction_bench.simulate_by_root
     monkeypatch.setattr(friction_bench, "SOURCE_STEPS", 1)
     monkeypatch.setattr(friction_bench, "simulate_by_root", lambda run, n: replace(real(run, n), status=("failed",)))
