@@ -23,6 +23,15 @@ from rollbench.lowfi.friction.screw.motion import (
 )
 from rollbench.meshes.arrays import Array
 
+
+def dense(band: Array, half: int) -> Array:
+    """Square matrix of rows stored as ``band[i, half + j - i]``, all columns up to ``half`` away from the diagonal."""
+    full = np.zeros((len(band), len(band)))
+    for i, j in np.ndindex(full.shape):
+        full[i, j] = band[i, half + j - i] if abs(j - i) <= half else 0.0
+    return full
+
+
 _FORCE_SENSE = np.array([1.0, 1.0, -1.0, -1.0])
 _SPIN_SENSE = np.array([1.0, -1.0, -1.0, 1.0])
 

@@ -98,6 +98,32 @@ def relative(found, expected):
     return float(np.abs(np.asarray(found) - expected).max() / np.abs(expected).max())
 
 
+def mirrored(scene):
+    """Mirror image in the plane y = 0: other hand, opposite azimuths; forces as vectors, moments as pseudovectors."""
+
+    def series(terms):
+        return tuple(replace(t, sin=-t.sin) for t in terms)
+
+    def side(e):
+        return replace(e, pitch=series(e.pitch), roundness=series(e.roundness))
+
+    def value(name, value):
+        return (name, -value if name in ("uy", "rx", "rz") else value)
+
+    def load(at, force, moment):
+        return Load(at, (force[0], -force[1], force[2]), (-moment[0], moment[1], -moment[2]))
+
+    return replace(
+        scene,
+        track=replace(scene.track, hand="left" if scene.track.hand == "right" else "right", phase=-scene.track.phase),
+        nut=replace(scene.nut, azimuth=-scene.nut.azimuth),
+        balls=replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths)),
+        errors=replace(scene.errors, **{n: side(scene.errors.side(n)) for n in SIDES}),
+        supports=tuple(Support(s.at, tuple(value(*f) for f in s.fixed)) for s in scene.supports),
+        loads=tuple(load(x.at, x.force, x.moment) for x in scene.loads),
+    )
+
+
 def dense(band):
     """Symmetric matrix of a lower band stored column by column, ``band[j, i - j] = A[i, j]``."""
     n, width = band.shape

@@ -1,4 +1,4 @@
-"""Shared by the tests of whole screws' friction: scenes, motion, friction at the static loads, mirror images, one ball."""
+"""Shared by the tests of whole screws' friction: scenes, motion, friction at the static loads, one ball."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from tests.helpers import FLANK_ERRORS, small_screw, solved
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.helix import layout_at
-from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Track
+from rollbench.meshes.parts import Balls, Friction, Material, Motion, Nut, Scene, Screw, Track
 
 MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 AXIAL = (0.0, 0.0, 800.0)
@@ -34,15 +34,6 @@ SCENES = {
 
 def state(scene, friction=MU, motion=TURN):
     return friction_state(scene, solved(scene), friction, motion)
-
-
-def mirrored(scene):
-    """The scene in a mirror that turns y: the other hand, azimuths, side forces and moments reversed."""
-    track = replace(scene.track, hand="left" if scene.track.hand == "right" else "right", phase=-scene.track.phase)
-    (x, y, z), (mx, my, mz) = scene.loads[0].force, scene.loads[0].moment
-    load = Load(scene.loads[0].at, (x, -y, z), (-mx, my, -mz))
-    balls = replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths))
-    return replace(scene, track=track, balls=balls, loads=(load,))
 
 
 def single(force, angle, groove):

@@ -7,6 +7,7 @@ from pathlib import Path
 from statistics import median
 
 ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def stored(name: str) -> list[dict[str, str]]:
@@ -32,23 +33,16 @@ def _unseen(model: str) -> tuple[float, float]:
 
 
 def test_table_and_first_sentence_are_the_report_s() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
     refined, lin = _percentiles("refined"), _percentiles("lin")
     for model, found in (("refined", refined), ("lin", lin), ("condensed", _unseen("condensed"))):
-        row = next(line for line in text.splitlines() if line.startswith(f"| `{model}`"))
+        row = next(line for line in README.splitlines() if line.startswith(f"| `{model}`"))
         assert row.split("|")[2].split("(")[0].strip() == "{:.1f} / {:.1f}".format(*found), row
-    first = " ".join(text.split("\n\n")[1].split())
+    first = " ".join(README.split("\n\n")[1].split())
     assert "{:.1f} % of the mean contact load in the median and by {:.1f} % on 19 of 20".format(*refined) in first
     assert "rigid-nut model by {:.1f} and {:.0f} %".format(*lin) in first
     bars = {f"{float(row['grid uncertainty [% of mean]']):.1f} %" for row in stored("ladder")}
     assert bars == {"0.1 %"}
     assert "the reference's mesh leaves 0.1 %," in first
-
-
-def test_one_page() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 80
-    assert len(text.split()) <= 900
 
 
 def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) -> None:
@@ -59,8 +53,7 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) ->
         with contextlib.suppress(SystemExit):
             main(line.split())
     printed = " ".join(capsys.readouterr().out.split())
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    shown = text.split("<!-- output: solve my.toml -->")[1].split("```")[1].removeprefix("text").strip().splitlines()
+    shown = README.split("<!-- output: solve my.toml -->")[1].split("```")[1].removeprefix("text").strip().splitlines()
     assert len(shown) == 4
     for line in shown:
         assert " ".join(line.split()) in printed
@@ -84,18 +77,15 @@ def test_report_s_tables_are_what_the_models_give_now() -> None:
             assert abs(float(row["max"]) - float(old["largest error [% of mean]"])) < 1e-4
 
 
-def test_exactly_two_set_up_commands() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    commands = [line.strip() for line in text.splitlines() if "pip install" in line]
+def test_one_page_with_exactly_two_set_up_commands_whose_linked_files_exist() -> None:
+    assert len(README.splitlines()) <= 80
+    assert len(README.split()) <= 900
+    for target in re.findall(r"\]\(([^)]+)\)", README):
+        assert (ROOT / target).exists(), target
+    commands = [line.strip() for line in README.splitlines() if "pip install" in line]
     assert len(commands) == 2
     assert commands[0].endswith("rollbench report")
     assert commands[1].endswith("pytest")
-
-
-def test_linked_files_exist() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)]+)\)", text):
-        assert (ROOT / target).exists(), target
 
 
 def test_paths_that_contributing_names_exist() -> None:

@@ -61,15 +61,8 @@ def survey() -> Iterator[tuple[str, Scene]]:
     yield "lead 10", with_track(CASE, 10e-3, 32, 2.0, 36e-3)
     yield "lead 40", with_track(CASE, 40e-3, 24, 1.5, 76e-3)
     yield "two starts", with_track(CASE, 20e-3, 16, 1.0, 36e-3, starts=2)
-    for name in (
-        "bearing-9",
-        "bearing-9-preload",
-        "unseen-25x5",
-        "unseen-32x10",
-        "unseen-40x10",
-        "unseen-63x20",
-        "unseen-four-point",
-    ):
+    unseen = (f"unseen-{name}" for name in ("25x5", "32x10", "40x10", "63x20", "four-point"))
+    for name in ("bearing-9", "bearing-9-preload", *unseen):
         yield name, catalogue.scene(name)
 
 

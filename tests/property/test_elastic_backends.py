@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tests.helpers import relative, small_screw
-from tests.property.test_invariance import end_for_end, mirrored
+from tests.helpers import mirrored, relative, small_screw
+from tests.property.test_invariance import end_for_end
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
@@ -116,13 +116,8 @@ def test_chords_lie_above_the_energy(seed, backend):
     rng = np.random.default_rng(seed)
     lowest = energy_at(elastic, phi, amplitudes)[0]
     for size in (1e-2, 0.3, 5.0):
-        ends = [
-            (
-                phi + size * scale * rng.normal(size=phi.shape),
-                amplitudes + 1e-5 * size * rng.normal(size=amplitudes.shape) / elastic.arms,
-            )
-            for _ in range(2)
-        ]
+        steps = [(rng.normal(size=phi.shape), rng.normal(size=amplitudes.shape)) for _ in range(2)]
+        ends = [(phi + size * scale * f, amplitudes + 1e-5 * size * a / elastic.arms) for f, a in steps]
         (low, slope, by_motions), (high, _, _) = (energy_at(elastic, *end) for end in ends)
         middle, _, _ = energy_at(elastic, *(0.5 * (a + b) for a, b in zip(*ends, strict=True)))
         rounding = 1e-11 * (abs(low) + abs(high))
@@ -142,9 +137,8 @@ def test_mirror_image(seed, backend):
 
 
 def swapped(scene):
-    held = {"left face": "right face", "right face": "left face"}
-    name = scene.solid.nut_held
-    return replace(scene, solid=replace(scene.solid, nut_held=held.get(name, name)))
+    name = {"left face": "right face", "right face": "left face"}.get(scene.solid.nut_held, scene.solid.nut_held)
+    return replace(scene, solid=replace(scene.solid, nut_held=name))
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -153,9 +147,8 @@ def test_turned_end_for_end(nut_held, backend):
     """Bodies, contacts and clamped faces exchange their ends; the shaft's kernel sends its forces to one end always."""
     scene = small_screw(12, 2.0, phase=0.3, oversize=3e-6, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0))
     scene = replace(scene, solid=replace(scene.solid, nut_held=nut_held))
-    one, other = (
-        solve_elastic(s, backend=LADDER[backend], engine="compiled") for s in (scene, swapped(end_for_end(scene)))
-    )
+    scenes = scene, swapped(end_for_end(scene))
+    one, other = (solve_elastic(s, backend=LADDER[backend], engine="compiled") for s in scenes)
     apart = relative(other.load[::-1, [1, 0, 3, 2]], one.load)
     assert apart < (1e-10 if LADDER[backend].screw == "beam" else 4e-3)
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from tests.helpers import small_screw
+from tests.helpers import mirrored, small_screw
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.parts import FourierTerm, Friction, Load, Motion
+from rollbench.meshes.parts import FourierTerm, Friction, Motion
 
 
 @st.composite
@@ -44,16 +44,6 @@ def compiled():
 
 coefficient = st.sampled_from((1e-4, 0.01, 0.1, 0.5))
 turning = st.builds(Motion, st.sampled_from((-300.0, 1e-3, 20.0)), st.sampled_from(("screw", "nut")))
-
-
-def mirrored(scene):
-    """The scene in a mirror that turns y."""
-    track = replace(scene.track, hand="left")
-    (x, y, z), at = scene.loads[0].force, scene.loads[0].at
-    term = scene.errors.SL.pitch[0]
-    errors = replace(scene.errors, SL=replace(scene.errors.SL, pitch=(replace(term, sin=-term.sin),)))
-    balls = replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths))
-    return replace(scene, track=track, errors=errors, balls=balls, loads=(Load(at, (x, -y, z)),))
 
 
 @settings(max_examples=20, derandomize=True, deadline=None)

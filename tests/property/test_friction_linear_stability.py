@@ -97,17 +97,13 @@ def test_chains_with_much_friction_between_balls(count: int, mu: float, tries: i
         check(bearing, angles, loads, rng, motion=1e-6 if bare == 0.0 else 2.0)
 
 
-@pytest.mark.parametrize("speed", [0.0, 1e-12, -1e-12, 1e3])
-def test_any_speed(speed: float) -> None:
+SPEEDS, CONFORMITIES = (0.0, 1e-12, -1e-12, 1e3), (0.505, 0.52, 0.6, 0.9)
+
+
+@pytest.mark.parametrize("change", [{"speed": v} for v in SPEEDS] + [{"conformity": c} for c in CONFORMITIES], ids=str)
+def test_any_speed_and_conformity(change: dict[str, float]) -> None:
     angles = BEARING.contact_angle + deviations(np.radians([2.0, 2.0]))
-    loads = diagonal_loads(100.0, np.array([-0.6, 0.6]))
-    result = check(replace(BEARING, speed=speed), angles, loads, np.random.default_rng(4))
+    loads, bearing = diagonal_loads(100.0, np.array([-0.6, 0.6])), replace(BEARING, **change)
+    result = check(bearing, angles, loads, np.random.default_rng(4))
     assert np.isfinite(result.velocity).all()
-    assert (result.ball_force[0] > 1.0) == (speed > 0.0)
-
-
-@pytest.mark.parametrize("conformity", [0.505, 0.52, 0.6, 0.9])
-def test_conformity(conformity: float) -> None:
-    angles = BEARING.contact_angle + deviations(np.radians([2.0, 2.0]))
-    loads = diagonal_loads(100.0, np.array([-0.6, 0.6]))
-    check(replace(BEARING, conformity=conformity), angles, loads, np.random.default_rng(5))
+    assert (result.ball_force[0] > 1.0) == (bearing.speed > 0.0)

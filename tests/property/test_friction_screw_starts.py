@@ -5,6 +5,7 @@ float or be wedged by its own friction (tests/unit/friction/test_screw_coupled.p
 """
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,16 +15,7 @@ from rollbench.lowfi.friction.screw.coupled import Guess
 from rollbench.lowfi.friction.screw.pair import Pair, PairResult, solve_pair
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
-STATES = (
-    (1.0, 1.7e-6),
-    (1.0, 0.0),
-    (50.0, 1.7e-6),
-    (50.0, 0.0),
-    (50.0, -1e-7),
-    (50.0, -1e-6),
-    (2000.0, -3e-6),
-    (2000.0, -1e-5),
-)
+STATES = [*product((1.0, 50.0), (1.7e-6, 0.0)), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6), (2000.0, -1e-5)]
 STARTS = 4
 
 

@@ -24,40 +24,27 @@ def loads(draw):
     kind = draw(st.sampled_from(("axial", "lateral", "moment", "all", "none")))
     if kind == "none":
         return ()
-    x, y, z = (draw(st.integers(-4, 4)) / 4.0 for _ in range(3))
-    force = {"axial": (0.0, 0.0, size), "lateral": (size * x, size * y, 0.0), "moment": (0.0, 0.0, 0.0)}.get(
-        kind, (size * x, size * y, size * z)
-    )
-    moment = (0.02 * size * y, 0.02 * size * x, 0.0) if kind in ("moment", "all") else (0.0, 0.0, 0.0)
+    x, y, z = (size * draw(st.integers(-4, 4)) / 4.0 for _ in range(3))
+    force = {"axial": (0.0, 0.0, size), "lateral": (x, y, 0.0), "moment": (0.0, 0.0, 0.0), "all": (x, y, z)}[kind]
+    moment = (0.02 * y, 0.02 * x, 0.0) if kind in ("moment", "all") else (0.0, 0.0, 0.0)
     return (Load(draw(st.sampled_from((0.0, 0.3))), force, moment),)
 
 
-@st.composite
-def supports(draw):
-    kind = draw(st.sampled_from(("clamped", "free", "offset", "one", "none")))
-    if kind == "none":
-        return ()
-    if kind == "one":
-        return (Support(0.0, ((draw(st.sampled_from(("ux", "uz", "rz"))), 0.0),)),)
-    if kind == "free":
-        return (Support(0.0, (("uz", 0.0), ("rz", 0.0))),)
-    if kind == "clamped":
-        return BASE.supports
-    offset = draw(st.integers(-6, 6)) * 0.5e-3
-    return (*BASE.supports, Support(0.8, (("ux", offset), ("uy", 0.0))))
+SUPPORTS = st.one_of(
+    st.sampled_from((BASE.supports, (Support(0.0, (("uz", 0.0), ("rz", 0.0))),), ())),
+    st.sampled_from(("ux", "uz", "rz")).map(lambda name: (Support(0.0, ((name, 0.0),)),)),
+    st.integers(-6, 6).map(lambda k: (*BASE.supports, Support(0.8, (("ux", 0.5e-3 * k), ("uy", 0.0))))),
+)
 
 
 def all_moduli(scene, factor):
-    def scaled(body):
-        m = body.material
-        return replace(body, material=replace(m, youngs_modulus=factor * m.youngs_modulus))
-
-    return replace(scene, screw=scaled(scene.screw), nut=scaled(scene.nut), balls=scaled(scene.balls))
+    steel = replace(scene.screw.material, youngs_modulus=factor * scene.screw.material.youngs_modulus)
+    return replace(scene, **{name: replace(getattr(scene, name), material=steel) for name in ("screw", "nut", "balls")})
 
 
 @st.composite
 def random_scenes(draw):
-    scene = replace(BASE, loads=draw(loads()), supports=draw(supports()))
+    scene = replace(BASE, loads=draw(loads()), supports=draw(SUPPORTS))
     track = replace(
         scene.track,
         contact_angle=math.radians(draw(st.floats(5, 85))),

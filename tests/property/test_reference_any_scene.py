@@ -5,7 +5,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from tests.property.survey_scenes import CASE, pressed, shortened, survey, tipped
+from tests.helpers import ALL_BUT_AXIAL
+from tests.property.survey_scenes import CASE, even, pressed, shortened, survey, tipped
 
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.measure import load_error
@@ -30,8 +31,6 @@ from rollbench.meshes.quality import measure
 from rollbench.meshes.sockets import local_points
 from rollbench.meshes.solid import dimensions
 
-HELD = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),)
-
 
 def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **changes):
     """A short screw held close to its nut; ``nut``: length and outer diameter."""
@@ -43,16 +42,12 @@ def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **changes):
         Track(R, lead, np.pi / 4),
         Screw(2.0 * middle, outer, groove, s.screw.material),
         Nut(middle, nut[0], nut[1], groove, s.nut.material),
-        Balls(ball, s.balls.material, tuple(float(a) for a in azimuths)),
-        supports=(*HELD, Support(2.0 * middle, (("ux", 0.0), ("uy", 0.0)))),
+        Balls(ball, s.balls.material, azimuths),
+        supports=(Support(0.0, ALL_BUT_AXIAL), Support(2.0 * middle, (("ux", 0.0), ("uy", 0.0)))),
         loads=(Load(0.0, (0.0, 0.0, force)),),
         solid=Solid(shaft=4e-3, shaft_diameter=outer),
     )
     return replace(scene, **changes)
-
-
-def even(count, turns):
-    return 2.0 * np.pi * turns * ((np.arange(count) + 0.5) / count - 0.5)
 
 
 def scenes():
@@ -95,21 +90,16 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     monkeypatch.setattr(submodel, "REALISATIONS", 1)
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
+    contacts = expected_contacts(scene)
+    few = {"b_over_h": 0.8, "cuts": (2, 2, 2), "own_cuts": (2, 2, 2), "modes": 6, "ball_modes": 8, "growth": 2.5}
+    sizes = {"fine": 3e-3, "coarse": 12e-3, "ball_fine": 1e-3, "ball_coarse": 2e-3}
     settings = Settings(
-        b_over_h=0.8,
-        semi=rounded(expected_contacts(scene).semi()),
-        reach=rounded(expected_contacts(scene).reach()),
-        fine=3e-3 * ratio,
-        coarse=12e-3 * ratio,
-        ball_fine=1e-3 * ratio,
-        ball_coarse=2e-3 * ratio,
-        cuts=(2, 2, 2),
-        modes=6,
-        ball_modes=8,
-        growth=2.5,
-        own_cuts=(2, 2, 2),
+        semi=rounded(contacts.semi()),
+        reach=rounded(contacts.reach()),
         own_sizes=(3e-3 * ratio, 8e-3 * ratio),
         own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
+        **{name: size * ratio for name, size in sizes.items()},
+        **few,
     )
     sides = needed_sides(scene)
     set_up = prepare(scene, sides, settings, cache=cache)
@@ -127,19 +117,11 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
 
 SURVEY = dict(survey())
 #: Those of which a patch and its sockets are meshed in every run of the tests; all with `pytest -m survey`.
-TIGHT = (
-    "conformity 0.51",
-    "conformity 0.515",
-    "60 kN",
-    "contact angle 20",
-    "contact angle 70",
-    "lead 5",
-    "unseen-63x20",
-    "unseen-four-point",
-)
+TIGHT = ("conformity 0.51", "conformity 0.515", "60 kN", "contact angle 20", "contact angle 70", "lead 5")
+TIGHT += ("unseen-63x20", "unseen-four-point")
 
 
-def sockets_of(scene, cuts=(2, 2, 2)):
+def sockets_of(scene, cuts):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
     settings, small = replace(settings_of([scene], 1), cuts=cuts), shortened(scene)
     m, layout, sides = GrooveMap.of(small), ball_layout(small), needed_sides(scene)
@@ -149,7 +131,7 @@ def sockets_of(scene, cuts=(2, 2, 2)):
     return m, meshes, settings, sides
 
 
-def check_patches(scene, cuts=(2, 2, 2)):
+def check_patches(scene, cuts):
     m, meshes, settings, sides = sockets_of(scene, cuts)
     assert min(body.quality.smallest for body in (meshes.screw, meshes.nut, meshes.ball)) > 0.0
     zone = patch_lines(settings, meshes.widths, meshes.size.depth)[1]
@@ -164,14 +146,11 @@ def check_patches(scene, cuts=(2, 2, 2)):
         np.testing.assert_allclose(found, wanted, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", TIGHT)
-def test_patches_and_sockets_of_tight_scenes_are_meshed(name):
-    check_patches(SURVEY[name])
+CUT = [(name, cuts) for name in ("lead 5", "conformity 0.515") for cuts in ((3, 3, 3), (4, 3, 4), (4, 4, 4), (6, 4, 6))]
 
 
-@pytest.mark.parametrize("cuts", [(3, 3, 3), (4, 3, 4), (4, 4, 4), (6, 4, 6)], ids=str)
-@pytest.mark.parametrize("name", ["lead 5", "conformity 0.515"])
-def test_sockets_are_meshed_however_they_are_cut(name, cuts):
+@pytest.mark.parametrize(("name", "cuts"), [*((name, (2, 2, 2)) for name in TIGHT), *CUT], ids=str)
+def test_patches_and_sockets_of_tight_scenes_are_meshed_however_they_are_cut(name, cuts):
     check_patches(SURVEY[name], cuts)
 
 
@@ -180,11 +159,8 @@ def test_displaced_supports_widen_the_patches():
 
 
 def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
-    def never(*_):
-        raise AssertionError("meshed")
-
-    monkeypatch.setattr("rollbench.hifi.meshing.part_meshes.build_body", never)
-    monkeypatch.setattr("rollbench.hifi.meshing.part_meshes.build_ball", never)
+    for name in ("build_body", "build_ball"):
+        monkeypatch.setattr(f"rollbench.hifi.meshing.part_meshes.{name}", lambda *_: pytest.fail("meshed"))
     with pytest.raises(Refusal) as refused:
         compute(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)

@@ -37,32 +37,24 @@ def test_forces_and_moments_balance_and_power_is_lost(name):
     assert abs(closing) < 1e-12
 
 
-def test_mated_grooves_keep_the_balls_apart_without_force():
+def test_mated_grooves_keep_the_balls_apart_without_force_and_balls_that_part_do_not_touch():
     """Case (b) of Lin 3.3.4: opposite contacts stay opposite; zero by symmetry, to round-off."""
     scene = linear_pair(mated=True)
     free = solve_rolling(without_meetings(scene), COARSE)
     assert abs(free.speed[0] - free.speed[1]) < 1e-12 * free.speed[0]
     assert solve_rolling(scene, COARSE).force[0] < 1e-9
+    parting = solve_rolling(linear_pair(rho=0.6), COARSE)
+    assert parting.force[0] == 0.0
+    assert parting.speed[0] < parting.speed[1]
 
 
-def test_balls_that_part_do_not_touch():
-    scene = linear_pair(rho=0.6)
-    found = solve_rolling(scene, COARSE)
-    assert found.force[0] == 0.0
-    assert found.speed[0] < found.speed[1]
-
-
-def test_mirrored_pair_has_the_same_force():
+def test_mirrored_pair_has_the_same_force_and_speed_sets_the_scale_of_motion_only():
     """Side forces and angle deviations the other way round: the section's mirror image."""
-    one, two = solve_rolling(linear_pair(), COARSE), solve_rolling(linear_pair(-2.0, 0.6), COARSE)
-    assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
-    assert two.loss == pytest.approx(one.loss, rel=1e-9)
-
-
-def test_speed_sets_the_scale_of_motion_only():
-    one, two = solve_rolling(linear_pair(), COARSE), solve_rolling(linear_pair(speed=1.0), COARSE)
-    assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
-    assert two.speed == pytest.approx(100.0 * one.speed, rel=1e-9)
+    scenes = linear_pair(), linear_pair(-2.0, 0.6), linear_pair(speed=1.0)
+    one, mirror, fast = (solve_rolling(scene, COARSE) for scene in scenes)
+    assert [mirror.force[0], fast.force[0]] == pytest.approx([one.force[0]] * 2, rel=1e-9)
+    assert mirror.loss == pytest.approx(one.loss, rel=1e-9)
+    assert fast.speed == pytest.approx(100.0 * one.speed, rel=1e-9)
 
 
 def test_turned_frame_changes_nothing():
@@ -82,14 +74,8 @@ def test_turned_frame_changes_nothing():
 
 def test_left_hand_screw_is_the_mirror_image():
     one, two = screw_pair(), screw_pair(lead=-20e-3)
-    swap = [1, 0, 3, 2]
     balls = tuple(
-        replace(
-            b,
-            touches=tuple(
-                replace(t, load=b.touches[k].load, normal=t.normal) for k, t in zip(swap, b.touches, strict=True)
-            ),
-        )
+        replace(b, touches=tuple(replace(t, load=b.touches[k ^ 1].load) for k, t in enumerate(b.touches)))
         for b in two.balls
     )
     # mirrored, the second ball is still ahead in the sense of growing azimuth

@@ -106,14 +106,9 @@ def test_the_summary_counts_sizes_of_errors_with_an_answer() -> None:
         return {"number": 0, "status": status, "models": {"refined": {"largest_percent": error, "rigidity_percent": None}}}
 
     (found,) = run.summary([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
-    assert found == {
-        "model": "refined",
-        "error": "largest_percent",
-        "scenes": 2,
-        "median": 2.0,
-        "p95": pytest.approx(2.9),
-        "largest": 3.0,
-    }
+    assert (found["model"], found["error"], found["scenes"], found["median"]) == ("refined", "largest_percent", 2, 2.0)
+    assert (found["p95"], found["largest"]) == (pytest.approx(2.9), 3.0)
+    assert len(found) == 6
 
 
 def test_the_command_prints_what_has_no_answer_and_keeps_the_record(

@@ -50,16 +50,11 @@ def test_loads_of_the_supports_are_those_of_the_chain(x):
     assert left - right == pytest.approx(700.0, rel=1e-12)
 
 
-def test_rigid_supports_give_the_formulas_of_the_source():
-    ea = SHAFT["young"] * SHAFT["area"]
-    x = np.linspace(0.1, 1.2, 12)
+def test_rigid_supports_give_the_formulas_of_the_source_and_ends_of_the_travel():
+    """Beside a support the nut feels it and the whole screw with the other one; a rigid one takes all."""
+    ea, x = SHAFT["young"] * SHAFT["area"], np.linspace(0.1, 1.2, 12)
     np.testing.assert_allclose(shaft_stiffness(Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13)
     np.testing.assert_allclose(shaft_stiffness(Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
-
-
-def test_ends_of_the_travel():
-    """Beside a support the nut feels it and the whole screw with the other one; a rigid one takes all."""
-    ea = SHAFT["young"] * SHAFT["area"]
     left, right = branches(AXIS, np.array([0.0, 1.3]))
     np.testing.assert_allclose(left, [1.8e9, 1.0 / (1 / 1.8e9 + 1.3 / ea)], rtol=1e-13)
     np.testing.assert_allclose(right, [1.0 / (1 / 0.9e9 + 1.3 / ea), 0.9e9], rtol=1e-13)

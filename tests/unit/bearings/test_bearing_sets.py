@@ -39,19 +39,14 @@ def test_tandem_rows_are_n_times_one(n):
     assert s.stiffness == pytest.approx(n * ROW.stiffness(s.displacement), rel=1e-12)
 
 
-def test_opposed_rows_double_the_stiffness_at_preload():
+def test_opposed_rows_double_the_stiffness_at_preload_and_are_second_order_straight():
+    """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
     pair = preloaded(ROW, (1, -1), 2e3)
     s = equilibrium(pair)
     np.testing.assert_allclose(s.loads, 2e3, rtol=1e-11)
     assert s.displacement == pytest.approx(0.0, abs=1e-16)
     assert s.stiffness == pytest.approx(2.0 * ROW.stiffness(ROW.deflection(2e3)), rel=1e-9)
-
-
-def test_displacement_under_load_is_second_order_straight():
-    """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
-    pair = preloaded(ROW, (1, -1), 2e3)
-    k = equilibrium(pair).stiffness
-    off = [abs(equilibrium(pair, f).displacement - f / k) for f in (800.0, 400.0, 200.0)]
+    off = [abs(equilibrium(pair, f).displacement - f / s.stiffness) for f in (800.0, 400.0, 200.0)]
     assert off[0] / off[1] == pytest.approx(8.0, rel=0.05)
     assert off[1] / off[2] == pytest.approx(8.0, rel=0.02)
 
@@ -118,29 +113,26 @@ def test_a_set_facing_one_way_rests_loose():
     assert np.all(equilibrium(BearingSet((ROW, ROW), (-1, -1), (1e-6, 2e-6))).loads == 0.0)
 
 
-def test_the_source_s_sharing_balances_twice_the_force():
-    """Each side is moved by the whole force."""
-    loads = shared_loads((1020.0, 1020.0, 2040.0), TRIPLEX, 300.0)
-    assert np.array(TRIPLEX) @ loads == pytest.approx(600.0)
-
-
-def test_state_at_a_displacement():
+def test_state_at_a_displacement_and_the_source_s_sharing():
+    """In its sharing each side is moved by the whole force."""
+    assert np.array(TRIPLEX) @ shared_loads((1020.0, 1020.0, 2040.0), TRIPLEX, 300.0) == pytest.approx(600.0)
     rows = BearingSet((Power(1.0), Power(1.0)), (1, -1), (2e-6, 5e-6))
     s = state_at(rows, 1e-6)
     np.testing.assert_allclose(s.loads, [3e3, 4e3], rtol=1e-12)
     assert s.stiffness == pytest.approx(2e9)
 
 
-def test_refusals():
-    with pytest.raises(ValueError, match="at least one row"):
-        BearingSet((), (), ())
-    with pytest.raises(ValueError, match="offset for each"):
-        BearingSet((ROW,), (1,), ())
-    with pytest.raises(ValueError, match=r"\+1 or -1"):
-        BearingSet((ROW,), (2,), (0.0,))
-    with pytest.raises(ValueError, match="direction of the force"):
-        equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0)
-    with pytest.raises(ValueError, match="both directions"):
-        preloaded(ROW, (1, 1), 1e3)
-    with pytest.raises(ValueError, match="other way"):
-        lift_off_force(BearingSet((ROW,), (1,), (0.0,)))
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        (lambda: BearingSet((), (), ()), "at least one row"),
+        (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
+        (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
+        (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
+        (lambda: preloaded(ROW, (1, 1), 1e3), "both directions"),
+        (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
+    ],
+)
+def test_refusals(use, words):
+    with pytest.raises(ValueError, match=words):
+        use()

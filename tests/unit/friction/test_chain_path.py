@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.friction_oracles import dense
 
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
@@ -31,15 +32,6 @@ def random_point(chain, rng):
     return point
 
 
-def dense(banded):
-    n = len(banded)
-    full = np.zeros((n, n))
-    for i in range(n):
-        for j in range(max(0, i - equations.HALF), min(n, i + equations.HALF + 1)):
-            full[i, j] = banded[i, equations.HALF + j - i]
-    return full
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_elimination_exchanges_rows(seed):
     """Against a dense solver, with zeros on the diagonal and the determinant's sign."""
@@ -47,7 +39,7 @@ def test_elimination_exchanges_rows(seed):
     n = 23
     banded = rng.normal(size=(n, equations.WIDTH))
     banded[rng.random(n) < 0.5, equations.HALF] = 0.0
-    full, x, y = dense(banded), rng.normal(size=n), rng.normal(size=n)
+    full, x, y = dense(banded, equations.HALF), rng.normal(size=n), rng.normal(size=n)
     left, right = np.linalg.solve(full, x), np.linalg.solve(full, y)
     assert equations.solve_banded(banded, np.empty((n, equations.FILLED)), x, y) == np.sign(np.linalg.det(full))
     np.testing.assert_allclose(x, left, rtol=1e-9)
@@ -72,7 +64,7 @@ def test_jacobian_of_the_coupled_equations():
     n = 4 * chain.count
     K, g, waste = np.empty((n, equations.WIDTH)), np.empty(n), np.empty((n, equations.WIDTH))
     equations.assemble(chain.problem, point, law, K, g)
-    full, ahead, behind = dense(K), np.empty(n), np.empty(n)
+    full, ahead, behind = dense(K, equations.HALF), np.empty(n), np.empty(n)
     for j in range(n - 1):
         unit = np.zeros(n)
         unit[j] = 1.0
@@ -86,8 +78,9 @@ def test_jacobian_of_the_coupled_equations():
 def test_path_begins_without_friction_between_balls_and_ends_with_all_of_it():
     assert path.stage(0.0, CREEP)[:2] == (path.FIRST, 0.0)
     assert path.stage(1.0, CREEP)[:2] == (pytest.approx(CREEP), 1.0)
-    for balls in (random_chain(5, 0), random_chain(4, 0)):
-        n, point = 4 * balls.count, random_point(balls, np.random.default_rng(2))
+    for count in (5, 4):
+        balls, n = random_chain(count, 0), 4 * count
+        point = random_point(balls, np.random.default_rng(2))
         K, g = np.empty((n, equations.WIDTH)), np.empty(n)
         equations.assemble(balls.problem, point, Smoothing(0.1, 0.0, 1e-3, 1e-2), K, g)
         assert equations.solve_banded(K, np.empty((n, equations.FILLED)), g, g.copy()) == path.convex_sign(point)
@@ -158,3 +151,4 @@ def test_both_engines_agree_on_the_path():
     one, two = (solve_linear_chain(chain, fast=k) for k in (False, True))
     assert one.status == two.status == "converged"
     np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(one.velocity, two.velocity, rtol=1e-12)

@@ -8,14 +8,14 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
-from rollbench.meshes.parts import Balls, Circulation, Motion, Time
+from rollbench.meshes.parts import Circulation, Motion, Time
 
 
 def screw(**circulation):
     return replace(small_screw(12, 0.75), circulation=Circulation(**circulation))
 
 
-def test_without_a_table_balls_fill_their_arc_evenly():
+def test_without_a_table_balls_fill_their_arc_evenly_whatever_their_order_and_a_bearing_its_turn():
     scene = small_screw(12, 1.5)
     (one,) = circuits(scene)
     assert one.arc == pytest.approx(3.0 * np.pi, rel=1e-12)
@@ -23,6 +23,11 @@ def test_without_a_table_balls_fill_their_arc_evenly():
     assert np.allclose(np.diff(one.azimuth), one.arc / 12)
     assert one.azimuth[0] - one.first == pytest.approx(0.5 * one.arc / 12)
     assert one.clearance == pytest.approx(one.ring - 12 * one.spacing)
+    balls = scene.balls
+    shuffled = replace(balls, azimuths=(*balls.azimuths[5:], *balls.azimuths[:5]))
+    assert circuits(replace(scene, balls=shuffled))[0].ball.tolist() == [*range(7, 12), *range(7)]
+    (bearing,) = circuits(small_screw(9, 8.0 / 9.0, lead=0.0))
+    assert (bearing.arc, bearing.ring) == (2.0 * np.pi, 2.0 * np.pi)
 
 
 def test_filling_and_gap_say_the_same():
@@ -49,20 +54,6 @@ def test_circuits_share_the_balls_of_every_start():
     assert sum(c.arc for c in found[:3]) == pytest.approx(3.0 * np.pi)
 
 
-def test_a_bearing_is_one_closed_turn():
-    scene = small_screw(9, 8.0 / 9.0, lead=0.0)
-    (one,) = circuits(scene)
-    assert (one.arc, one.ring) == (2.0 * np.pi, 2.0 * np.pi)
-
-
-def test_balls_in_any_order_are_put_in_order():
-    base = small_screw(4, 0.5)
-    shuffled = replace(
-        base, balls=Balls(base.balls.radius, base.balls.material, tuple(base.balls.azimuths[k] for k in (2, 0, 3, 1)))
-    )
-    assert circuits(shuffled)[0].ball.tolist() == [1, 3, 0, 2]
-
-
 @pytest.mark.parametrize(
     ("change", "key"),
     [
@@ -80,14 +71,10 @@ def test_what_cannot_be_names_its_key(change, key):
 
 
 def test_the_limits_named_are_those_that_pass():
-    with pytest.raises(CircuitError) as caught:
-        circuits(screw(filling=1.0))
-    most = float(caught.value.allowed.split()[-1])
-    assert circuits(screw(filling=most * (1.0 - 1e-3)))
-    with pytest.raises(CircuitError) as caught:
-        circuits(screw(gap=0.0))
-    least = float(caught.value.allowed.split()[2])
-    assert circuits(screw(gap=least * 1e-6 * (1.0 + 1e-3)))
+    for key, wrong, word, within in (("filling", 1.0, -1, 1.0 - 1e-3), ("gap", 0.0, 2, 1e-6 * (1.0 + 1e-3))):
+        with pytest.raises(CircuitError) as caught:
+            circuits(screw(**{key: wrong}))
+        assert circuits(screw(**{key: float(caught.value.allowed.split()[word]) * within}))
 
 
 @pytest.mark.parametrize(("turns", "hand", "sign"), [("screw", "right", -1), ("nut", "right", 1), ("nut", "left", -1)])

@@ -1,5 +1,7 @@
 """Friction of one elliptical contact against quadrature, its limits, derivatives, symmetries, and the laws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad_vec
@@ -21,23 +23,10 @@ from rollbench.lowfi.friction.contact.laws import Coulomb, Regularised, Sigmoid
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 RATIOS = (1.0, 1.0 - 1e-9, 0.97, 0.6, 0.17, 1.0 / 30.0)
-#: Centres of rotation in units of (a, b): inside, on the edge (both ends and between), just outside, outside.
-CENTRES = (
-    (0.0, 0.0),
-    (0.3, 0.0),
-    (0.0, -0.4),
-    (0.5, 0.6),
-    (0.999, 0.0),
-    (1.0, 0.0),
-    (0.0, 1.0),
-    (0.6, -0.8),
-    (1.001, 0.0),
-    (-0.7, 0.72),
-    (1.3, 0.4),
-    (0.0, 2.5),
-    (-2.0, 1.0),
-    (0.2, 6.0),
-)
+#: Centres of rotation in units of (a, b), on the edge at both ends and between, outside from just beyond it.
+INSIDE = (0.0, 0.0), (0.3, 0.0), (0.0, -0.4), (0.5, 0.6), (0.999, 0.0)
+EDGE = (1.0, 0.0), (0.0, 1.0), (0.6, -0.8)
+OUTSIDE = (1.001, 0.0), (-0.7, 0.72), (1.3, 0.4), (0.0, 2.5), (-2.0, 1.0), (0.2, 6.0)
 
 
 def along_ray(b, c, d, t):
@@ -105,7 +94,7 @@ def test_carlson_with_its_derivative(x, y):
 
 
 @pytest.mark.parametrize("b", RATIOS)
-@pytest.mark.parametrize(("c", "d"), CENTRES)
+@pytest.mark.parametrize(("c", "d"), [*INSIDE, *EDGE, *OUTSIDE])
 def test_against_adaptive_quadrature(b, c, d):
     got, exact = ours(b, c, d * b), reference(b, c, d * b)
     force = np.hypot(*exact[1:3])
@@ -180,10 +169,14 @@ def test_regularised_lies_at_most_the_speed_above():
         rise = dissipation(at, m, speed).value - exact
         assert np.all(rise >= -1e-14)
         assert np.all(rise <= at.strength * speed * (1.0 + 1e-12))
+    still = contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
+    assert not dissipation(*still).gradient.any()
+    assert dissipation(*still).value[0] == 0.0
+    assert dissipation(*still, 0.2).value[0] == pytest.approx(0.02, rel=1e-14)
 
 
 def test_limits_of_pure_spin_and_pure_sliding():
-    """Lin 3.32 and 3.33."""
+    """Lin 3.32 and 3.33; M -> mu F b^2 / (5 c) for a centre far along x, the second moment of the pressure."""
     at = contacts(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
     spin = friction(at, about_point(np.full(3, -3.0), 0.0, 0.0))
     assert spin.force == pytest.approx(0.0, abs=1e-15)
@@ -194,25 +187,19 @@ def test_limits_of_pure_spin_and_pure_sliding():
         slide = friction(at, motion)
         assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.strength, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
-
-
-def test_moment_far_away_keeps_its_digits():
-    """Second moment of the pressure: M -> mu F b^2 / (5 c) for a centre far along x, to every distance."""
-    at = contacts(1.0, 0.2, 1.0, 1.0)
-    for c in (1e4, 1e8, 1e15, 1e30):
-        assert -friction(at, about_point(1.0, c, 0.0)).moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
+    for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
+        far_away = friction(contacts(1.0, 0.2, 1.0, 1.0), about_point(1.0, c, 0.0))
+        assert -far_away.moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
 
 
 def test_mirror_and_reversed_motion():
     at = contacts(1.0, 0.3, 2.0, 0.5)
     m = np.array([[0.2, -0.4, 0.9]])
-    f, back = friction(at, m), friction(at, -m)
-    assert back.force == pytest.approx(-f.force, rel=1e-14)
-    assert back.moment == pytest.approx(-f.moment, rel=1e-14)
-    assert back.loss == pytest.approx(f.loss, rel=1e-14)
-    mirror = friction(at, m * [-1.0, 1.0, -1.0])  # x to -x
-    assert mirror.force == pytest.approx(f.force * [-1.0, 1.0], rel=1e-14)
-    assert mirror.moment == pytest.approx(-f.moment, rel=1e-14)
+    f, back, mirror = (friction(at, m * sense) for sense in (1.0, -1.0, [-1.0, 1.0, -1.0]))  # mirror: x to -x
+    for other, sense in ((back, -1.0), (mirror, [-1.0, 1.0])):
+        assert other.force == pytest.approx(f.force * sense, rel=1e-14)
+        assert other.moment == pytest.approx(-f.moment, rel=1e-14)
+        assert other.loss == pytest.approx(f.loss, rel=1e-14)
     power = f.force @ m[0, :2] + f.moment * m[0, 2]
     assert -power == pytest.approx(f.loss, rel=1e-13)
 
@@ -238,16 +225,13 @@ def test_force_inside_is_a_cubic(b):
     assert linear_error(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
 
 
-def test_factors_are_those_of_carlsons_integrals():
+def test_factors_are_those_of_carlsons_integrals_between_circle_and_line():
     r = np.geomspace(1e-5, 1.0 - 1e-6, 200)
     across, along = elliprd(0.0, 1.0, r**2), elliprd(0.0, r**2, 1.0)
     assert linear_factor(r) == pytest.approx(0.5 * r**2 * across, rel=1e-14)
     exact = r**2 * (across - along) / (6.0 * (1.0 - r**2))
     assert cubic_factor(r) == pytest.approx(exact, rel=1e-14, abs=1e-15 / (1.0 - r[-1]))
     assert cubic_factor(r[r < 0.99]) == pytest.approx(exact[r < 0.99], rel=1e-12)
-
-
-def test_linear_factor_between_circle_and_line():
     assert linear_factor(1.0) == pytest.approx(3.0 * np.pi / 8.0, rel=1e-14)
     assert linear_factor(1e-5) == pytest.approx(1.5, rel=1e-8)
     with pytest.raises(ValueError, match="reach"):
@@ -257,8 +241,7 @@ def test_linear_factor_between_circle_and_line():
 def test_sigmoid_as_printed_and_its_faults():
     at = contacts(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.0, 0.3, 0.02]])
-    law = Sigmoid(100.0, 10.0)
-    e = np.exp(100.0 * 0.02 / 10.0)
+    law, e = Sigmoid(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
     factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
     assert law.friction(at, m).force == pytest.approx(factor * Coulomb().friction(at, m).force, rel=1e-13)
     assert np.all(law.friction(at, m * [0.0, 1.0, 0.0]).force == 0.0), "sliding without spin is frictionless"
@@ -272,22 +255,19 @@ def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
     at = contacts(1.0, 0.2, 1.0, 0.1)
     exact = Coulomb().friction
-    sharp = {"sharpness": 1e9, "reference": 1.0}
+    coarse = Sigmoid(1e9, 1.0, map_spacing=0.08)
     on = about_point(2.0, 0.16, 0.0)
-    assert Sigmoid(**sharp, map_spacing=0.08).friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
+    assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
     off = about_point(-2.0, 0.2, 0.0)
     ends = [exact(at, about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
-    got = Sigmoid(**sharp, map_spacing=0.08).friction(at, off)
-    assert got.loss == pytest.approx(0.5 * (ends[0].loss + ends[1].loss), rel=1e-12)
-    assert got.force == pytest.approx(0.5 * (ends[0].force + ends[1].force), rel=1e-12)
-    assert got.moment == pytest.approx(0.5 * (ends[0].moment + ends[1].moment), rel=1e-12)
+    got = coarse.friction(at, off)
+    for name in ("loss", "force", "moment"):
+        assert getattr(got, name) == pytest.approx(0.5 * sum(getattr(end, name) for end in ends), rel=1e-12)
     assert abs(got.loss[0] / exact(at, off).loss[0] - 1.0) > 1e-4
-    fine = Sigmoid(**sharp, map_spacing=1e-4).friction(at, off)
-    assert fine.loss == pytest.approx(exact(at, off).loss, rel=1e-7)
-    slide = np.array([[0.0, 1.0, 0.0]])
-    assert np.all(Sigmoid(**sharp, map_spacing=0.08).friction(at, slide).loss == 0.0)
+    assert replace(coarse, map_spacing=1e-4).friction(at, off).loss == pytest.approx(exact(at, off).loss, rel=1e-7)
+    assert np.all(coarse.friction(at, np.array([[0.0, 1.0, 0.0]])).loss == 0.0)
     with pytest.raises(ValueError, match="major axis"):
-        Sigmoid(**sharp, map_spacing=0.08).friction(at, np.array([[0.1, 1.0, 1.0]]))
+        coarse.friction(at, np.array([[0.1, 1.0, 1.0]]))
 
 
 def test_regularised_law_tends_to_coulomb():
@@ -314,10 +294,3 @@ def test_regularised_law_tends_to_coulomb():
 def test_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         contacts(*arguments)
-
-
-def test_at_rest_there_is_no_direction():
-    e = dissipation(contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3)))
-    assert np.all(e.gradient == 0.0)
-    assert e.value[0] == 0.0
-    assert dissipation(contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3)), 0.2).value[0] == pytest.approx(0.02, rel=1e-14)

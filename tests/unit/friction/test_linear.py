@@ -106,8 +106,7 @@ def linear_balance(bearing, angles, loads, x, force, k_f):
 def test_velocity_formula_against_brute_force(nominal):
     """(3.37), (3.43): motion of one ball by solving its equilibrium in vectors with the same linear friction law."""
     bearing = replace(BEARING, contact_angle=np.radians(nominal), young=2.1e14)
-    turn = 1e-4 * np.array([-1.0, 2.0, 0.5, -0.3])
-    loads = np.array([60.0, 20.0, 60.0, 20.0])
+    turn, loads = 1e-4 * np.array([-1.0, 2.0, 0.5, -0.3]), np.array([60.0, 20.0, 60.0, 20.0])
     angles = bearing.contact_angle + turn
     start = np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 1e-5])
     x = fsolve(lambda x: linear_balance(bearing, angles, loads, x, 0.0, 1.4), start, xtol=1e-13)
@@ -125,13 +124,11 @@ def test_velocity_formula_against_brute_force(nominal):
 def test_unequal_diagonals_against_brute_force():
     """(3.37) mended with four different loads, spin moments and stiffness in the right rows."""
     bearing = replace(BEARING, young=2.1e13)
-    turn = 1e-3 * np.array([-1.0, 2.0, 0.5, -0.3])
-    loads = np.array([60.0, 25.0, 50.0, 20.0])
+    turn, loads = 1e-3 * np.array([-1.0, 2.0, 0.5, -0.3]), np.array([60.0, 25.0, 50.0, 20.0])
     angles, start = bearing.contact_angle + turn, np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 1e-5])
     for force in (0.0, 0.05):
         x = fsolve(lambda x, p=force: linear_balance(bearing, angles, loads, x, p, 1.4), start, xtol=1e-13)
-        shift = shifts(bearing, turn, loads, force, k_f=1.4)
-        found = deviation_from_shifts(bearing, turn, shift)
+        found = deviation_from_shifts(bearing, turn, shifts(bearing, turn, loads, force, k_f=1.4))
         assert found == pytest.approx(2.0 * x[0] - 1.0, rel=2e-2, abs=2e-6)
 
 
@@ -187,25 +184,19 @@ def test_loads_are_in_equilibrium():
         np.testing.assert_allclose(on_top, -carriage, atol=1e-9)
     flat = np.full((3, 4), BEARING.contact_angle)
     np.testing.assert_allclose(diagonal_loads(100.0, rho), balanced_loads(flat, 100.0, rho), atol=1e-11)
-
-
-def test_elastic_loads_of_a_stiff_bearing_are_the_balanced_ones():
-    angles, rho = BEARING.contact_angle + deviations(np.radians([3.0])), np.array([-0.4])
     loads, turned = elastic_loads(replace(BEARING, young=2.1e17), angles, 100.0, rho)
-    np.testing.assert_allclose(loads, balanced_loads(angles, 100.0, rho), rtol=1e-4)
+    np.testing.assert_allclose(loads, balanced_loads(angles, 100.0, rho), rtol=1e-4, err_msg="a stiff bearing")
     np.testing.assert_allclose(turned, angles, atol=1e-5)
 
 
-def test_elastic_loads_out_of_balance_are_refused(monkeypatch):
-    monkeypatch.setattr(rings, "STEPS", 0)
-    with pytest.raises(ArithmeticError, match="out of balance"):
-        elastic_loads(BEARING, np.full((1, 4), BEARING.contact_angle), 100.0, np.array([0.3]))
-
-
-def test_elastic_loads_pass_to_two_points():
-    loads, _ = elastic_loads(BEARING, np.full((2, 4), BEARING.contact_angle), 1e-3, np.array([-1.2, 0.9999]))
+def test_elastic_loads_pass_to_two_points_and_out_of_balance_are_refused(monkeypatch):
+    angles = np.full((2, 4), BEARING.contact_angle)
+    loads, _ = elastic_loads(BEARING, angles, 1e-3, np.array([-1.2, 0.9999]))
     assert loads[0, 1] == loads[0, 3] == 0.0
     assert np.all(loads[1] > 0.0)
+    monkeypatch.setattr(rings, "STEPS", 0)
+    with pytest.raises(ArithmeticError, match="out of balance"):
+        elastic_loads(BEARING, angles[:1], 100.0, np.array([0.3]))
 
 
 def test_mated_grooves_take_the_dependence_on_load_away():
@@ -227,22 +218,13 @@ def test_semi_axes_follow_psi():
     assert 0.2 < b[0] / a[0] < 0.25
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"ball_radius": 0.0},
-        {"conformity": 0.5},
-        {"contact_angle": 1.6},
-        {"mu": -0.1},
-        {"mu_balls": -0.1},
-        {"young": -1.0},
-        {"poisson": 0.6},
-        {"speed": np.inf},
-    ],
-)
-def test_bad_bearings_are_refused(change):
+BAD = {"ball_radius": 0.0, "conformity": 0.5, "contact_angle": 1.6, "mu": -0.1, "mu_balls": -0.1, "young": -1.0}
+
+
+@pytest.mark.parametrize(("name", "value"), [*BAD.items(), ("poisson", 0.6), ("speed", np.inf)])
+def test_bad_bearings_are_refused(name, value):
     with pytest.raises(ValueError, match=r"must|finite"):
-        replace(BEARING, **change)
+        replace(BEARING, **{name: value})
 
 
 def test_bad_values_are_refused():

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.friction_runs import WAVES, crowded
-from tests.helpers import solved
+from tests.whole_screws import state
 
-from rollbench.lowfi.friction.whole.state import TOUCHING, friction_state, neighbours
+from rollbench.lowfi.friction.whole.state import TOUCHING, neighbours
 from rollbench.meshes.parts import BallErrors, Friction, Motion
 
 #: Against this motion the balls of ``touching`` close up; with it they part.
@@ -29,102 +29,67 @@ def touching(oversize=4e-6, apart=0.0, **options):
 
 @pytest.fixture(scope="module")
 def pushed():
-    scene = touching()
-    return scene, friction_state(scene, solved(scene), PUSH, TURN)
+    return state(touching(), PUSH, TURN)
 
 
-def test_balls_push_and_power_in_is_dissipation(pushed):
-    _, found = pushed
-    n = found.neighbours
+def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
+    n = pushed.neighbours
     assert n.touching == 5
     assert 0.0 <= n.least <= TOUCHING
     assert n.force.min() >= 0.0
     assert n.force.max() > 1e-3
+    assert n.force[-1] == 0.0, "the last ball of the loaded arc pushes none"
     assert n.power > 0.0
-    assert found.torque.input_power == pytest.approx(found.torque.power, rel=1e-8)
-    assert found.torque.power != pytest.approx(found.bare.power, rel=1e-6)
-
-
-def test_balls_that_push_move_alike(pushed):
-    _, found = pushed
-    together = found.neighbours.force[:-1] > 0.0
-    speeds = np.diff(found.balls.orbit)
-    assert np.abs(speeds[together]).max() < 1e-9 * np.abs(found.balls.orbit).max()
+    assert pushed.torque.input_power == pytest.approx(pushed.torque.power, rel=1e-8)
+    assert pushed.torque.power != pytest.approx(pushed.bare.power, rel=1e-6)
+    together, speeds = n.force[:-1] > 0.0, np.diff(pushed.balls.orbit)
+    assert np.abs(speeds[together]).max() < 1e-9 * np.abs(pushed.balls.orbit).max()
     assert np.all(speeds[~together] > 0.0), "the others part"
 
 
-def test_the_last_ball_of_the_loaded_arc_pushes_none(pushed):
-    assert pushed[1].neighbours.force[-1] == 0.0
-
-
-def test_backwards_other_neighbours_push():
-    scene = touching()
-    result = solved(scene)
-    there, back = (friction_state(scene, result, PUSH, Motion(speed)) for speed in (-10.0, 10.0))
-    assert back.torque.reverse_power == pytest.approx(there.torque.power, rel=1e-9)
-    assert there.neighbours.force.max() > 0.0
+def test_backwards_other_neighbours_push(pushed):
+    back = state(touching(), PUSH, Motion(10.0))
+    assert back.torque.reverse_power == pytest.approx(pushed.torque.power, rel=1e-9)
     assert np.all(back.neighbours.force == 0.0)
 
 
-def test_balls_apart_move_as_without_neighbours():
-    scene = touching(apart=3e-6)
-    found = friction_state(scene, solved(scene), PUSH, TURN)
-    assert found.neighbours.touching == 0
-    assert found.neighbours.least == pytest.approx(3e-6, rel=0.1)
-    assert found.torque.power == pytest.approx(found.bare.power, rel=1e-6)
-    assert np.all(found.neighbours.force == 0.0)
-
-
-def test_smooth_balls_touch_without_loss_between_them():
-    scene = touching()
-    result = solved(scene)
-    smooth = friction_state(scene, result, replace(PUSH, balls=0.0), TURN)
-    rough = friction_state(scene, result, PUSH, TURN)
+def test_without_friction_of_balls_or_grooves_nothing_is_lost_there(pushed):
+    smooth = state(touching(), replace(PUSH, balls=0.0), TURN)
     assert smooth.neighbours.force.max() > 0.0
     assert smooth.neighbours.power == pytest.approx(0.0, abs=1e-12)
-    assert rough.neighbours.power > 0.0
+    free = neighbours(touching(), pushed.at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
+    assert free.power == free.balls.power == 0.0
 
 
-def test_without_groove_friction_nothing_is_lost():
-    scene = touching()
-    at = friction_state(scene, solved(scene), PUSH, TURN).at
-    found = neighbours(scene, at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
-    assert found.power == 0.0
-    assert found.balls.power == 0.0
+@pytest.mark.parametrize(("feedback", "apart"), [(False, 1e-6), (True, 1e-5)])
+def test_balls_apart_move_as_without_neighbours(feedback, apart):
+    scene, friction = touching(apart=3e-6), replace(PUSH, feedback=feedback)
+    alone, found = (state(scene, replace(friction, neighbours=n), TURN) for n in (False, True))
+    assert found.neighbours.touching == 0
+    assert found.neighbours.least == pytest.approx(3e-6, rel=0.1)
+    assert np.all(found.neighbours.force == 0.0)
+    assert found.torque.power == pytest.approx(alone.torque.power, rel=apart)
+    assert found.torque.reverse_power == pytest.approx(alone.torque.reverse_power, rel=apart)
+    assert found.torque.load == pytest.approx(alone.torque.load, rel=1e-6)
 
 
 def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
     scene = touching(apart=3e-6)
     flat = 40.0 * scene.balls.radius
     scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
-    result = solved(scene)
-    alone, found = (friction_state(scene, result, f, TURN) for f in (replace(PUSH, neighbours=False), PUSH))
+    alone, found = (state(scene, f, TURN) for f in (replace(PUSH, neighbours=False), PUSH))
     assert not alone.at.across.all()
     assert found.balls.force == pytest.approx(alone.balls.force, abs=1e-5 * np.abs(alone.balls.force).max())
     assert found.balls.orbit == pytest.approx(alone.balls.orbit, rel=1e-6)
 
 
-def test_neighbours_push_at_the_loads_that_friction_leaves():
+def test_neighbours_push_at_the_loads_that_friction_leaves(pushed):
     """Both together: loads of the feedback alone, forces between balls, power in is all that is lost."""
     scene = touching()
-    result = solved(scene)
-    moved = friction_state(scene, result, replace(PUSH, feedback=True, neighbours=False), TURN)
-    found = friction_state(scene, result, replace(PUSH, feedback=True), TURN)
-    still = friction_state(scene, result, PUSH, TURN)
+    moved, found = (state(scene, replace(PUSH, feedback=True, neighbours=n), TURN) for n in (False, True))
     assert found.coupled
     assert np.array_equal(found.at.force, moved.at.force)
-    assert np.abs(found.at.force - still.at.force).max() > 1e-3 * still.at.force.max()
+    assert np.abs(found.at.force - pushed.at.force).max() > 1e-3 * pushed.at.force.max()
     assert found.neighbours.force.max() > 0.0
     assert found.torque.input_power == pytest.approx(found.torque.power, rel=1e-6)
     assert found.torque.power > moved.torque.power
-
-
-def test_balls_apart_with_feedback_move_as_by_it_alone():
-    scene = touching(apart=3e-6)
-    result = solved(scene)
-    moved = friction_state(scene, result, replace(PUSH, feedback=True, neighbours=False), TURN)
-    found = friction_state(scene, result, replace(PUSH, feedback=True), TURN)
-    assert found.neighbours.touching == 0
-    assert found.torque.power == pytest.approx(moved.torque.power, rel=1e-5)
-    assert found.torque.reverse_power == pytest.approx(moved.torque.reverse_power, rel=1e-5)
-    assert found.torque.load == pytest.approx(moved.torque.load, rel=1e-6)

@@ -32,7 +32,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_balls_keep_their_order_and_never_overlap(name: str) -> None:
+def test_balls_keep_their_order_never_overlap_and_push_only_where_they_touch(name: str) -> None:
     r = result(**CASES[name])
     run = r.setting
     assert r.converged.all()
@@ -43,11 +43,6 @@ def test_balls_keep_their_order_and_never_overlap(name: str) -> None:
     assert ahead[1:] == pytest.approx(r.spacing[:-1], abs=1e-11)
     assert ahead.min() >= run.groove.pair.spacing - 1e-11
     assert r.contact.any()
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_force_only_where_the_gap_is_closed(name: str) -> None:
-    r = result(**CASES[name])
     assert r.ball_force.min() >= 0.0
     assert np.max(r.gap[r.contact]) < 1e-10
     assert np.abs(r.imbalance).max() < 1e-8
@@ -65,18 +60,13 @@ def test_free_balls_follow_their_speeds() -> None:
     run = lin_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
     r = equal_steps(run)
     assert not r.contact.any()
-    angles = np.linspace(-0.5, 0.5, 9)
-    loads = np.median(r.load.reshape(-1, 4), axis=0)
-    speeds = []
-    for a in np.radians(angles):
-        angle = run.groove.contact_angle + a * np.array(run.pattern)
-        speeds.append(ball_motion(run.groove, loads, angle).motion.q[0])
-    speed = CubicSpline(np.radians(angles), speeds)
+    turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
+    angles = run.groove.contact_angle + turned[:, None] * np.array(run.pattern)
+    speed = CubicSpline(turned, [ball_motion(run.groove, loads, angle).motion.q[0] for angle in angles])
     azimuth, h = r.azimuth[0].copy(), run.duration / run.steps
     for _ in range(run.steps - 1):
-        k1 = speed(deviation(run, azimuth))
-        k2 = speed(deviation(run, azimuth + 0.5 * h * k1))
-        azimuth += h * k2
+        half = azimuth + 0.5 * h * speed(deviation(run, azimuth))
+        azimuth += h * speed(deviation(run, half))
     assert np.diff(r.azimuth[-1]) == pytest.approx(np.diff(azimuth), abs=3e-5)
     assert np.abs(r.spacing[-1] - r.spacing[0]).max() > 1e-3  # what the tolerance has to tell apart
 
@@ -128,6 +118,12 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
     assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)
 
 
+@pytest.mark.parametrize(("change", "match"), [({"count": 38}, "more balls"), ({"steps": 0}, "steps")])
+def test_bad_input(change: dict[str, int], match: str) -> None:
+    with pytest.raises(ValueError, match=match):
+        lin_3_4_4(**change)
+
+
 def test_groups() -> None:
     touching = np.array([[1, 0, 0, 1, 1, 0, 1], [0, 0, 0, 0, 0, 0, 0], [1, 1, 1, 1, 1, 1, 1], [0, 1, 1, 0, 1, 0, 0]])
     assert list(groups(touching.astype(bool))) == [2, 0, 1, 2]
@@ -137,13 +133,6 @@ def test_summary() -> None:
     s = summarise(result())
     assert s.groups == 4
     assert 0.0 < s.at < s.none_at
-
-
-def test_bad_input() -> None:
-    with pytest.raises(ValueError, match="more balls"):
-        lin_3_4_4(count=38)
-    with pytest.raises(ValueError, match="steps"):
-        lin_3_4_4(steps=0)
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])

@@ -88,8 +88,7 @@ def test_failure_is_a_status():
 
 def test_friction_is_the_slope_of_dissipation():
     """Forces out of balance without neighbours, against differences of the losses."""
-    angles, loads = state([2.0, -1.0], [0.3, -0.5])
-    balls, q = linear_balls(BEARING, angles, loads), np.array([[5.1e-3, 1.3, 0.2], [4.8e-3, 1.5, -0.3]])
+    balls, q = linear_balls(BEARING, *state([2.0, -1.0], [0.3, -0.5])), np.array([[5.1e-3, 1.3, 0.2], [4.8e-3, 1.5, -0.3]])
     there = balance(balls, Coulomb(), q, np.zeros(1))
     for j, k in np.ndindex(2, 3):
         step = np.zeros((2, 3))
@@ -100,8 +99,7 @@ def test_friction_is_the_slope_of_dissipation():
 
 def test_power_between_balls_is_lost_by_sliding():
     """Forces between two balls of equal velocity take away the power that their sliding dissipates (3.28)."""
-    angles, loads = state([2.0, 2.0], [-0.6, 0.6])
-    balls, q = linear_balls(BEARING, angles, loads), np.array([[5e-3, 1.3, 0.2], [5e-3, 1.5, -0.3]])
+    balls, q = linear_balls(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([[5e-3, 1.3, 0.2], [5e-3, 1.5, -0.3]])
     none, some = (balance(balls, Coulomb(), q, np.array([f])) for f in (0.0, 3.0))
     assert float(np.sum((none.left - some.left) * q)) == pytest.approx(float(some.ball_loss[0]), rel=1e-12)
     slide = BEARING.ball_radius * np.array([q[:, 2].sum(), -q[:, 1].sum()])
@@ -111,8 +109,7 @@ def test_power_between_balls_is_lost_by_sliding():
 
 
 def test_start_does_not_change_a_root():
-    angles, loads = state([2.0, 2.0], [-0.6, 0.6])
-    balls, reach = linear_balls(BEARING, angles, loads), np.array([True])
+    balls, reach = linear_balls(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
     first = solve_by_root(balls, linear_law(BEARING), reach)
     close = first.q, first.ball_force
     for start, touching in ((first.free, None), (None, close), (first.free, close)):

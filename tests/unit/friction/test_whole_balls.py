@@ -22,6 +22,10 @@ from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Friction, Load, Motion, Support
 
+HELIX = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
+#: Forces [N] of a four-point contact, and what turns its angles [rad].
+FOUR, TURNED = (100.0, 80.0, 75.0, 105.0), np.array([0.02, -0.01, 0.03, 0.0])
+
 
 def ring_at(angle, force, groove, clearance=0.0, count=9):
     """A rigid bearing of the groove, free to move but not to tilt, its force at ``angle`` from the axis."""
@@ -61,15 +65,14 @@ def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
 
 
 @pytest.mark.parametrize("lead", [20e-3, -20e-3])
-@pytest.mark.parametrize("force", [(100.0, 80.0, 75.0, 105.0), (0.0, 60.0, 60.0, 0.0), (40.0, 90.0, 130.0, 0.0)])
+@pytest.mark.parametrize("force", [FOUR, (0.0, 60.0, 60.0, 0.0), (40.0, 90.0, 130.0, 0.0)])
 def test_ball_of_a_helix_moves_as_in_the_screw_s_kernels(lead, force):
-    groove = replace(table_3_6(), lead=lead, nut_speed=7.0, screw_speed=0.0)
-    angle = groove.contact_angle + np.array([0.02, -0.01, 0.03, 0.0])
-    expected = ball_motion(groove, np.array(force), angle, fast=False)
-    found = ball_friction(scene_of(groove), single(force, angle, groove), MU, Motion(7.0, "nut"))
+    groove, angle = replace(HELIX, lead=lead), HELIX.contact_angle + TURNED
+    expected, at = ball_motion(groove, np.array(force), angle, fast=False), single(force, angle, groove)
+    found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
     assert found.power == pytest.approx(expected.motion.loss, rel=1e-10)
     assert np.allclose([found.orbit[0], *found.rotation[0]], expected.motion.q, rtol=1e-10, atol=1e-10)
-    assert np.allclose(found.wrench(single(force, angle, groove).normals)[0], expected.wrench, rtol=1e-9, atol=1e-12)
+    assert np.allclose(found.wrench(at.normals)[0], expected.wrench, rtol=1e-9, atol=1e-12)
 
 
 def integral(found, at, i, s, mu):
@@ -85,10 +88,8 @@ def integral(found, at, i, s, mu):
 
 @pytest.mark.parametrize("across", [True, False])
 def test_loss_is_the_integral_over_an_ellipse_whichever_way_it_lies(across):
-    groove = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
-    at = single((100.0, 80.0, 75.0, 105.0), np.full(4, groove.contact_angle), groove)
-    at = replace(at, across=np.full((1, 4), across))
-    found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
+    at = replace(single(FOUR, np.full(4, HELIX.contact_angle), HELIX), across=np.full((1, 4), across))
+    found = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"))
     assert not found.rest.any()
     assert at.b.max() < 0.5 * at.a.min()
     for s in range(4):
@@ -135,14 +136,13 @@ def test_contacts_take_the_specimen_that_was_solved():
 
 @pytest.mark.parametrize(("far", "taken"), [(1e-6, True), (1e12, False)])
 def test_a_start_near_or_not_leads_to_the_same_motion(far, taken, monkeypatch):
-    groove = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
-    at = single((100.0, 80.0, 75.0, 105.0), groove.contact_angle + np.array([0.02, -0.01, 0.03, 0.0]), groove)
+    at = single(FOUR, HELIX.contact_angle + TURNED, HELIX)
     speeds = []
     descend = kernel.descend
     monkeypatch.setattr(kernel, "descend", lambda *a: speeds.append(a[4]) or descend(*a))
-    cold = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
+    cold = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"))
     first, speeds[:] = speeds[0], []
-    warm = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"), near=cold.q * (1.0 + far))
+    warm = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"), near=cold.q * (1.0 + far))
     assert np.allclose(warm.q, cold.q, rtol=1e-11, atol=0.0)
     assert np.allclose(warm.loss, cold.loss, rtol=1e-10, atol=1e-12 * cold.loss.max())
     assert (max(speeds) < 1e-3 * first) == taken  # no larger regularising speed was needed

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.friction_runs import setting
-from tests.helpers import small_screw, solved
-from tests.whole_screws import SCENES, TURN, mirrored, scene_of, single, state
+from tests.helpers import mirrored, small_screw, solved
+from tests.whole_screws import SCENES, TURN, scene_of, single, state
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.evidence.source_cases import table_3_6

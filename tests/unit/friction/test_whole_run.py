@@ -8,8 +8,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tests import whole_screws
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
-from tests.helpers import small_screw, solved
-from tests.whole_screws import contacts_in, mirrored, scene_of
+from tests.helpers import mirrored, small_screw, solved
+from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.compliance.parts import REFINED
@@ -48,48 +48,32 @@ def run(name, friction=MU, motion=TURN, span=0.1, steps=10):
     return simulate(setting(SCENES[name](), friction, motion), span, steps)
 
 
-@pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
-@pytest.mark.parametrize("name", SCENES)
-def test_power_in_is_dissipation_at_every_instant(name, motion):
-    h = run(name, MU, motion)
-    assert h.good
-    assert np.all(h.torque > 0.0)
-    assert np.abs(h.imbalance).max() < 1e-8
-
-
 @pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, feedback=True)], ids=["loads given", "balls moved"])
 @pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
 @pytest.mark.parametrize("name", SCENES)
-def test_torque_times_speed_is_load_times_advance_and_losses(name, motion, friction):
+def test_energy_load_and_order_at_every_instant(name, motion, friction):
     """Moments of all contact forces about the axis, normal ones included, against external load and losses."""
-    h = run(name, friction, motion)
+    h, scene = run(name, friction, motion), SCENES[name]()
+    assert h.good
+    assert np.all(h.torque > 0.0)
+    assert friction.feedback or np.abs(h.imbalance).max() < 1e-8
+    assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-4 if friction.feedback else 1e-9)
     turning, along = h.advance
     assert turning == pytest.approx(10.0 if motion is TURN else 3.0, rel=1e-12)
-    if SCENES[name]().track.lead != 0.0:
-        assert along / turning == pytest.approx(reduced_lead(SCENES[name]().track), rel=1e-12)
+    if scene.track.lead != 0.0:
+        assert along / turning == pytest.approx(reduced_lead(scene.track), rel=1e-12)
         assert np.abs(h.axial * along).min() > 4.0 * np.abs(h.torque * turning).max()
     losses = h.torque * abs(turning)
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
-
-
-@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, feedback=True)], ids=["loads given", "balls moved"])
-def test_loads_carry_what_the_scene_applies_at_every_instant(friction):
-    h = run("balls that meet", friction)
-    assert h.axial == pytest.approx(np.full(h.time.size, 700.0), rel=1e-4 if friction.feedback else 1e-9)
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_balls_keep_their_order_and_push_only_where_they_touch(name):
-    h = run(name)
     for track, on_track in ((track, track.balls) for track in h.setting.tracks):
-        gap, spacing = h.gap[:, on_track], h.setting.balls.spacing[on_track]
+        gap, force = h.gap[:, on_track], h.ball_force[:, on_track]
+        free = track.ring - h.setting.balls.spacing[on_track].sum()
         assert gap.min() >= 0.0
-        assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, track.ring - spacing.sum()), abs=1e-10)
-        force = h.ball_force[:, on_track]
+        assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-10)
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
-    touches = bool((h.ball_force > 0.0).any())
-    assert touches == (name in ("balls that meet", "left hand"))
+    if motion is TURN and not friction.feedback:
+        assert (h.ball_force > 0.0).any() == (name in ("balls that meet", "left hand"))
 
 
 def test_balls_leave_and_enter_and_bear_load_on_the_loaded_arc_alone():
@@ -177,7 +161,7 @@ def test_sizes_belong_to_balls_and_errors_to_places():
     h = simulate(setting(replace(base, errors=one)), 1.2, 8)
     for k in range(h.time.size):
         wave = np.cos(h.azimuth[k]) * 2e-6 + np.sin(h.azimuth[k]) * 1e-6
-        assert np.corrcoef(wave, h.load[k].sum(axis=1))[0, 1] < -0.5 or np.corrcoef(wave, h.load[k].sum(axis=1))[0, 1] > 0.5
+        assert abs(np.corrcoef(wave, h.load[k].sum(axis=1))[0, 1]) > 0.5
     assert len(set(h.load.sum(axis=2).argmax(axis=1))) > 1
 
 
@@ -186,9 +170,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
     case = lin_3_4_4()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
-    loads = settle_load(run_cell(case, azimuth, np.ones(37, dtype=bool)))
-    slack = np.full(37, clearance)
-    slack[-1] = np.inf
+    loads, slack = settle_load(run_cell(case, azimuth, np.ones(37, dtype=bool))), np.append(np.full(36, clearance), np.inf)
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
@@ -244,10 +226,9 @@ def test_places_of_balls_can_be_given_to_elastic_bodies():
     """Balls turned by a full turn about a screw of zero lead meet the same compliance."""
     scene = sparse(6)
     layout = ball_layout(scene)
-    turned = layout_at(scene.track, layout.azimuth + 2.0 * np.pi, layout.z)
-    first = elastic_loads(scene, specimen(scene, layout), layout)
-    again = elastic_loads(scene, specimen(scene, layout), turned)
-    assert again.load == pytest.approx(first.load, rel=1e-9, abs=1e-6)
+    drawn, turned = specimen(scene, layout), layout_at(scene.track, layout.azimuth + 2.0 * np.pi, layout.z)
+    first, again = (elastic_loads(scene, drawn, at).load for at in (layout, turned))
+    assert again == pytest.approx(first, rel=1e-9, abs=1e-6)
 
 
 def test_what_is_refused():

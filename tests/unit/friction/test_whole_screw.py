@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.helpers import small_screw, solved
-from tests.whole_screws import AXIAL, MU, SCENES, TURN, mirrored, state, two_starts
+from tests.helpers import mirrored, small_screw, solved
+from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import ball_friction, ball_path, closing_speeds
@@ -24,27 +24,18 @@ def test_power_in_is_dissipation(name, friction):
         t = found.torque
         assert found.balls.converged
         assert t.power > 0.0
+        assert t.load == pytest.approx(scene.loads[0].force[2], rel=1e-7)
         assert t.input_power == pytest.approx(t.power, rel=1e-8), "moments in space times speed are the losses"
         assert -t.helical[1] == pytest.approx(t.helical[0], rel=1e-8), "what the screw drives, the nut resists"
         assert found.balls.loss.min() >= -1e-12 * t.power, "no contact and no cause gains power"
-        speed, travel = t.speed, t.ratio * t.speed
-        assert t.on_screw * speed + t.load * travel == pytest.approx(t.power, rel=1e-8)
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_axial_load_is_what_the_scene_applies(name):
-    scene = SCENES[name]()
-    assert state(scene).torque.load == pytest.approx(scene.loads[0].force[2], rel=1e-7)
+        assert (t.on_screw + t.load * t.ratio) * t.speed == pytest.approx(t.power, rel=1e-8)
 
 
 def test_forward_and_backward_frame_the_ideal_torque():
     t = state(small_screw(force=AXIAL)).torque
     ideal = 800.0 * 20e-3 / (2.0 * np.pi)
-    assert t.forward - t.friction == pytest.approx(ideal, rel=1e-9)
-    assert t.backward + t.friction == pytest.approx(ideal, rel=1e-9)
-    forward, backward = t.efficiency
-    assert forward == pytest.approx(ideal / t.forward, rel=1e-12)
-    assert backward == pytest.approx(2.0 - 1.0 / forward, rel=1e-12)
+    assert (t.forward - t.friction, t.backward + t.friction) == pytest.approx((ideal, ideal), rel=1e-9)
+    assert t.efficiency == pytest.approx((ideal / t.forward, 2.0 - t.forward / ideal), rel=1e-12)
     assert not t.locking
     assert t.on_screw == pytest.approx(-t.backward, rel=1e-12), "+z load, right hand, turning forward: the load drives"
     assert state(small_screw(force=AXIAL), motion=Motion(-10.0)).torque.on_screw == pytest.approx(-t.forward, rel=1e-12)
@@ -58,27 +49,17 @@ def test_small_lead_and_preload_lock_the_screw():
     assert t.efficiency[0] < 0.5
 
 
-def test_reversed_motion_reverses_everything_and_loses_the_same():
-    scene = two_starts()
-    there, back = state(scene), state(scene, motion=Motion(-10.0))
-    assert back.torque.friction == pytest.approx(there.torque.friction, rel=1e-9)
+def test_motion_backwards_of_the_nut_and_a_thousand_times_faster():
+    """Reversed it loses the same; a turning nut is a turning screw in another frame; speed scales losses, not torques."""
+    there, *others = (state(two_starts(), motion=m) for m in (TURN, Motion(-10.0), Motion(-10.0, "nut"), Motion(1e4)))
+    back, nut, quick = others
+    assert [x.torque.friction for x in (back, quick)] == pytest.approx([there.torque.friction] * 2, rel=1e-9)
     assert np.allclose(back.balls.orbit, -there.balls.orbit, rtol=1e-9)
     assert np.allclose(back.balls.force, -there.balls.force, atol=1e-6)
     assert np.allclose(back.balls.loss, there.balls.loss, rtol=1e-6, atol=1e-9 * there.torque.power)
-
-
-def test_turning_nut_is_a_turning_screw_in_another_frame():
-    scene = two_starts()
-    screw, nut = state(scene), state(scene, motion=Motion(-10.0, "nut"))
-    assert nut.torque.on_screw == pytest.approx(screw.torque.on_screw, rel=1e-9)
-    assert np.allclose(nut.balls.orbit, screw.balls.orbit - 10.0, rtol=1e-9)
-
-
-def test_speed_scales_losses_and_not_torques():
-    scene = two_starts()
-    slow, quick = state(scene), state(scene, motion=Motion(1e4))
-    assert quick.torque.friction == pytest.approx(slow.torque.friction, rel=1e-9)
-    assert quick.torque.power == pytest.approx(1e3 * slow.torque.power, rel=1e-9)
+    assert nut.torque.on_screw == pytest.approx(there.torque.on_screw, rel=1e-9)
+    assert np.allclose(nut.balls.orbit, there.balls.orbit - 10.0, rtol=1e-9)
+    assert quick.torque.power == pytest.approx(1e3 * there.torque.power, rel=1e-9)
 
 
 @pytest.mark.parametrize("oversize", [0.0, 4e-6])
@@ -92,23 +73,17 @@ def test_left_hand_is_the_mirrored_right_hand(oversize):
     assert np.allclose(other.balls.loss, one.balls.loss, rtol=1e-6, atol=1e-8 * one.torque.power)
 
 
-def test_without_friction_the_load_does_all_the_work():
-    scene = two_starts()
-    free, rough = state(scene, Friction(0.0, 0.0, feedback=False)), state(scene)
-    t = free.torque
-    assert t.power == 0.0
-    assert t.friction == 0.0
+def test_without_friction_of_one_or_both_grooves_the_load_does_all_the_work():
+    coefficients = ((0.0, 0.0), (0.05, 0.05), (0.0, 0.2))
+    free, half, one = (state(two_starts(), Friction(*c, feedback=False)) for c in coefficients)
+    t, rough = free.torque, state(two_starts())
+    assert t.power == t.friction == 0.0
     assert t.efficiency == (1.0, 1.0)
     assert t.on_screw == pytest.approx(-t.ratio * t.load, rel=1e-12)
     assert np.allclose(free.balls.orbit, rough.balls.orbit, rtol=1e-12), "the limit of small equal coefficients"
-    half = state(scene, Friction(0.05, 0.05, feedback=False)).torque
-    assert half.friction == pytest.approx(0.5 * rough.torque.friction, rel=1e-12)
-
-
-def test_one_rough_groove_carries_the_ball_along_and_loses_nothing():
-    found = state(two_starts(), Friction(0.0, 0.2, feedback=False))
-    assert found.torque.power == pytest.approx(0.0, abs=1e-12)
-    assert found.balls.converged
+    assert half.torque.friction == pytest.approx(0.5 * rough.torque.friction, rel=1e-12)
+    assert one.torque.power == pytest.approx(0.0, abs=1e-12), "the rough groove carries the ball along"
+    assert one.balls.converged
 
 
 def test_balls_without_load_have_no_motion_and_lose_nothing():
@@ -124,10 +99,10 @@ def test_balls_without_load_have_no_motion_and_lose_nothing():
 
 def test_a_larger_ball_orbits_by_its_own_radius():
     scene = small_screw(4, 0.8, oversize=5e-6, force=AXIAL)
-    listed = replace(scene.errors, balls=replace(scene.errors.balls, listed=((3, 2e-6),)))
-    at = contacts_of(replace(scene, errors=listed), solved(replace(scene, errors=listed)))
-    assert at.ball_radius[2] - at.ball_radius[0] == pytest.approx(2e-6, rel=1e-6)
-    assert ball_path(scene, TURN, at.ball_radius[2]).nominal_orbit < ball_path(scene, TURN, at.ball_radius[0]).nominal_orbit
+    scene = replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=((3, 2e-6),))))
+    small, _, large, _ = contacts_of(scene, solved(scene)).ball_radius
+    assert large - small == pytest.approx(2e-6, rel=1e-6)
+    assert ball_path(scene, TURN, large).nominal_orbit < ball_path(scene, TURN, small).nominal_orbit
 
 
 def test_closing_speeds_are_differences_of_orbits_along_each_start():
@@ -151,8 +126,7 @@ def test_two_balls_of_a_ring_follow_each_other():
 def test_what_is_refused():
     scene = small_screw(force=AXIAL)
     result = solved(scene)
-    at = contacts_of(scene, result)
     with pytest.raises(ValueError, match="at rest"):
-        ball_friction(scene, at, MU, Motion(0.0))
+        ball_friction(scene, contacts_of(scene, result), MU, Motion(0.0))
     with pytest.raises(ValueError, match="not held"):
         contacts_of(scene, replace(result, status="not held: it turns"))

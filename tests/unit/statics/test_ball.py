@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,10 +13,10 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import hertz_C, pack_geometry
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import BallErrors, Errors, SideErrors
+from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
 
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
-UNEVEN = replace(Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in ("SL", "SR", "NL", "NR")}))
+UNEVEN = Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in SIDES})
 #: Oversize [m], standard deviation of the flanks' motions [m], and the numbers of contacts that must be met.
 STATES = {"tight": (8e-6, 1e-6, {4}), "between": (3e-6, 4e-6, {3, 4}), "loose": (-1e-6, 6e-6, {0, 2, 3})}
 PROFILES = {"arcs": Errors(), "uneven": UNEVEN}
@@ -46,7 +47,7 @@ class Ball:
         body = self.scene.screw if side < 2 else self.scene.nut
         slack, beta = body.groove_radius - self.scene.balls.radius, np.pi / 4
         w = p - shift[side] + slack * np.array([sx * np.cos(beta), sz * np.sin(beta)])
-        coefficients = self.scene.errors.side(("SL", "SR", "NL", "NR")[side]).profile
+        coefficients = self.scene.errors.side(SIDES[side]).profile
 
         def distance(gamma):
             rho = body.groove_radius - sum(c * gamma**k for k, c in enumerate(coefficients))
@@ -78,9 +79,8 @@ class Ball:
         return best.fun * unit, best.x * micro
 
 
-@cache
-def ball(profile, oversize):
-    return Ball(profile, oversize)
+ball = cache(Ball)
+each_state = pytest.mark.parametrize(("profile", "state"), list(product(PROFILES, STATES)))
 
 
 def random_shifts(size, count, seed=5):
@@ -89,8 +89,7 @@ def random_shifts(size, count, seed=5):
     return shifts
 
 
-@pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("state", STATES)
+@each_state
 def test_minimum_of_the_energy(state, profile):
     oversize, size, counts_to_meet = STATES[state]
     b, counts = ball(profile, oversize), set()
@@ -120,14 +119,22 @@ def test_starting_centre_of_a_two_point_contact_is_its_solution(pair):
         assert net < 1e-13 * scale
 
 
-@pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("state", STATES)
-def test_forces_and_balance(state, profile):
-    """Each force is (delta/C)^1.5 at the settled centre, and they balance."""
+@each_state
+def test_forces_and_balance_of_both_engines(state, profile):
+    """Each force is (delta/C)^1.5 at the settled centre, and they balance; both engines give the same numbers."""
     oversize, size, _ = STATES[state]
     b = ball(profile, oversize)
     for shift in random_shifts(size, 20, seed=6):
         energy, p, contact = b.settle(shift)
+        other = b.settle(shift, "compiled")
+        assert energy == pytest.approx(other[0], rel=1e-12, abs=1e-24)
+        loaded = contact[:, 0] > 0
+        assert np.array_equal(loaded, other[2][:, 0] > 0)
+        assert contact[loaded] == pytest.approx(other[2][loaded], rel=1e-9)
+        hessians = np.empty((2, 4, 4))
+        for engine, rows, hessian in zip((False, True), (contact, other[2]), hessians, strict=True):
+            jit.kernels(jit.STATICS, compiled=engine).ball.flank_hessian(rows, hessian)
+        assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
         force, normal = contact[:, 0], contact[:, 1:3]
         delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
         if energy > 0.0:
@@ -139,8 +146,7 @@ def test_forces_and_balance(state, profile):
             assert not force.any()
 
 
-@pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("state", STATES)
+@each_state
 def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
     """dE/dv = -F m of each screw flank; ``flank_hessian`` its derivative: both by central differences."""
     oversize, size, _ = STATES[state]
@@ -170,23 +176,6 @@ def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
     assert checked >= 3
 
 
-@pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("state", STATES)
-def test_both_engines_give_the_same_numbers(state, profile):
-    oversize, size, _ = STATES[state]
-    b = ball(profile, oversize)
-    for shift in random_shifts(size, 20, seed=8):
-        one, other = b.settle(shift), b.settle(shift, "compiled")
-        assert one[0] == pytest.approx(other[0], rel=1e-12, abs=1e-24)
-        loaded = one[2][:, 0] > 0
-        assert np.array_equal(loaded, other[2][:, 0] > 0)
-        assert one[2][loaded] == pytest.approx(other[2][loaded], rel=1e-9)
-        hessians = np.empty((2, 4, 4))
-        jit.kernels(jit.STATICS, compiled=False).ball.flank_hessian(one[2], hessians[0])
-        jit.kernels(jit.STATICS, compiled=True).ball.flank_hessian(other[2], hessians[1])
-        assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
-
-
 def test_nominal_approach_and_closure_of_the_pairs():
     """r_B - r_G + |o| per flank, and |o_a - o_b| + 2 r_B - r_a - r_b per diagonal pair, with every error present."""
     scene = small_screw()
@@ -206,34 +195,25 @@ def two_flanks(b, shift):
     geometry = b.geometry.copy()
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
-    jit.kernels(jit.STATICS, compiled=False).settle_ball(
-        p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact
-    )
+    settle = jit.kernels(jit.STATICS, compiled=False).settle_ball
+    settle(p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact)
     return contact
 
 
-def test_flank_that_takes_no_part_carries_nothing():
-    b = ball("arcs", 8e-6)
-    expected = (16e-6 / (b.C[0] + b.C[3])) ** 1.5
-    assert two_flanks(b, np.zeros((4, 2)))[:, 0] == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-9)
-
-
-@pytest.mark.parametrize("approach", [1e-12, 1e-9, 1e-6, 1e-4])
-def test_force_grows_with_the_power_three_halves(approach):
+@pytest.mark.parametrize(("oversize", "pressed"), [(8e-6, 0.0), (0.0, 1e-12), (0.0, 1e-9), (0.0, 1e-6), (0.0, 1e-4)])
+def test_force_grows_with_the_power_three_halves_and_a_flank_that_takes_no_part_has_none(oversize, pressed):
     """Pressed along its own line: F = (approach / (C_SL + C_NR))^1.5, whatever its size."""
-    b, shift = ball("arcs", 0.0), np.zeros((4, 2))
-    shift[0] = approach * np.sqrt([0.5, 0.5])
-    expected = (approach / (b.C[0] + b.C[3])) ** 1.5
-    assert two_flanks(b, shift)[:, 0] == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6)
+    b, shift = ball("arcs", oversize), np.zeros((4, 2))
+    shift[0] = pressed * np.sqrt([0.5, 0.5])
+    expected = ((pressed + 2.0 * oversize) / (b.C[0] + b.C[3])) ** 1.5
+    found = two_flanks(b, shift)[:, 0]
+    assert found == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6 if pressed else 1e-9)
 
 
 @pytest.mark.parametrize("motion", [1e-7, 1e-5, 1e-3, 2e-3, 4e-3, 1e-2, 1.0])
 def test_flank_without_profile_is_the_arc(motion):
     """Also where a long step of the iteration pushes the ball through the groove: the approach must keep growing."""
-    row = ball("arcs", 0.0).geometry[0]
-    moved = motion * np.array([-0.6, -0.8])
-    wx, wz, size, approach = row[:4]
-    expected = jit.kernels(jit.STATICS, compiled=False).contact.arc(*moved, wx, wz, size, approach)
-    flank = jit.kernels(jit.STATICS, compiled=False).contact.flank
-    found = flank(*moved, wx, wz, 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
-    assert found == pytest.approx(expected, rel=1e-9, abs=1e-17)
+    row, moved = ball("arcs", 0.0).geometry[0], motion * np.array([-0.6, -0.8])
+    kernels = jit.kernels(jit.STATICS, compiled=False).contact
+    found = kernels.flank(*moved, *row[:2], 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
+    assert found == pytest.approx(kernels.arc(*moved, *row[:4]), rel=1e-9, abs=1e-17)

@@ -44,53 +44,35 @@ def cantilever(nodes, load):
     return b.reshape(-1, 6)
 
 
-@pytest.mark.parametrize("length", LENGTHS)
-def test_element_in_the_band_is_the_standard_one(length):
-    expected = element_stiffness(length, SECTION)
-    assert relative(dense(assembled([0.0, length])), expected) < 1e-15
-    size = np.sqrt(np.diag(expected))  # every entry on its own scale
-    assert np.abs((dense(assembled([0.0, length])) - expected) / np.outer(size, size)).max() < 1e-14
-
-
 def interpolation(xi, length, order=0):
     return shape_polynomials(np.array([xi]), np.array([length]), SECTION, order)[0]
 
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_element_is_the_strain_energy_of_its_shape_functions(length):
-    """K = integral of EA u_z'2 + GJ theta_z'2 + EI theta'2 + kappa G A (u' - theta)2 over the element."""
+    """K = integral of EA u_z'2 + GJ theta_z'2 + EI theta'2 + kappa G A (u' - theta)2 over the element, in the band too.
+
+    d = q2 - T q1 carries what the stiffness matrix gives: f at node 2 and -T^T f at node 1.
+    """
     points, weights = np.polynomial.legendre.leggauss(5)
     expected = np.zeros((12, 12))
     for x, w in zip(points, weights, strict=True):
         xi = (x + 1) / 2
         n, slope = interpolation(xi, length), interpolation(xi, length, 1) / length
-        strains = [
-            (SECTION.EA, slope[2]),
-            (SECTION.GJ, slope[5]),
-            (SECTION.EI, slope[3]),
-            (SECTION.EI, slope[4]),
-            (SECTION.kGA, slope[0] - n[4]),
-            (SECTION.kGA, slope[1] + n[3]),
-        ]
-        expected += sum(0.5 * w * length * k * np.outer(b, b) for k, b in strains)
-    found = element_stiffness(length, SECTION)
-    size = np.sqrt(np.diag(found))
+        strains = slope[2], slope[5], slope[3], slope[4], slope[0] - n[4], slope[1] + n[3]
+        kinds = SECTION.EA, SECTION.GJ, SECTION.EI, SECTION.EI, SECTION.kGA, SECTION.kGA
+        expected += sum(0.5 * w * length * k * np.outer(b, b) for k, b in zip(kinds, strains, strict=True))
+    found, band = element_stiffness(length, SECTION), dense(assembled([0.0, length]))
+    size = np.sqrt(np.diag(found))  # every entry on its own scale
     assert np.abs((expected - found) / np.outer(size, size)).max() < 1e-11
-
-
-@pytest.mark.parametrize("length", LENGTHS)
-def test_element_force_of_a_deformation(length):
-    """d = q2 - T q1 carries what the stiffness matrix gives: f at node 2 and -T^T f at node 1."""
-    rng = np.random.default_rng(4)
-    k = element_stiffness(length, SECTION)
+    assert relative(band, found) < 1e-15
+    assert np.abs((band - found) / np.outer(size, size)).max() < 1e-14
+    rng, transport = np.random.default_rng(4), rigid_transport(length)
     for _ in range(5):
-        q = rng.normal(size=12) * np.tile([length] * 3 + [1.0] * 3, 2)
-        f = np.empty(6)
-        beam.force_of(q[6:] - rigid_transport(length) @ q[:6], beam.element_constants(length, STIFFNESSES), f)
-        expected = k @ q
-        size = np.sqrt(np.diag(k)) * np.abs(np.sqrt(np.diag(k)) * q).max()
-        found = np.concatenate([-rigid_transport(length).T @ f, f])
-        assert np.abs((found - expected) / size).max() < 1e-13
+        q, f = rng.normal(size=12) * np.tile([length] * 3 + [1.0] * 3, 2), np.empty(6)
+        beam.force_of(q[6:] - transport @ q[:6], beam.element_constants(length, STIFFNESSES), f)
+        off = np.concatenate([-transport.T @ f, f]) - found @ q
+        assert np.abs(off / (size * np.abs(size * q).max())).max() < 1e-13
 
 
 @pytest.mark.parametrize("nodes", PARTITIONS.values(), ids=PARTITIONS)
@@ -231,19 +213,13 @@ def test_the_sources_partition_has_27_elements():
     assert np.diff(nodes)[[*range(12), *range(15, 27)]] == pytest.approx(0.3775 / 12)
 
 
-def test_nodal_partition_has_a_node_at_every_contact_support_and_load():
-    scene = catalogue.scene("lin-case3-offset")
-    stations = contact_stations(scene, ball_layout(scene))
-    nodes, _ = beam_nodes(scene, stations)
-    assert np.abs(nodes[None, :] - stations.ravel()[:, None]).min(axis=1).max() < 1e-5
+def test_nodal_partition_has_a_node_at_every_contact_support_and_load_and_no_idle_end():
+    at_ends, scene = catalogue.scene("lin-case3-offset"), catalogue.scene("lin-case1")
+    (full, first), (short, stations) = ((s, contact_stations(s, ball_layout(s))) for s in (at_ends, scene))
+    nodes, _ = beam_nodes(full, first)
+    assert np.abs(nodes[None, :] - first.ravel()[:, None]).min(axis=1).max() < 1e-5
     assert nodes[[0, -1]] == pytest.approx([0.0, 0.8])
-
-
-def test_idle_ends_of_the_shaft_are_left_out():
-    scene = catalogue.scene("lin-case1")
-    stations = contact_stations(scene, ball_layout(scene))
-    nodes, left_out = beam_nodes(scene, stations)
-    everything, none = beam_nodes(scene, stations, everything=True)
+    (nodes, left_out), (everything, none) = (beam_nodes(short, stations, everything=e) for e in (False, True))
     assert (left_out, none) == (1, 0)
     assert everything.size == nodes.size + 1
     assert nodes[-1] == pytest.approx(stations.max())

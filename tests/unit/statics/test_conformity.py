@@ -129,23 +129,23 @@ def drawn_of(scene):
     return specimen(scene, ball_layout(scene))
 
 
+def changes_of(scene):
+    return curvature_changes(scene, drawn_of(scene), drawn_of(scene).ball_radius)
+
+
 def test_without_errors_of_radius_nothing_changes():
     scene = small_screw()
-    pitch = replace(scene, errors=Errors(SL=SideErrors(pitch=()), balls=BallErrors()))
-    for same in (scene, pitch):
-        assert not curvature_changes(same, drawn_of(same), drawn_of(same).ball_radius).any()
-        assert np.array_equal(drawn_hertz(same, drawn_of(same)).C, np.repeat(nominal_hertz(same).C[None], 6, axis=0))
+    assert not changes_of(scene).any()
+    assert np.array_equal(drawn_hertz(scene, drawn_of(scene)).C, np.repeat(nominal_hertz(scene).C[None], 6, axis=0))
 
 
 def test_every_contact_has_its_own_radii():
     scene = small_screw(oversize=3e-6)
     balls = BallErrors(oversize=3e-6, listed=((2, 2e-6),))
     scene = replace(scene, errors=replace(scene.errors, balls=balls, NR=SideErrors(profile=(4e-6,))))
-    drawn = drawn_of(scene)
-    changes = curvature_changes(scene, drawn, drawn.ball_radius)
-    r = scene.balls.radius
-    assert changes[0, :2] == pytest.approx(1 / (r + 3e-6) - 1 / r, rel=1e-12)
-    assert changes[1, :2] == pytest.approx(1 / (r + 5e-6) - 1 / r, rel=1e-12)
+    drawn, changes, r = drawn_of(scene), changes_of(scene), scene.balls.radius
+    for ball, larger in ((0, 3e-6), (1, 5e-6)):
+        assert changes[ball, :2] == pytest.approx(1 / (r + larger) - 1 / r, rel=1e-12)
     across = 1 / (r + 3e-6) - 1 / r - (1 / (3.3e-3 - 4e-6) - 1 / 3.3e-3)
     assert changes[0, 3] == pytest.approx([across, 1 / (r + 3e-6) - 1 / r], rel=1e-12)
     others = np.stack([drawn.ball_radius, drawn.ball_radius + 1e-6])
@@ -159,7 +159,7 @@ def test_every_contact_has_its_own_radii():
 def test_profile_counts_by_its_curvature():
     """An offset k gamma^2 beside the angle beta: curvature of rho - offset, (rho - rho'')/rho^2 and smaller terms."""
     scene = replace(small_screw(), errors=Errors(SL=SideErrors(profile=(0.0, 0.0, 5e-6))))
-    changes = curvature_changes(scene, drawn_of(scene), drawn_of(scene).ball_radius)
+    changes = changes_of(scene)
     rho, beta = 3.254e-3, scene.track.contact_angle
     radius, bend = rho - 5e-6 * beta**2, -10e-6
     assert changes[0, 0, 0] == pytest.approx(-((radius - bend) / radius**2 - 1 / rho), rel=1e-2)

@@ -40,19 +40,18 @@ def test_sphere_on_flat():
     assert found == pytest.approx(expected, rel=1e-14)
 
 
-def test_job_a_of_the_reference_design():
-    approach, a, _, pressure = contact(1 / RADIUS, 1 / RADIUS)
-    assert approach * 1e6 == pytest.approx(9.24316, abs=6e-6)
-    assert a * 1e3 == pytest.approx(0.160242, abs=6e-7)
-    assert pressure * 1e-6 == pytest.approx(4183.80, abs=6e-3)
-
-
-def test_job_b_of_the_reference_design():
-    approach, a, b, pressure = contact(1 / RADIUS - 1 / 3.254e-3, 1 / RADIUS + 1 / 20.56e-3)
-    assert approach * 1e6 == pytest.approx(6.48391, abs=6e-6)
-    assert a * 1e3 == pytest.approx(0.401384, abs=6e-7)
-    assert b * 1e3 == pytest.approx(0.104759, abs=6e-7)
-    assert pressure * 1e-6 == pytest.approx(2554.89, abs=6e-3)
+@pytest.mark.parametrize(
+    ("along", "across", "approach", "a", "b", "pressure"),
+    [
+        (1 / RADIUS, 1 / RADIUS, 9.24316, 0.160242, 0.160242, 4183.80),
+        (1 / RADIUS - 1 / 3.254e-3, 1 / RADIUS + 1 / 20.56e-3, 6.48391, 0.401384, 0.104759, 2554.89),
+    ],
+)
+def test_jobs_a_and_b_of_the_reference_design(along, across, approach, a, b, pressure):
+    found = contact(along, across)
+    assert found[0] * 1e6 == pytest.approx(approach, abs=6e-6)
+    assert [found[1] * 1e3, found[2] * 1e3] == pytest.approx([a, b], abs=6e-7)
+    assert found[3] * 1e-6 == pytest.approx(pressure, abs=6e-3)
 
 
 @pytest.mark.parametrize(("ratio", "tolerance"), [(1e-4, 1e-3), (1e-6, 2e-5), (1e-8, 3e-7), (1e-10, 5e-9)])

@@ -23,26 +23,29 @@ def fresh():
     jit.code_folder.cache_clear()
 
 
+def copied(folder):
+    """The module's file in a copy of all sources."""
+    shutil.copytree(Path(jit.__file__).parent, folder / "lowfi", ignore=shutil.ignore_patterns("__pycache__"))
+    return str(folder / "lowfi" / "jit.py")
+
+
 def test_machine_code_is_filed_by_the_sources(tmp_path, monkeypatch):
-    shutil.copytree(Path(jit.__file__).parent, tmp_path / "lowfi", ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(jit, "__file__", str(tmp_path / "lowfi" / "jit.py"))
-    found, changed = [jit.digest.__wrapped__()], 0
+    monkeypatch.setattr(jit, "__file__", copied(tmp_path))
+    found = [jit.digest.__wrapped__()]
     for package in jit.PACKAGES:
         folder = tmp_path.joinpath(*package.split(".")[1:])
         for source in (folder / "__init__.py", *folder.parent.glob("records.py")):
             source.write_text(source.read_text() + "# changed\n")
             found.append(jit.digest.__wrapped__())
-            changed += 1
-    assert len(set(found)) == changed + 1 > len(jit.PACKAGES)
+    assert len(set(found)) == len(found) > len(jit.PACKAGES)
 
 
 def test_checkouts_compile_from_one_copy_of_their_sources(tmp_path, monkeypatch):
     """numba files machine code by the path of its source: two checkouts of the same kernels name the same one."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     found = [jit._sources(jit.CONTACT)]
-    shutil.copytree(Path(jit.__file__).parent, tmp_path / "lowfi", ignore=shutil.ignore_patterns("__pycache__"))
     with monkeypatch.context() as elsewhere:
-        elsewhere.setattr(jit, "__file__", str(tmp_path / "lowfi" / "jit.py"))
+        elsewhere.setattr(jit, "__file__", copied(tmp_path))
         jit.code_folder.cache_clear()
         found.append(jit._sources(jit.CONTACT))
     assert found[0] == found[1]
@@ -67,7 +70,11 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
     assert (jit.cached(), jit.cached(jit.CONTACT), jit.cached(jit.STATICS)) == (True, True, False)
 
 
-def test_what_waits_for_the_answer_is_done_once(monkeypatch):
+def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypatch, capsys):
+    jit._announce.cache_clear()
+    jit._announce()
+    jit._announce()
+    assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1
     done = []
     monkeypatch.setattr(jit, "_afterwards", {})
     for number in range(2):
@@ -75,13 +82,6 @@ def test_what_waits_for_the_answer_is_done_once(monkeypatch):
     jit.compile_afterwards()
     jit.compile_afterwards()
     assert done == [1]
-
-
-def test_compiling_is_said_once(capsys):
-    jit._announce.cache_clear()
-    jit._announce()
-    jit._announce()
-    assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1
 
 
 def test_machine_code_that_others_may_write_is_not_run(tmp_path, monkeypatch, capsys):
@@ -127,11 +127,8 @@ def test_both_engines_hold_the_same_kernels(package):
     assert all(hasattr(getattr(compiled, name), "py_func") for name in functions)
     assert not any(hasattr(getattr(plain, name), "py_func") for name in functions)
     assert jit.kernels(package, compiled=False) is plain
-
-
-def test_an_unknown_package_is_refused():
     with pytest.raises(KeyError):
-        jit.kernels("rollbench.lowfi.nothing", compiled=True)
+        jit.kernels(f"{package}.nothing", compiled=True)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -21,6 +21,7 @@ from rollbench.meshes.section import tube_section
 CASE = catalogue.scene("lin-case1")
 HELD = Support(0.0, tuple((name, 0.0) for name in FREEDOMS))
 RIGHT = CASE.screw.length
+BETWEEN = replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=())
 TUBE = smooth_body(geometry_only(CASE), True, REFINED)
 PLAIN = tube_section(2.0 * TUBE.outer, 2.0 * TUBE.bore, TUBE.material)
 NU = TUBE.material.poissons_ratio
@@ -55,7 +56,7 @@ def test_contacts_feel_the_wrench_above_them() -> None:
 
 def test_what_is_held_at_its_length_and_warm_is_pressed() -> None:
     """A beam between fixed ends takes N = - EA alpha T, which squeezes outwards; its nodes do not move at all."""
-    problem = problem_of(replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=()))
+    problem = problem_of(BETWEEN)
     strain = 2e-4
     problem.load[0, 2] -= problem.section.EA * strain
     problem.load[-1, 2] += problem.section.EA * strain
@@ -67,7 +68,7 @@ def test_what_is_held_at_its_length_and_warm_is_pressed() -> None:
 def test_an_end_that_nothing_holds_adds_nothing() -> None:
     """A free upper end: no section force above the contacts; a support there makes the difference, symmetric."""
     free = problem_of(replace(CASE, supports=(HELD,), loads=()))
-    held = problem_of(replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=()))
+    held = problem_of(BETWEEN)
     cut = int(held.node.max())
     assert not loaded_beyond(free, cut)
     assert loaded_beyond(held, cut)
@@ -79,8 +80,7 @@ def test_an_end_that_nothing_holds_adds_nothing() -> None:
 def test_contacts_that_press_lengthen_the_screw() -> None:
     """Reciprocity: radial forces F push the ends apart by nu r F / EA, as tension N moves their points inward by
     nu r N / EA; held at both ends, the screw answers with N = nu r F / L, EA being the beam's over the smooth body's."""
-    scene = replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=())
-    problem = problem_of(scene)
+    problem = problem_of(BETWEEN)
     shaft, squeeze = squeeze_of(problem, (0,))
     force = np.zeros((problem.layout.z.size, 2))
     force[:, 0] = -100.0
@@ -93,8 +93,7 @@ def test_contacts_that_press_lengthen_the_screw() -> None:
 
 def test_loads_and_forces_move_one_another_alike() -> None:
     """Maxwell: flanks by loads on the nodes, and nodes by forces on the flanks, through beam, jumps and what is inside."""
-    scene = replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=())
-    problem = problem_of(scene)
+    problem = problem_of(BETWEEN)
     shaft, squeeze = squeeze_of(problem)
     rng = np.random.default_rng(2)
     forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
