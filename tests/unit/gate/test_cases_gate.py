@@ -23,7 +23,6 @@ def keep(store: Path, text: str, **off: float) -> dict[str, np.ndarray]:
     """Store runs as if the 3D reference had found the loads of the model lin, but for a factor on those of some cases."""
     store.mkdir()
     shipped, out = load(SHIPPED, 1), {}
-    assert shipped is not None
     for case in scene_file.read(text, "two.toml").cases:
         settings = plain(asdict(settings_of([case.scene], 1, "")))
         found = run_model(case.scene, "lin", Options(discretisation=False)).load * off.get(case.name, 1.0)
@@ -93,7 +92,6 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     (whole,) = found["summary"]
     assert whole["largest_error_case"] == "push"
     by_reference = life(SHIPPED, over_cases([loads["rest"], loads["push"]], [0.75, 0.25]))
-    assert by_reference is not None
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}

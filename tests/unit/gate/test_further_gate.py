@@ -56,7 +56,7 @@ def table(path: Path, heads: str, cells: Callable[[int, int], str]) -> Path:
 
 
 def judged(**what: object) -> list[Verdict]:
-    return check_scenes([scene()], asked(compute=False, **what), Engine(), lambda _: None)  # type: ignore[arg-type]
+    return check_scenes([scene()], asked(compute=False, **what), Engine(), lambda _: None)
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path: P
 def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     loads: list[Array] = []
 
-    def torque(sets, *_: object) -> float:  # type: ignore[no-untyped-def]
+    def torque(sets, *_: object) -> float:
         loads.append(sets[0][1].load)
         return float(sets[0][1].load.sum())
 
@@ -172,7 +172,6 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path: Path) -> None:
     whole, less, least = judged(values=file, store=tmp_path / "store")
     assert whole.word == "pass"
     assert less.quantity == "rigidity at 2.5 kN"
-    assert less.pair is not None
     assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(scene().nut.position, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
     assert least.line() == (

@@ -27,7 +27,6 @@ def scene() -> Scene:
 def written(path: Path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0) -> Path:
     """The stored reference's own loads, that of ball 2 SR times a factor."""
     found = reference(scene())
-    assert found is not None
     load = found.load.copy()
     load[1, 1] *= factor
     heads = "ball,flank,newton" + (f",{column}" if column else "")
@@ -58,7 +57,7 @@ def test_ones_own_reference_flips_a_verdict(command, tmp_path: Path) -> None:
 
 
 def test_uncertainty_by_column_by_note_or_zero(tmp_path: Path) -> None:
-    mean = reference(scene()).mean  # type: ignore[union-attr]
+    mean = reference(scene()).mean
     for notes, column, each, expected in (
         ((), "", 0.0, 0.0),
         (("# uncertainty: 2 N",), "", 0.0, 2.0),
@@ -147,7 +146,6 @@ def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
     bench = series[1]
-    assert bench.bars is not None
-    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)  # type: ignore[union-attr]
+    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)
     assert isinstance(table, Table)
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

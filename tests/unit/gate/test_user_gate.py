@@ -27,7 +27,6 @@ from rollbench.meshes.parts import SIDES
 def loads_csv(path: Path, factor: float, sides: tuple[str, ...] = SIDES) -> Path:
     """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
     found = reference(catalogue.scene("two-balls"))
-    assert found is not None
     load = found.load.copy()
     load[1, 1] *= factor
     lines = [f"{b + 1},{s},{load[b, SIDES.index(s)]:.6g}" for b in range(2) for s in sides]
@@ -79,7 +78,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(
 ) -> None:
     planned: list[tuple[list[str], list[int]]] = []
 
-    def refused(tasks, *_: object, **__: object) -> list[object]:  # type: ignore[no-untyped-def]
+    def refused(tasks, *_: object, **__: object) -> list[object]:
         planned.append((sorted({s.name for t in tasks for s in t.scenes}), sorted({t.level for t in tasks})))
         raise Refusal("mine", "3D reference", "no room for the contact", "deepen the groove")
 
@@ -159,7 +158,6 @@ def test_junit_is_green_only_where_it_passes() -> None:
     cases = list(suite.iter("testcase"))
     assert [case.find("failure") is None for case in cases] == [True, False]
     failure = cases[1].find("failure")
-    assert failure is not None
     assert failure.get("type") == "fail"
     assert "error %: 8.5; uncertainty %: 1; limit %: 7" in str(failure.get("message"))
 

@@ -21,7 +21,7 @@ def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> Reference:
     runs = tuple(SimpleNamespace(level=k, load=load, moving=0.0) for k in levels)
     bar = 0.3 if uncertainty is None else uncertainty
     parts = GridParts(bar) if uncertainty is None else GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
-    return Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)  # type: ignore[arg-type]
+    return Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

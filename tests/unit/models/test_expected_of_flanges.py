@@ -15,7 +15,7 @@ RESULT = run_model(SCENE, "lin", Options(discretisation=False, engine="interpret
 PLAIN = [p for p in shipped_points() if FLANGE not in p.features and p.model == "lin"]
 
 
-def flanged(count: int, factor: float):  # type: ignore[no-untyped-def]
+def flanged(count: int, factor: float):
     """Compared scenes made up: those of the package, off by a factor more, on flanges."""
     screws = [p for p in PLAIN if p.features["lead"] > 0.0]
     return [
@@ -36,9 +36,7 @@ def test_flanges_with_larger_errors_are_expected_to_have_them_and_change_no_othe
     many = [*PLAIN, *flanged(40, 5.0)]
     plain, other = estimate(SCENE, RESULT, PLAIN), estimate(SCENE, RESULT, many)
     assert other == plain
-    assert plain.percent is not None
     on_flange = estimate(ON_FLANGE, RESULT, many).percent
-    assert on_flange is not None
     assert on_flange > 2.0 * plain.percent
     judged = {x.point.scene: x for x in left_out(many, "lin")}
     alone = {x.point.scene: x for x in left_out(PLAIN, "lin")}

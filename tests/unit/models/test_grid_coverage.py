@@ -122,7 +122,6 @@ def test_a_single_level_s_bar_is_what_experience_says() -> None:
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
     kept, found = read(shipped_store()), experience(STUDY)
-    assert found is not None
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )
@@ -130,7 +129,6 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
     choices = total_uncertainty.read(shipped_store())
     for name in VARIED:
         total = combined(STUDY.scene(name), varied(STUDY.scene(name)))
-        assert total is not None
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 
@@ -153,7 +151,6 @@ def test_changes_between_levels_are_those_of_independent_errors() -> None:
 
 def test_the_table_shows_every_scene_and_all() -> None:
     table = coverage_table(STUDY)
-    assert table is not None
     scenes = [row["scene"] for row in table.rows]
     assert set(levelled(STUDY)) < set(scenes)
     assert scenes[-1] == "all"
@@ -165,8 +162,6 @@ def test_the_table_shows_every_scene_and_all() -> None:
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
     ours, theirs = STUDY.reference("two-balls"), load(shipped(), "two-balls")
-    assert ours is not None
-    assert theirs is not None
     limit = 100.0 * (extrapolate(theirs.runs).load.sum() / ours.load.sum() - 1.0)
     low, high = total_uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
@@ -178,12 +173,9 @@ def test_what_all_contacts_share_is_seen_by_another_program() -> None:
 def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     """dF / F over a / r of all eight contacts of two-balls, on the mesh that CalculiX solved both ways."""
     data, ours, scene = load(shipped(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
-    assert data is not None
-    assert ours is not None
     large = next(r for r in data.runs if r.nlgeom)
     small = next(r for r in data.runs if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
     worst = load_answers(scene, small.load, np.radians(ours.best.angle)).worst
-    assert worst is not None
     on = small.load > 0.0
     a = worst.a * (small.load[on] / worst.force) ** (1.0 / 3.0)
     lost = -(large.load - small.load)[on] / small.load[on]

@@ -41,7 +41,6 @@ def test_parts_combine_by_the_root_of_squares() -> None:
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
     found = uncertainty(STUDY, SCENE, quantity)
-    assert found is not None
     for values in (found.grid, found.model, found.inputs):
         assert np.isfinite(values).all()
         assert values.max() > 0.0
@@ -51,20 +50,15 @@ def test_every_part_is_there(quantity) -> None:
 def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
     ref = STUDY.reference(SCENE)
     found = uncertainty(STUDY, SCENE, QUANTITIES[0])
-    assert ref is not None
-    assert ref.uncertainty is not None
-    assert found is not None
     mean = ref.load[ref.load > 0.0].mean()
     assert found.grid == pytest.approx(100.0 * ref.uncertainty / mean)
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     ref = STUDY.reference(SCENE)
-    assert ref is not None
     answer = from_run(ref.best, "3D")
     for quantity in QUANTITIES:
         same = validated(STUDY, SCENE, "3D", quantity, answer)
-        assert same is not None
         assert (same.error, same.within) == (0.0, 1.0)
     larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)
     found = {q.name: validated(STUDY, SCENE, "3D", q, larger) for q in QUANTITIES}
@@ -75,7 +69,6 @@ def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
 
 def test_the_largest_load_is_as_uncertain_as_its_contact() -> None:
     ref, scene = STUDY.reference("lin-case3"), STUDY.scene("lin-case3")
-    assert ref is not None
     largest = next(q for q in QUANTITIES if q.name == "largest load")
     bar = ref.uncertainty.ravel()[ref.load.argmax()]
     assert grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())

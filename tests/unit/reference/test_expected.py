@@ -31,8 +31,6 @@ SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "u
 def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
     scene = catalogue.scene(name)
     run = load(scene, level, stores=(shipped_store(),))
-    assert run is not None
-    assert run.peak_MB is not None
     found = expected(Task((scene,), level))
     assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
     assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
@@ -54,11 +52,9 @@ def test_with_many_contacts_the_second_process_adds_what_patches_take() -> None:
 def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     """228 and 264 contacts on level 1 in two processes: at most a tenth more is told, and less than 3 GB."""
     kept = load_times((shipped_store(),))
-    assert kept is not None
     large = [c for c in kept.levels if (c.contacts or 0) > 200]
     assert {c.contacts for c in large} == {228, 264}
     for c in large:
-        assert c.memory is not None
         memory = expected(Task((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
         assert 1.0 <= memory / (1e-3 * c.memory) <= 1.1
         assert memory < 3.0

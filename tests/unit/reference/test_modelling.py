@@ -58,7 +58,7 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = nut_transform(body, dimensions(replace(CASE1, solid=Solid(nut_held=where))))  # type: ignore[arg-type]
+        T = nut_transform(body, dimensions(replace(CASE1, solid=Solid(nut_held=where))))
         fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
         x, y, z = body.points[np.unique(fixed // 3)].T
         assert fixed.size == 3 * x.size  # in all three directions
@@ -103,8 +103,8 @@ def test_the_dropped_twist_of_a_hollow_screw_is_that_of_a_tube() -> None:
 def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     base = loads()
 
-    def effect_of(variant: str, choice: str, kind: str, *first: float):  # type: ignore[no-untyped-def]
-        return effect("lin-case1", variant, variant, choice, kind, loads(*first), base)  # type: ignore[arg-type]
+    def effect_of(variant: str, choice: str, kind: str, *first: float):
+        return effect("lin-case1", variant, variant, choice, kind, loads(*first), base)
 
     effects = [
         effect_of("land", LANDS, "modelling", 103.0, 100.0),
@@ -114,7 +114,6 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
         effect_of("modes", "modes", "numerical", 150.0),
     ]
     found = combined(CASE1, effects)
-    assert found is not None
     assert found.contacts[0, 0] == pytest.approx(np.hypot(3.0, 4.0))
     assert found.contacts[1, 0] == pytest.approx(1.0)
     assert found.largest == pytest.approx(5.0)

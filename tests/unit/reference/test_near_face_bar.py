@@ -113,7 +113,6 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
 def test_it_is_said_by_name() -> None:
     study = Study()
     scene, found = study.scene("liu-screw"), study.reference("liu-screw")
-    assert found is not None
     largest, place = beside_face(found)
     last = int(ball_layout(scene).z.argmax())
     assert place == f"ball {last + 1} SL"

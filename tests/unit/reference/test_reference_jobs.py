@@ -162,7 +162,6 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(
     assert jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append) == []
     assert any(status in line and "not stored" not in line for line in said)
     kept = load(scene, 1, stores=(tmp_path,))
-    assert kept is not None
     assert (kept.status, kept.moving) == (status, 0.5)
     alone = reference_of("lin-case1", catalogue.scene("lin-case1"), (kept,))
     assert alone.unsettled == f"level 1 {status}"
@@ -170,8 +169,6 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(
     settled = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, good))
     found = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5)))
     assert settled.unsettled == ""
-    assert settled.uncertainty is not None
-    assert found.uncertainty is not None
     np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
     assert (code_of([settled]), code_of([settled, found])) == (0, 5)
     assert status in levels_text(found, total(scene, found))

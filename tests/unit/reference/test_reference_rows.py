@@ -48,7 +48,7 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
 
     right = elastic_system.grooved_section
 
-    def soft(geometry, screw):  # type: ignore[no-untyped-def]
+    def soft(geometry, screw):
         s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
@@ -77,9 +77,7 @@ def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.Monkey
 
 
 def _found(name: str) -> Reference:
-    found = reference(catalogue.scene(name))
-    assert found is not None
-    return found
+    return reference(catalogue.scene(name))
 
 
 def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -192,7 +190,6 @@ def test_what_loads_may_still_move_by_is_added_to_every_bar(levels: int) -> None
 
 def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     found = studied(catalogue.scene("lin-case1"), None)
-    assert found is not None
     enough = [row["enough_for_percent"] for row in level_rows(found)]
     assert enough == sorted(enough, reverse=True)
     text = closing(found)
@@ -213,14 +210,12 @@ def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
     finer[0, 0] += 8.0
     save(tmp_path, scene, run_of("lin-case1", 1, coarse))
     one, known = reference(scene, (tmp_path,)), read(shipped_store())
-    assert one is not None
     assert one.parts.by_experience
     assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + left_out(scene, coarse, 1)[0, 0])  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
     assert closing(one).startswith("Enough: level 1 for ")
     save(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference(scene, (tmp_path,))
-    assert two is not None
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
     cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
     fixed = 2.0 * known.sockets**2
@@ -242,18 +237,15 @@ def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path: Path) -
         line[:, 3] = 1e-6 * (5.0 + 0.3 * h**1.5)
         save(tmp_path, scene, replace(run_of("lin-case1", level, load), centreline=line))
     whole, table = studied(scene, (tmp_path,)), study_table(scene, (tmp_path,))
-    assert whole is not None
     row = next(r for r in table if r["quantity"].startswith("centreline uz"))
     assert row["order"] == pytest.approx(1.5, abs=1e-3)
     assert row["extrapolated"] == pytest.approx(5.0, rel=1e-5)
     figure = study_figure("x", table, whole)
-    assert figure is not None
     (panel,) = (p for p in figure.panels if p.title == "centreline")
     curves = [s for s in panel.series if s.label == row["quantity"]]
     measured, beyond = sorted(curves, key=lambda s: min(s.x), reverse=True)
     assert measured.x[-1] == 1.0, "over the cell size, coarsest first"
     assert list(measured.x) == sorted(measured.x, reverse=True)
-    assert measured.bars is not None
     assert measured.bars[0][-1] < measured.y[-1] < measured.bars[1][-1]
     assert (beyond.x[0], beyond.x[-1], beyond.y[-1]) == (0.0, 1.0, pytest.approx(0.0, abs=1e-12))
     finest = row[f"level {max(STUDIED)}"]

@@ -23,7 +23,6 @@ def test_round_trip_and_damage(tmp_path: Path) -> None:
     file = save(tmp_path, scene, run)
     assert file == path_in(tmp_path, scene, run)
     back = load(scene, 2, stores=(tmp_path,))
-    assert back is not None
     assert np.array_equal(back.load, loads)
     assert np.array_equal(back.without["elastic nut"], loads)
     assert np.isnan(back.angle).all()

@@ -45,15 +45,13 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
     assert high == pytest.approx((off + bar).max())
     shifted = found.load * 1.05
     error, rms, low, high = error_range(shifted, found)
-    assert low is not None
-    assert high is not None
     assert 0.0 < low < error < high
     assert rms < error
 
 
 def point(label: str, kind: str, error: float, cold: float, **changes: object) -> TimePoint:
-    measured = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0, label)  # type: ignore[arg-type]
-    return replace(measured, **changes)  # type: ignore[arg-type]
+    measured = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0, label)
+    return replace(measured, **changes)
 
 
 def test_every_way_to_assemble_gives_the_same_matrix_and_ours_is_the_fastest() -> None:

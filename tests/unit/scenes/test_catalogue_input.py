@@ -122,7 +122,6 @@ def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
     assert 1.0 < wall / scene.balls.radius < 5.0
     assert (scene.errors.balls.oversize > 0.0, scene.loads[0].force[2] > 0.0) == (True, True)
     flange = scene.nut.flange
-    assert flange is not None
     assert flange.diameter / scene.nut.outer_diameter == pytest.approx(1.55, abs=0.06)
     assert flange.thickness < 0.45 * scene.nut.length
 

@@ -21,5 +21,4 @@ def test_a_new_scene_names_the_schema(tmp_path: Path, words: tuple[str, ...], co
     command("new", tmp_path / "my.toml", *words)
     first = (tmp_path / "my.toml").read_text(encoding="utf-8").splitlines()[0]
     found = re.fullmatch(r"#:schema (file://.*)", first)
-    assert found is not None
     assert json.loads(Path(unquote(urlparse(found[1]).path)).read_text(encoding="utf-8"))["$id"] == "urn:rollbench:scene"

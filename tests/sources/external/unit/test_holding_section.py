@@ -30,8 +30,6 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
     for other in found.values():
         assert replace(other, nut=scene.nut, solid=scene.solid) == scene
     inner, outer = (found[f"flange, {x} half of its face"].nut.flange for x in ("inner", "outer"))
-    assert inner is not None
-    assert outer is not None
     assert inner.seat[1] == outer.seat[0] == pytest.approx(51.25e-3)
 
 

@@ -69,7 +69,7 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = solve_pair(replace(source_cases.inferred(THETA[case]), coupling=coupling))  # type: ignore[arg-type]
+        r = solve_pair(replace(source_cases.inferred(THETA[case]), coupling=coupling))
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
         assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
     assert np.all(r.free.load.force > 0.0)
@@ -148,8 +148,6 @@ def found_of_run(name: str) -> list[float]:
 
 def test_band_of_the_largest_torque_of_3_4_4_is_held_from_both_sides() -> None:
     row = rows("lin-3.4.4")["largest"]
-    assert row.low is not None
-    assert row.high is not None
     values = [100.0 * x for x in found_of_run("largest")]
     assert row.low <= min(values)
     assert max(values) <= row.high

@@ -41,7 +41,7 @@ def assumptions() -> list[float]:
         for clearance in (0.0, 5e-6, -1e-6):
             for hertz in ("right", "as printed"):
                 case = four_point(tilt=True, phase=phase, clearance=clearance)
-                case = replace(case, groove=replace(case.groove, hertz=hertz))  # type: ignore[arg-type]
+                case = replace(case, groove=replace(case.groove, hertz=hertz))
                 found = torque_curve(case, ANGLES)
                 assert found.converged.all()
                 ratios.append(found.ratio)
@@ -51,8 +51,6 @@ def assumptions() -> list[float]:
 def test_ratio_of_the_four_point_bearing() -> None:
     row = rows("lin-4.3")["ratio_4p"]
     found = assumptions()
-    assert row.low is not None
-    assert row.high is not None
     assert row.low <= min(found) < row.value < max(found) <= row.high
     assert curve("4P", True).ratio == pytest.approx(5.573, abs=2e-3)
 

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 def one(value: float, computed: Band, **said: object) -> Outside:
     shared = {"quantity": "rigidity", "law": "law", "maker": "maker", "item": "item", "cls": "class", "origin": ""}
-    return Outside(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)  # type: ignore[arg-type]
+    return Outside(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
 
 
 def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
@@ -36,7 +36,6 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
     values = [x for x in bearings.sets() if x.quantity == quantity and not x.item.endswith(" DB")]
     found = standing(values)
-    assert found is not None
     assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
     wrong = [x.item for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
@@ -49,10 +48,8 @@ def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
     assert float(np.sqrt((clear**2).mean())) < 0.6
     assert float((np.abs(clear) <= 1.0).mean()) > 0.94
     stiff = standing([x for x in found if x.quantity == "rigidity"])
-    assert stiff is not None
     assert (stiff.number, abs(stiff.bias) < 0.6, stiff.scatter < 2.0) == (546, True, True)
     factor = standing([x for x in found if x.quantity == "rating"])
-    assert factor is not None
     assert (factor.number, abs(factor.bias) < 0.1, factor.scatter < 1.0) == (91, True, True)
 
 
@@ -101,7 +98,6 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     assert abs(float(np.median(errors))) < 0.1
     assert float((np.abs(errors) < 0.2).mean()) > 0.85
     growth = standing([x for x in nuts.preloaded_nuts() if x.law == "growth with preload"])
-    assert growth is not None
     assert (growth.number, abs(growth.bias) < 2.0, growth.scatter < 2.0) == (126, True, True)
 
 
@@ -172,7 +168,6 @@ def test_verdicts_and_what_does_not_count() -> None:
     assert formula.verdict == "a formula in disguise"
     assert standing([formula]) is None
     both = standing([one(80.0, band), one(125.0, band), formula])
-    assert both is not None
     assert (both.number, both.bias, both.scatter) == (2, pytest.approx(2.5), pytest.approx(22.5))
 
 
