@@ -8,17 +8,8 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate import judged as judging
 from rollbench.comparison.gate.further import not_judged, value_verdict
-from rollbench.comparison.gate.judged import (
-    APPROACH,
-    DISPLACEMENT,
-    LIFE,
-    PRESSURE,
-    RIGIDITY,
-    by_loads,
-    hertz_of,
-    parse_limits,
-)
 from rollbench.comparison.gate.loads_file import Column, column, read_loads
 from rollbench.comparison.gate.user import asked, check_scenes
 from rollbench.comparison.gate.values_file import GivenValue, read_values
@@ -92,8 +83,8 @@ def test_units_of_the_header_are_obeyed(tmp_path: Path) -> None:
 
 def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path: Path) -> None:
     found = stored(scene())
-    approach = hertz_of(scene(), APPROACH, found.load)
-    pressure = hertz_of(scene(), PRESSURE, found.load)
+    approach = judging.hertz_of(scene(), judging.APPROACH, found.load)
+    pressure = judging.hertz_of(scene(), judging.PRESSURE, found.load)
     angle = np.nan_to_num(found.best.angle)
     angle[4, 0] += 1.2
     approach[7, 3] *= 1.05
@@ -121,7 +112,7 @@ def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_pat
 
 def test_the_uncertainty_by_loads_is_the_larger_end() -> None:
     load, bar = np.array([8.0, 0.0]), np.array([1.0, 1.0])
-    assert by_loads(lambda x: float(x.sum() ** -3), load, bar) == pytest.approx(7.0**-3 - 8.0**-3)
+    assert judging.by_loads(lambda x: float(x.sum() ** -3), load, bar) == pytest.approx(7.0**-3 - 8.0**-3)
 
 
 def values(path: Path, *rows: str) -> Path:
@@ -188,7 +179,7 @@ def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
 def test_a_place_without_load_is_counted_from(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rollbench.comparison.gate.judged.unloaded_place", lambda *_: 2e-6)
     found = stored(scene())
-    verdict = value_verdict("x", GivenValue(DISPLACEMENT, 2.005e-5), scene(), found, Limits())
+    verdict = value_verdict("x", GivenValue(judging.DISPLACEMENT, 2.005e-5), scene(), found, Limits())
     assert verdict.word == "pass"
     assert verdict.detail == "from the place without loads, by refined 2 um"
 
@@ -196,9 +187,9 @@ def test_a_place_without_load_is_counted_from(monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.parametrize("text", ["rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1"])
 def test_faulty_limits(text: str) -> None:
     with pytest.raises(InputError, match="--limit: got"):
-        parse_limits([text])
+        judging.parse_limits([text])
     with pytest.raises(InputError, match="each once"):
-        parse_limits(["life=1", "life=2"])
+        judging.parse_limits(["life=1", "life=2"])
 
 
 @pytest.mark.parametrize(
@@ -225,7 +216,7 @@ def test_values_of_several_loads_and_decimal_commas(tmp_path: Path) -> None:
         "quantity;value;unit;where;who\nrigidity;210,5;N/um;2,5 kN\nlife;3;million revolutions\n"
     )
     found, unknown = read_values(tmp_path / "v.csv")
-    assert found == [GivenValue(RIGIDITY, 210.5e6, 2500.0, None, "2,5 kN"), GivenValue(LIFE, 3.0)]
+    assert found == [GivenValue(judging.RIGIDITY, 210.5e6, 2500.0, None, "2,5 kN"), GivenValue(judging.LIFE, 3.0)]
     assert unknown == ('"who"',)
 
 

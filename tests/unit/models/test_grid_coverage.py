@@ -16,16 +16,7 @@ from rollbench.comparison.reference.grid_parts import both_flanks, moving, read
 from rollbench.comparison.reference.levels import ADVISED, LEVELS
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.sections.grid_coverage import (
-    MANY,
-    Held,
-    coverage,
-    coverage_of,
-    experience,
-    judges,
-    levelled,
-    share_of,
-)
+from rollbench.comparison.sections import grid_coverage
 from rollbench.comparison.wings.crosscheck.data import load, shipped
 from rollbench.comparison.wings.crosscheck.fit import extrapolate
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
@@ -38,19 +29,19 @@ pytestmark = pytest.mark.xdist_group("grid_coverage")
 STUDY = Study()
 
 
-def worst(held: list[Held]) -> float:
+def worst(held: list[grid_coverage.Held]) -> float:
     """Least share of the scenes of 40 contacts or more."""
-    return min(h.share for h in held if h.contacts >= MANY)
+    return min(h.share for h in held if h.contacts >= grid_coverage.MANY)
 
 
 def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
     """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more under 88 %; no level far off."""
-    several = [h for h in coverage(STUDY) if h.level > min(LEVELS)]
-    assert 0.93 <= share_of(several) <= 0.99
+    several = [h for h in grid_coverage.coverage(STUDY) if h.level > min(LEVELS)]
+    assert 0.93 <= grid_coverage.share_of(several) <= 0.99
     assert worst(several) >= 0.88
     assert all(h.judge > h.level for h in several)
     for level in (2, 3):
-        assert 0.93 <= share_of([h for h in several if h.level == level]) <= 0.99
+        assert 0.93 <= grid_coverage.share_of([h for h in several if h.level == level]) <= 0.99
 
 
 def alone(levels: tuple[int, ...]) -> np.ndarray:
@@ -59,7 +50,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     pairs = list(combinations(range(len(levels)), 2))
     columns = np.array([[float(k in pair) for k in range(len(levels))] for pair in pairs])
     rows = []
-    for loads in levelled(STUDY).values():
+    for loads in grid_coverage.levelled(STUDY).values():
         if set(levels) <= set(loads):
             y = np.array([loads[k][moving(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
@@ -76,18 +67,18 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
     assert errors[1] / errors[2] < 1.3
     finer = alone((1, 2, 3, 4))
     assert (finer[1] / finer[3], finer[0] / finer[2]) == (pytest.approx(1.45, abs=0.1), pytest.approx(2.03, abs=0.1))
-    held = coverage_of(STUDY, ADVISED)
-    first = {h.scene: h.bar for h in coverage(STUDY) if h.level == min(ADVISED)}
+    held = grid_coverage.coverage_of(STUDY, ADVISED)
+    first = {h.scene: h.bar for h in grid_coverage.coverage(STUDY) if h.level == min(ADVISED)}
     assert np.median([first[h.scene] / h.bar for h in held]) > 1.5
     assert len(held) >= 17
-    assert 0.93 <= share_of(held) <= 0.99
-    assert min(h.share for h in held if h.contacts >= MANY) >= 0.88
+    assert 0.93 <= grid_coverage.share_of(held) <= 0.99
+    assert min(h.share for h in held if h.contacts >= grid_coverage.MANY) >= 0.88
 
 
 def test_displacements_of_the_advised_levels_are_held_too() -> None:
     """On level 4: each by the change of all; by its own alone 80 % were."""
     held = []
-    for name, loads in levelled(STUDY).items():
+    for name, loads in grid_coverage.levelled(STUDY).items():
         if {*ADVISED, 4} <= set(loads):
             advised, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
             limits = {row["quantity"]: row["level 4"] for row in finer}
@@ -99,7 +90,7 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
 
 def test_drawn_judges_are_those_of_the_rule() -> None:
     """Chosen by a seed among the small ones, whatever their bars hold; their scenes are those of the survey."""
-    loads, scenes = judges(shipped_store())
+    loads, scenes = grid_coverage.judges(shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
     assert set(scenes) == set(known)
@@ -113,15 +104,15 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
     """Of each scene by that of all others, with what the level has wrong beside free faces, which is no experience."""
-    rows = [h for h in coverage(STUDY) if h.level == min(LEVELS)]
-    assert 0.93 <= share_of(rows) <= 0.99
+    rows = [h for h in grid_coverage.coverage(STUDY) if h.level == min(LEVELS)]
+    assert 0.93 <= grid_coverage.share_of(rows) <= 0.99
     assert worst(rows) >= 0.88
     assert np.median([h.bar for h in rows]) < 0.15
     assert all(0.08 < h.bar < 0.5 for h in rows)
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
-    kept, found = read(shipped_store()), experience(STUDY)
+    kept, found = read(shipped_store()), grid_coverage.experience(STUDY)
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )
@@ -136,8 +127,8 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
 def test_changes_between_levels_are_those_of_independent_errors() -> None:
     """Consecutive changes correlate by -0.5; extrapolated by their orders, loads lie further from the next level."""
     correlations, plain, further = [], [], []
-    for loads in levelled(STUDY).values():
-        if not {1, 2, 3, 4} <= set(loads) or not moving(loads).sum() >= MANY:
+    for loads in grid_coverage.levelled(STUDY).values():
+        if not {1, 2, 3, 4} <= set(loads) or not moving(loads).sum() >= grid_coverage.MANY:
             continue
         y = np.stack([loads[k][moving(loads)] / mean_load(loads[4]) for k in (1, 2, 3, 4)])
         correlations.append(np.corrcoef(y[2] - y[1], y[3] - y[2])[0, 1])
@@ -152,7 +143,7 @@ def test_changes_between_levels_are_those_of_independent_errors() -> None:
 def test_the_table_shows_every_scene_and_all() -> None:
     table = coverage_table(STUDY)
     scenes = [row["scene"] for row in table.rows]
-    assert set(levelled(STUDY)) < set(scenes)
+    assert set(grid_coverage.levelled(STUDY)) < set(scenes)
     assert scenes[-1] == "all"
     assert "lie within them; in the worst scene with 40 contacts" in table.note
     assert coverage_table(Study((shipped_store() / "nowhere",))) is None

@@ -14,14 +14,7 @@ from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.reference import LABELS as NAMES
 from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
 from rollbench.comparison.wings.bench.sections import reference_time
-from rollbench.comparison.wings.bench.sections.reference_time import (
-    FLOOR,
-    TimePoint,
-    error_range,
-    time_figures,
-    time_panel,
-    time_table,
-)
+from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, time_figures, time_panel, time_table
 from rollbench.comparison.wings.mesh_study import section as reference_mesh
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Panel, Series
@@ -36,15 +29,15 @@ def stored() -> dict[str, Reference]:
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:
     found = stored()["lin-case1"]
-    assert error_range(found.load, found)[0] == 0.0
-    error, rms, low, high = error_range(found.best.load, found)
+    assert reference_time.error_range(found.load, found)[0] == 0.0
+    error, rms, low, high = reference_time.error_range(found.best.load, found)
     mean = found.load[found.load > 0.0].mean()
     off = 100.0 * np.abs(found.best.load - found.load) / mean
     bar = 100.0 * found.uncertainty / mean
     assert (error, low) == (pytest.approx(off.max()), pytest.approx(max(0.0, (off - bar).max())))
     assert high == pytest.approx((off + bar).max())
     shifted = found.load * 1.05
-    error, rms, low, high = error_range(shifted, found)
+    error, rms, low, high = reference_time.error_range(shifted, found)
     assert 0.0 < low < error < high
     assert rms < error
 

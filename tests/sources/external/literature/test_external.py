@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.sources.entries import check, keys
+from tests.sources.entries import check, keys, of_source
 
-from rollbench.comparison.printed.printed_data import tables
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.schema import FrictionKeys
 from rollbench.comparison.sources.external.evidence import bearings, case, screws
@@ -22,27 +21,15 @@ from rollbench.meshes.parts import Friction
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-TABLES = (
-    "external-contact",
-    "external-equivalent",
-    "external-gmn",
-    "external-harris",
-    "external-masta",
-    "external-nsk",
-    "external-sjovall",
-    "external-snfa",
-    "external-thk",
-    "external-vm63",
-)
 
-
-@pytest.mark.parametrize("key", keys(*TABLES))
+@pytest.mark.parametrize("key", keys(*of_source("external")))
 def test_entry(key: str) -> None:
     check(key)
 
 
 def test_every_case_is_run_or_left_out_with_its_reason() -> None:
-    assert [name for name in tables() if name.startswith(case.PREFIX)] == list(TABLES)
+    makers = ("gmn", "harris", "masta", "nsk", "sjovall", "snfa", "thk", "vm63")
+    assert of_source("external") == [f"{case.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
     assert [row["place"] for row in left_out() if row["source"] == "other programs, makers, textbooks"] == [
         "eng-tools.dev, calculator of a 6206",
         "GMN, series KH, 25 deg",

@@ -1,10 +1,10 @@
 """Sections on external evidence and on u_val: what their tables are made of."""
 
 import numpy as np
+from tests.sources.entries import of_source, rows
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import Scatter, Validated
-from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.sections.u_val import scatter_figure, scatter_table, u_val_table
 from rollbench.comparison.sources.external.section import SOURCES, TITLES, assumed_table, stages_table, summary
 from rollbench.comparison.wings.evidence.record import Evidence
@@ -12,12 +12,12 @@ from rollbench.reports.figures import draw
 
 
 def test_every_external_table_has_a_title():
-    assert sorted(TITLES) == sorted(SOURCES) == [name for name in tables() if name.startswith("external-")]
+    assert sorted(TITLES) == sorted(SOURCES) == of_source("external")
 
 
 def test_summary_counts_what_comes_out():
-    rows = {row.key: row for row in load_table("external-masta")}
-    found = [Evidence(rows["radial"], 15.1102), Evidence(rows["tilt"], 3.65), Evidence(rows["axial"], 140.0)]
+    computed = {"radial": 15.1102, "tilt": 3.65, "axial": 140.0}
+    found = [Evidence(rows("external-masta")[key], value) for key, value in computed.items()]
     assert summary(found).startswith("2 of 3 published values and claims agree: 1 to the digits")
     assert "1 within a band" in summary(found)
 
