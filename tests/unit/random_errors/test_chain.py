@@ -25,6 +25,12 @@ def long_errors(seed=1, half=2e-6, balls=78):
     return np.random.default_rng(seed).uniform(-half, half, balls)
 
 
+def solved(load=500.0, **changes):
+    """The long chain with some changes, without errors."""
+    chain = replace(LONG, **changes)
+    return chain, chains.solve_chain(chain, np.zeros(chain.balls), load)
+
+
 def energy(u, chain, errors, load):
     """Energy [N um] of motions [um], written from the geometry; constant and exact contact angle."""
     v = u * np.cos(chain.lead_angle) * 1e-6
@@ -41,13 +47,8 @@ def energy(u, chain, errors, load):
 @pytest.mark.parametrize("load", [5.0, 60.0, 900.0])
 def test_minimum_by_brute_force(law, load):
     chain = replace(SHORT, law=law)
-    found = minimize(
-        energy,
-        np.full(5, 6.0),
-        (chain, ERRORS, load),
-        method="Nelder-Mead",
-        options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True},
-    )
+    options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True}
+    found = minimize(energy, np.full(5, 6.0), (chain, ERRORS, load), method="Nelder-Mead", options=options)
     s = chains.solve_chain(chain, ERRORS, load)
     assert s.converged
     assert energy(1e6 * s.motion, chain, ERRORS, load) <= found.fun + 1e-9 * abs(found.fun)
@@ -94,6 +95,9 @@ def test_conditions_of_the_minimum(law, load):
     assert np.array_equal(s.load > 0.0, s.motion > free)
     assert s.load.min() >= 0.0
     assert 0 < s.loaded <= 78
+    compiled = chains.solve_chain(chain, e, load, compiled=True)
+    assert compiled.load == pytest.approx(s.load, rel=1e-12, abs=1e-12)
+    assert compiled.stiffness == pytest.approx(s.stiffness, rel=1e-12)
 
 
 def test_two_balls_by_hand():
@@ -110,19 +114,17 @@ def test_two_balls_by_hand():
 
 
 def test_rigid_bodies_share_equally_and_load_as_hertz():
-    chain = replace(LONG, compliance=0.0, law="constant")
-    s = chains.solve_chain(chain, np.zeros(78), 5000.0)
+    chain, s = solved(5000.0, compliance=0.0, law="constant")
     assert s.load == pytest.approx(np.full(78, 5000.0 / 78 / chain.slope), rel=1e-12)
     # F = 78 slope K (slope u)^1.5
     assert s.stiffness == pytest.approx(1.5 * 5000.0 / s.displacement, rel=1e-12)
-    soft = chains.solve_chain(replace(chain, compliance=1e-20), np.zeros(78), 5000.0)
+    _, soft = solved(5000.0, compliance=1e-20, law="constant")
     assert soft.load == pytest.approx(s.load, rel=1e-6)
 
 
 def test_one_ball_is_a_hertz_contact_at_its_angle():
     """Exact: the force is along the line of the groove centres, whose length gives the approach."""
-    chain = chains.Chain(1, 7e9, 0.0, A, ANGLE, 0.0, "exact")
-    s = chains.solve_chain(chain, np.zeros(1), 300.0)
+    _, s = solved(300.0, balls=1, stiffness=7e9, compliance=0.0, lead_angle=0.0, law="exact")
     along, across = A * np.sin(ANGLE) + s.motion[0], A * np.cos(ANGLE)
     length = np.hypot(along, across)
     assert s.load[0] == pytest.approx(7e9 * (length - A) ** 1.5, rel=1e-9)
@@ -162,13 +164,6 @@ def test_motion_grows_and_falls_back_on_energy(law):
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve
     assert 4000.0 * last.motion[0] - work == pytest.approx(held, rel=2e-3)
-
-
-def test_compiled_as_interpreted():
-    for law in chains.LAWS:
-        a, b = (chains.solve_chain(replace(LONG, law=law), long_errors(5), 500.0, compiled=c) for c in (False, True))
-        assert a.load == pytest.approx(b.load, rel=1e-12, abs=1e-12)
-        assert a.stiffness == pytest.approx(b.stiffness, rel=1e-12)
 
 
 def test_displacement_of_the_source_leaves_out_segments_before_the_first_loaded_ball():
@@ -236,24 +231,11 @@ def test_calibration():
             chains.calibrated(LONG, ratio, 5000.0)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"balls": 0},
-        {"stiffness": 0.0},
-        {"compliance": -1.0},
-        {"groove_distance": 0.0},
-        {"contact_angle": 0.0},
-        {"law": "x"},
-        {"lead_angle": -0.1},
-    ],
-)
-def test_no_chain_is_refused(change):
-    with pytest.raises(ValueError, match="must"):
-        replace(LONG, **change)
-
-
-def test_bad_input_is_refused():
+def test_no_chain_and_bad_input_are_refused():
+    wrong = {"balls": 0, "stiffness": 0.0, "compliance": -1.0, "groove_distance": 0.0, "contact_angle": 0.0}
+    for name, value in (wrong | {"law": "x", "lead_angle": -0.1}).items():
+        with pytest.raises(ValueError, match="must"):
+            replace(LONG, **{name: value})
     for load in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(ValueError, match="positive"):
             chains.solve_chain(LONG, np.zeros(78), load)
