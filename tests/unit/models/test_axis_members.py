@@ -16,6 +16,7 @@ from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.parts import BallErrors
 
 SIGMA = BallErrors(sigma=0.5e-6)
+SIGMA_TEXT = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
 
 
 def drawn(parts):
@@ -43,38 +44,33 @@ def test_members_are_the_single_solves():
 
 
 def test_sets_draw_errors_of_their_own(tmp_path):
-    text = catalogue.scene_text("double-nut")
-    sigma = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
-    first, second, third = text.partition('[[sets]]\nname = "nut 2"')
+    first, second, third = catalogue.scene_text("double-nut").partition('[[sets]]\nname = "nut 2"')
     for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
         file = tmp_path / f"{alike}.toml"
-        file.write_text(first + said + sigma + second + third + said + sigma)
+        file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
         one, other = placed(catalogue.any_scene(str(file)), member=3)
         assert np.array_equal(one[1].ball_radius, other[1].ball_radius) == alike
 
 
 def test_nothing_random_is_refused():
-    with pytest.raises(InputError, match="nothing random"):
-        run_members(double_nut(), "lin", 3)
-    with pytest.raises(InputError, match="one set"):
-        run_members(drawn(double_nut()), "mei", 3)
-    with pytest.raises(InputError, match="2 to"):
-        run_members(drawn(double_nut()), "lin", 1)
+    for parts, model, count, words in (
+        (double_nut(), "lin", 3, "nothing random"),
+        (drawn(double_nut()), "mei", 3, "one set"),
+        (drawn(double_nut()), "lin", 1, "2 to"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run_members(parts, model, count)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, command):
     text = catalogue.scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
-    sigma = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
     first, second, third = text.partition('[[sets]]\nname = "nut 2"')
     file, rows = tmp_path / "small.toml", tmp_path / "rows.csv"
-    file.write_text(first + sigma + second + third + sigma)
+    file.write_text(first + SIGMA_TEXT + second + third + SIGMA_TEXT)
     words = "solve", file, "--members", "3", "--model", "lin"
     code, data = command.json(*words, "--json", "--csv", rows)
-    assert code == 0
-    assert data["seed"] == [0, 1]
-    assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
-    assert {row["set"] for row in data["balls"]} == {1, 2}
-    assert {row["index"] for row in data["balls"] if row["set"] == 2} == set(range(1, 9))
+    assert (code, data["seed"], [s["name"] for s in data["sets"]]) == (0, [0, 1], ["nut 1", "nut 2"])
+    assert {(row["set"], row["index"]) for row in data["balls"]} == {(k, i) for k in (1, 2) for i in range(1, 9)}
     table = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
     values = [float(r["set 2 mean_load_N"]) for r in table]
     assert data["sets"][1]["statistics"]["mean_load_N"]["mean"] == pytest.approx(np.mean(values), rel=1e-12)

@@ -13,7 +13,6 @@ from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.applicability import range_figure, range_table
-from rollbench.meshes.parts import Nut, Scene, Screw
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
@@ -23,8 +22,7 @@ SCENE = "lin-case1"
 
 def test_parts_combine_by_the_root_of_squares() -> None:
     parts = u_val.Uncertainty(np.array([1.0]), np.array([2.0]), np.array([2.0]), "")
-    assert parts.combined == pytest.approx([3.0])
-    assert parts.of_reference == pytest.approx([np.sqrt(5.0)])
+    assert (*parts.combined, *parts.of_reference) == pytest.approx((3.0, np.sqrt(5.0)))
 
 
 @pytest.mark.parametrize("quantity", u_val.QUANTITIES, ids=lambda q: q.name)
@@ -39,8 +37,7 @@ def test_every_part_is_there(quantity) -> None:
 def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
     ref = STUDY.reference(SCENE)
     found = u_val.uncertainty(STUDY, SCENE, u_val.QUANTITIES[0])
-    mean = ref.load[ref.load > 0.0].mean()
-    assert found.grid == pytest.approx(100.0 * ref.uncertainty / mean)
+    assert found.grid == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
@@ -68,18 +65,15 @@ def row(ratio: tuple[float, ...], grid: float, within: float) -> u_val.Validated
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
-    (exact,) = u_val.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
-    assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
     spread = tuple(np.exp([-0.03, 0.0, 0.03]))
-    (noisy,) = u_val.scatter([row(spread, 0.0, 0.5)])
-    assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
-    (less,) = u_val.scatter([row(spread, 2.0, 0.5)])
-    assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
-    (none,) = u_val.scatter([row(spread, 20.0, 0.5)])
-    assert none.scatter == 0.0
-
-
-def test_shares_of_stated_bounds() -> None:
+    for ratio, grid, bias, scattered in (
+        ((1.1, 1.1, 1.1), 0.0, 10.0, 0.0),
+        (spread, 0.0, 0.0, 3.0),
+        (spread, 2.0, 0.0, np.sqrt(3.0**2 - 1.0**2)),
+        (spread, 20.0, 0.0, 0.0),
+    ):
+        (found,) = u_val.scatter([row(ratio, grid, 0.5)])
+        assert (found.bias, found.scatter) == pytest.approx((bias, scattered), abs=1e-9)
     rows = [{"model": "a", "measured": 1.0, "expected": 2.0}, {"model": "a", "measured": 3.0, "expected": 2.0}]
     assert u_val.bound_shares(rows) == {"a": (1, 2)}
 
@@ -89,23 +83,15 @@ def test_tolerances_change_what_they_name() -> None:
     assert all(x.change(scene) not in (None, scene) for x in u_val.INPUTS)
     assert u_val.INPUTS[-1].change(STUDY.scene(SCENE)) is None
     wider = next(x for x in u_val.INPUTS if "conformity" in x.name).change(scene)
-    of_diameter = [(a.groove_radius - b.groove_radius) / (2.0 * scene.balls.radius) for a, b in pairs(wider, scene)]
+    pairs = (wider.screw, scene.screw), (wider.nut, scene.nut)
+    of_diameter = [(a.groove_radius - b.groove_radius) / (2.0 * scene.balls.radius) for a, b in pairs]
     assert of_diameter == pytest.approx([0.005, 0.005], rel=1e-9)
 
 
-def pairs(a: Scene, b: Scene) -> tuple[tuple[Screw, Screw], tuple[Nut, Nut]]:
-    """Screws and nuts of two scenes."""
-    return (a.screw, b.screw), (a.nut, b.nut)
-
-
-def test_compared_scenes_are_inside() -> None:
+def test_compared_scenes_are_inside_at_the_places_that_are_kept() -> None:
+    assert len(compared(ring=False)) + len(compared(ring=True)) == 15
     for ring in (False, True):
         assert all(outside(scene) == () for scene in compared(ring=ring))
-    assert len(compared(ring=False)) + len(compared(ring=True)) == 15
-
-
-def test_kept_places_are_those_of_the_scenes() -> None:
-    for ring in (False, True):
         found = [{d.name: pytest.approx(d.of(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared(ring=ring)]
         assert list(shipped_places(ring=ring)) == found
 
@@ -122,20 +108,14 @@ def test_kept_places_are_those_of_the_scenes() -> None:
 )  # fmt: skip
 def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> None:
     """The place that is drawn and the words of a result agree."""
-    base = STUDY.scene(SCENE)
-    result = run_model(base, "lin", Options(discretisation=False))
-    changed = change(base)
+    changed = change(STUDY.scene(SCENE))
     beyond = outside(changed)
-    form = estimate(changed, result)
+    form = estimate(changed, run_model(STUDY.scene(SCENE), "lin", Options(discretisation=False)))
+    assert (beyond == (), form.percent is None) == (not name, bool(name))
+    assert sum(r["where"] == "OUTSIDE" for r in range_table(changed).rows) == len(beyond)
     if name:
         assert any(text.startswith(name) for text in beyond)
-        assert form.percent is None
         assert any("beyond what was compared" in w or "unlike every compared" in w for w in form.words)
-        cells = [r for r in range_table(changed).rows if r["where"] == "OUTSIDE"]
-        assert len(cells) == len(beyond)
-    else:
-        assert beyond == ()
-        assert form.percent is not None
 
 
 @pytest.mark.parametrize("left", [None, "{", "[]", '{"screws": {"a": {}}, "rings": {"a": {}}}'])
@@ -172,6 +152,5 @@ def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_th
     scene = STUDY.scene("liu-screw")
     assert not outside(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
-    assert [place.descriptor.name for place in places(shorter) if place.outside] == [
-        "nut beyond the last balls over the ball's radius"
-    ]
+    beyond = [place.descriptor.name for place in places(shorter) if place.outside]
+    assert beyond == ["nut beyond the last balls over the ball's radius"]

@@ -51,41 +51,35 @@ def test_published_orders() -> None:
     ("values", "label", "text"),
     [
         ([1.0, 1.2, 1.1], convergence.NOT_MONOTONE, "not monotone"),
-        ([1.0, 1.4, 1.42], convergence.OUT_OF_RANGE, "order out of range (p = 7.27)"),
+        ([1.0, 1.4, 1.42], convergence.OUT_OF_RANGE, "order out of range (p = "),
         ([1.0, 1.4, 1.4 + 1e-5], convergence.OUT_OF_RANGE, "order out of range (p above 12)"),
-        ([1.0, 1.1, 1.3], convergence.OUT_OF_RANGE, "order out of range (p = -1.18)"),
+        ([1.0, 1.1, 1.3], convergence.OUT_OF_RANGE, "order out of range (p = "),
         ([0.0, 0.0, 0.0], convergence.HELD, "held (zero by a support or no load)"),
         ([2.0, 2.0, 2.0], convergence.HELD, "held (zero by a support or no load)"),
         ([2.0, 2.1], convergence.TOO_FEW, "fewer than three levels"),
     ],
 )
 def test_labels_say_why_there_is_no_order(values: list[float], label: str, text: str) -> None:
-    sizes = [3.0, 2.0, 1.4][-len(values) :] if len(values) < 3 else [2.0, 1.5, 1.0]
+    sizes = [2.0, 1.5, 1.0] if len(values) > 2 else [2.0, 1.4]
     found = convergence.observe(values, sizes)
-    if text.startswith("order out of range (p ="):
-        shown = float(found.text.split("=")[1].rstrip(")"))
-        expected = convergence.searched(np.array(values)[:, None], np.array(sizes)).order
-        assert shown == pytest.approx(expected, abs=0.006)
-        assert not 0.5 <= shown <= 2.0
-    else:
-        assert found.text == text
-    assert found.label == label
-    assert found.order is None
-    if label == convergence.HELD:
-        assert found.uncertainty == 0.0
-    else:
-        assert found.uncertainty > abs(values[-1] - values[-2])
+    if text.endswith("(p = "):
+        searched = convergence.searched(np.array(values)[:, None], np.array(sizes)).order
+        assert not 0.5 <= searched <= 2.0
+        text += f"{searched:.2f})"
+    assert (found.text, found.label, found.order) == (text, label, None)
+    assert found.uncertainty == 0.0 if label == convergence.HELD else found.uncertainty > abs(values[-1] - values[-2])
 
 
-def test_few_levels() -> None:
+def test_few_levels_and_the_size_of_one() -> None:
+    assert convergence.representative_size({"b_over_h": 2.0, "fine": 1.0}) == 0.5
     assert convergence.observe([2.0, 2.5], [2.0, 1.0]).uncertainty == pytest.approx(1.5)
     assert convergence.observe([2.0], [1.0]).uncertainty is None
     two = convergence.pool([[1.0, 5.0, 3.0], [1.3, 5.0 + 1e-3, 3.0]], [2.0, 1.0])
     rms = np.sqrt((0.3**2 + 1e-3**2) / 2.0)
     assert two == pytest.approx([0.9, 3.0 * rms, 0.0])
     assert np.isnan(convergence.pool([[1.0, 2.0]], [1.0])).all()
-    assert convergence.pool(np.ones((3, 2)), [3.0, 2.0, 1.0]) == pytest.approx([0.0, 0.0])
-    assert convergence.pool(np.ones((2, 2)), [2.0, 1.0]) == pytest.approx([0.0, 0.0])
+    for sizes in ([3.0, 2.0, 1.0], [2.0, 1.0]):
+        assert convergence.pool(np.ones((len(sizes), 2)), sizes) == pytest.approx([0.0, 0.0])
 
 
 @pytest.mark.parametrize(
@@ -169,21 +163,12 @@ def test_the_uncertainty_is_the_largest_of_all_orders_that_the_data_allow() -> N
     assert (ends[0] > ends[1]).any()
 
 
-def test_an_order_above_the_range_counts_as_second() -> None:
-    h = SIZES[4] / SIZES[4][-1]
-    alpha = np.random.default_rng(24).normal(size=30)
-    assert (convergence.pool(alpha * h[:, None] ** 3.5, h) > 2.0 * np.abs(alpha)).all()
-
-
-def test_an_order_below_the_range_counts_three_times() -> None:
+def test_an_order_above_the_range_counts_as_second_and_one_below_three_times() -> None:
     """No order that the data allow is believed: the source's fits of first and second order, with its factor of 3."""
-    h = SIZES[4] / SIZES[4][-1]
-    alpha = np.random.default_rng(25).normal(size=30)
+    h, rng = SIZES[4] / SIZES[4][-1], np.random.default_rng(24)
+    alpha = rng.normal(size=30)
+    assert (convergence.pool(alpha * h[:, None] ** 3.5, h) > 2.0 * np.abs(alpha)).all()
     bars = convergence.pool(alpha * h[:, None] ** -1.0, h)
     first = min(convergence.fixed(alpha * h[:, None] ** -1.0, h, both=True), key=lambda f: f.deviation)
     error = np.abs(alpha - first.residual[-1] - first.limit)
     assert bars == pytest.approx(3.0 * error + np.maximum(first.own, first.deviation) + np.abs(first.residual[-1]))
-
-
-def test_size_of_a_level() -> None:
-    assert convergence.representative_size({"b_over_h": 2.0, "fine": 1.0}) == 0.5
