@@ -65,12 +65,9 @@ def test_the_commented_cases_of_a_new_scene_are_read():
     assert not hasattr(scene_file.read(LIKE, "my.toml"), "cases"), "comments only"
 
 
-def test_a_case_holds_no_further_freedom():
+def test_a_case_holds_no_further_freedom_and_commands_of_one_load_case_refuse_several():
     text = scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
     with pytest.raises(SceneError, match=r"cases\[0\].supports\[0\].displace.uz.*allowed: ux, uy, rx, ry, rz"):
         scene_file.read(text + 'displace = { uz = "1 um" }\n', "a.toml")
-
-
-def test_commands_of_one_load_case_refuse_several():
     with pytest.raises(InputError, match=r"cases: got 3 cases; allowed: a scene without \[\[cases\]\]"):
         scene_file.loads(TEXT, "two.toml")

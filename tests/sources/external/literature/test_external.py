@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.sources.entries import check, keys, of_source
+from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.schema import FrictionKeys
@@ -13,7 +13,6 @@ from rollbench.comparison.sources.external.evidence import bearings, case, screw
 from rollbench.comparison.sources.external.gate import band_row, external_rows
 from rollbench.comparison.wings.evidence.audit import audit
 from rollbench.comparison.wings.evidence.left_out import left_out
-from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
@@ -39,20 +38,16 @@ def test_every_case_is_run_or_left_out_with_its_reason() -> None:
 
 def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
     names = [name for name in catalogue.scene_names() if name.startswith(case.PREFIX)]
-    assert len(names) == 13
-    assert all(catalogue.shipped(name).assumed for name in names)
+    assert [bool(catalogue.shipped(name).assumed) for name in names] == 13 * [True]
     assert set(case.assumptions()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
     rows = external_rows(STUDY, 7.0)
-    assert len(rows) == 78
-    assert all(row.passed for row in rows)
-    tilt = next(e for e in evidence(STUDY, "external-masta") if e.printed.key == "tilt")
-    high = tilt.printed.high or 0.0
-    row = band_row(replace(tilt, value=1.001 * high))
-    assert (row.verdict, row.limit_percent) == ("FAIL", pytest.approx(2.0))
-    assert band_row(replace(tilt, value=0.999 * high)).verdict == "ok"
+    assert [row.passed for row in rows] == 78 * [True]
+    tilt = found("external-masta:tilt")
+    beyond, within = (band_row(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
+    assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
 
 
 def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
@@ -97,6 +92,6 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
     assert [f.feedback for f in coefficients(replace(nut, friction=None), (0.1,))] == [True]
-    found = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
-    assert found.found.value == pytest.approx(941.0, rel=2e-3)
-    assert "1.09 times the printed torque" in found.reason
+    drag = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
+    assert drag.found.value == pytest.approx(941.0, rel=2e-3)
+    assert "1.09 times the printed torque" in drag.reason

@@ -21,17 +21,9 @@ from rollbench.reports.figures import draw_map
 from rollbench.reports.records import PressureMap, Text
 
 #: Ball-to-ball forces and torques of the low-order models.
-LOW = {
-    "lin-pair-a": 4.0651,
-    "lin-pair-b": 0.0,
-    "lin-screw-pair-a": 0.98316,
-    "lin-screw-pair-a-inferred": 1.96154,
-    "lin-screw-pair-b": 1.29143,
-    "lin-screw-pair-b-inferred": 2.94679,
-    "lin-rotary-1": 2.31871,
-    "lin-rotary-2": 20.2245,
-    "lin-rotary-3": 35.5259,
-}
+LOW = {"lin-pair-a": 4.0651, "lin-pair-b": 0.0, "lin-screw-pair-a": 0.98316, "lin-screw-pair-b": 1.29143}
+LOW |= {"lin-screw-pair-a-inferred": 1.96154, "lin-screw-pair-b-inferred": 2.94679}
+LOW |= {"lin-rotary-1": 2.31871, "lin-rotary-2": 20.2245, "lin-rotary-3": 35.5259}
 #: A grid beyond those of a run.
 BEYOND = (26, 38)
 

@@ -67,15 +67,12 @@ def test_bands_are_those_of_the_ensemble(row) -> None:
 
 
 def test_other_draws_give_the_same_percentiles() -> None:
-    """Another seed: every percentile within four standard errors of both samples."""
+    """Another seed: every percentile within four standard errors of both samples. All drawn screws converge."""
     other = solve_ensemble(case.screw(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
         a, b = place(row), percentile(other.of("largest", load), row.value, row.tolerance)
         assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
-
-
-def test_all_drawn_screws_converge() -> None:
     for half_range in case.LOADS:
         ensemble = case.drawn(half_range)
         assert ensemble.failed == 0
@@ -83,13 +80,10 @@ def test_all_drawn_screws_converge() -> None:
 
 
 def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
-    """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N."""
+    """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N. Medians of the counts at
+    1000 N add up to all balls, and the printed ones are too many."""
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
     assert all(words in drawn.fewer_given(3, 42, 78) for words in ("1707 screws", " 1707 have"))
-
-
-def test_unloaded_is_what_is_not_loaded() -> None:
-    """Medians of the counts at 1000 N add up to all balls, and the printed ones are too many."""
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
         loaded = float(np.median(case.sample(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
