@@ -42,7 +42,7 @@ def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -
     assert read(tmp_path) == KNOWN
 
 
-def test_the_total_of_a_preloaded_scene(monkeypatch) -> None:
+def test_the_total_of_a_preloaded_scene() -> None:
     scene, found = STUDY.scene("lin-case3"), STUDY.reference("lin-case3")
     whole = total(scene, found)
     assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
@@ -51,14 +51,12 @@ def test_the_total_of_a_preloaded_scene(monkeypatch) -> None:
     assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0]).max()))
     assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
     assert 0.0 < whole.percent < 15.0
-    monkeypatch.setattr(total_uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
-    assert total(scene, found).inputs is None, "no known inputs where the cheap model does not suit"
 
 
-def test_discretisation_s_part_is_its_largest_bar_over_the_mean_load() -> None:
-    for bar, percent in ((True, 2.0), (False, 0.0)):
-        found = SimpleNamespace(uncertainty=np.array([[1.0, 4.0]]), mean=200.0, parts=SimpleNamespace(bar=bar))
-        assert uncertainty_percent(found) == pytest.approx(percent, abs=1e-12)
+@pytest.mark.parametrize(("bar", "percent"), [(True, 2.0), (False, 0.0)])
+def test_discretisation_s_part_is_its_largest_bar_over_the_mean_load(bar: bool, percent: float) -> None:
+    found = SimpleNamespace(uncertainty=np.array([[1.0, 4.0]]), mean=200.0, parts=SimpleNamespace(bar=bar))
+    assert uncertainty_percent(found) == pytest.approx(percent, abs=1e-12)
 
 
 def test_large_displacements_take_more_of_a_heavier_contact() -> None:
@@ -70,3 +68,9 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
     eight = replace(found, load=8.0 * found.load)
     assert second_order(scene, eight) == pytest.approx(2.0 * second_order(scene, found), rel=1e-6)
     assert second_order(scene, replace(found, load=0.0 * found.load)) == 0.0
+
+
+def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:
+    scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
+    monkeypatch.setattr(total_uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
+    assert total(scene, found).inputs is None

@@ -65,15 +65,18 @@ def row(ratio: tuple[float, ...], grid: float, within: float) -> u_val.Validated
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
+    (exact,) = u_val.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
+    assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
     spread = tuple(np.exp([-0.03, 0.0, 0.03]))
-    for ratio, grid, bias, scattered in (
-        ((1.1, 1.1, 1.1), 0.0, 10.0, 0.0),
-        (spread, 0.0, 0.0, 3.0),
-        (spread, 2.0, 0.0, np.sqrt(3.0**2 - 1.0**2)),
-        (spread, 20.0, 0.0, 0.0),
-    ):
-        (found,) = u_val.scatter([row(ratio, grid, 0.5)])
-        assert (found.bias, found.scatter) == pytest.approx((bias, scattered), abs=1e-9)
+    (noisy,) = u_val.scatter([row(spread, 0.0, 0.5)])
+    assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
+    (less,) = u_val.scatter([row(spread, 2.0, 0.5)])
+    assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
+    (none,) = u_val.scatter([row(spread, 20.0, 0.5)])
+    assert none.scatter == 0.0
+
+
+def test_shares_of_stated_bounds() -> None:
     rows = [{"model": "a", "measured": 1.0, "expected": 2.0}, {"model": "a", "measured": 3.0, "expected": 2.0}]
     assert u_val.bound_shares(rows) == {"a": (1, 2)}
 
@@ -88,10 +91,14 @@ def test_tolerances_change_what_they_name() -> None:
     assert of_diameter == pytest.approx([0.005, 0.005], rel=1e-9)
 
 
-def test_compared_scenes_are_inside_at_the_places_that_are_kept() -> None:
-    assert len(compared(ring=False)) + len(compared(ring=True)) == 15
+def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
         assert all(outside(scene) == () for scene in compared(ring=ring))
+    assert len(compared(ring=False)) + len(compared(ring=True)) == 15
+
+
+def test_kept_places_are_those_of_the_scenes() -> None:
+    for ring in (False, True):
         found = [{d.name: pytest.approx(d.of(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared(ring=ring)]
         assert list(shipped_places(ring=ring)) == found
 
@@ -108,14 +115,20 @@ def test_compared_scenes_are_inside_at_the_places_that_are_kept() -> None:
 )  # fmt: skip
 def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> None:
     """The place that is drawn and the words of a result agree."""
-    changed = change(STUDY.scene(SCENE))
+    base = STUDY.scene(SCENE)
+    result = run_model(base, "lin", Options(discretisation=False))
+    changed = change(base)
     beyond = outside(changed)
-    form = estimate(changed, run_model(STUDY.scene(SCENE), "lin", Options(discretisation=False)))
-    assert (beyond == (), form.percent is None) == (not name, bool(name))
-    assert sum(r["where"] == "OUTSIDE" for r in range_table(changed).rows) == len(beyond)
+    form = estimate(changed, result)
     if name:
         assert any(text.startswith(name) for text in beyond)
+        assert form.percent is None
         assert any("beyond what was compared" in w or "unlike every compared" in w for w in form.words)
+        cells = [r for r in range_table(changed).rows if r["where"] == "OUTSIDE"]
+        assert len(cells) == len(beyond)
+    else:
+        assert beyond == ()
+        assert form.percent is not None
 
 
 @pytest.mark.parametrize("left", [None, "{", "[]", '{"screws": {"a": {}}, "rings": {"a": {}}}'])

@@ -1,6 +1,5 @@
 """Jobs of the 3D reference: plan, what is missing, what is kept and told, levels of the command line."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,7 +11,6 @@ from tests.reference_records import bodies_of, run_of
 from rollbench.comparison.commands.comparing import study
 from rollbench.comparison.commands.comparing.compare_output import levels_text
 from rollbench.comparison.commands.comparing.study import code_of, parse_levels, unconverged
-from rollbench.comparison.commands.reporting.report import compute_references
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.verdict import Limits, judge
 from rollbench.comparison.models import comparison
@@ -29,28 +27,13 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.mesh_study.command import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies
 
-CASE1 = catalogue.scene("lin-case1")
-
-
-def run_at(level: int, load: float = 1.0) -> Run:
-    """A run of case 1 with equal loads."""
-    return run_of("lin-case1", level, np.full((32, 4), load))
-
-
-def computes(monkeypatch: pytest.MonkeyPatch, result: Callable[[Task], object]) -> None:
-    """Let tasks have this result in place of what would be computed."""
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: result(task))
-
-
-def ensured(tasks: list[Task], store: Path, step: Callable[[str], object] = lambda _: None, **options: object) -> list[Run]:
-    return jobs.ensure(tasks, store, jobs.Engine(), step, **options)
-
 
 def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
-    task, run = Task((CASE1,), 1), run_at(1)
-    save(tmp_path, CASE1, run)
+    scene = catalogue.scene("lin-case1")
+    task, run = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
+    save(tmp_path, scene, run)
     assert jobs.missing([task], (tmp_path,)) == [task]
-    jobs.keep(tmp_path, task, [run], bodies_of(CASE1, 1))
+    jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
     assert jobs.missing([task], (tmp_path,)) == []
 
 
@@ -83,31 +66,40 @@ def test_cores_are_divided_among_workers(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
-    scenes = [CASE1, catalogue.scene("lin-case2")]
+    scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
     tasks = jobs.plan(scenes, (1, 2), ("land",), ablate=True)
     planned = {(t.level, t.variant, t.ablate, len(t.scenes)) for t in tasks}
     assert planned == {(1, "", True, 2), (2, "", False, 2), (1, "land", False, 1)}
-    assert [t.level for t in jobs.plan([CASE1], (1, 2, 3), source=True)] == [1, 3, 2, 0], "the coarsest level first"
-    save(tmp_path, CASE1, run_at(2))
-    save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, np.ones((32, 4))), without={}))
+    loads = np.ones((32, 4))
+    save(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
+    save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
     left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.missing(tasks, (tmp_path,))}
     assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
 
 
+def test_the_coarsest_level_comes_first_and_is_told() -> None:
+    scene = catalogue.scene("lin-case1")
+    assert [t.level for t in jobs.plan([scene], (1, 2, 3), source=True)] == [1, 3, 2, 0]
+
+
 def test_what_is_kept_is_told_while_more_is_to_come(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case1")
     heard: list[tuple[int, bool]] = []
-    computes(monkeypatch, lambda task: ([run_at(task.level)], None))
+    loads = np.ones((32, 4))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([run_of("lin-case1", task.level, loads)], None))
+    tasks = jobs.plan([scene], (1, 2))
 
     def note(task: Task) -> None:
-        heard.append((task.level, load(CASE1, task.level, stores=(tmp_path,)) is not None))
+        heard.append((task.level, load(scene, task.level, stores=(tmp_path,)) is not None))
 
-    ensured(jobs.plan([CASE1], (1, 2)), tmp_path, stored=note)
+    jobs.ensure(tasks, tmp_path, jobs.Engine(), lambda _: None, stored=note)
     assert heard == [(1, True)]
 
 
 @pytest.mark.parametrize("command", ["compare", "mesh-study"])
 def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
-    computes(monkeypatch, lambda task: ([load(CASE1, task.level, stores=(shipped_store(),))], None))
+    known = {k: load(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([known[task.level]], None))
     engine = jobs.Engine()
     if command == "compare":
         study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
@@ -119,67 +111,76 @@ def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, m
 
 
 def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenes = [catalogue.scene("lin-case1")]
     said: list[str] = []
 
-    def result(task: Task) -> tuple[list[Run], CondensedBodies]:
+    def fake(task: Task, _: object) -> tuple[list[Run], CondensedBodies]:
         if task.level == 2:
             raise KeyboardInterrupt
-        return [run_at(task.level)], bodies_of(CASE1, task.level)
+        return [run_of("lin-case1", task.level, np.ones((32, 4)))], bodies_of(scenes[0], task.level)
 
-    computes(monkeypatch, result)
-    tasks = [Task((CASE1,), level) for level in (1, 2)]
+    monkeypatch.setattr(jobs, "compute_with_bodies", fake)
+    tasks = [Task((scenes[0],), level) for level in (1, 2)]
     with pytest.raises(KeyboardInterrupt):
-        ensured(tasks, tmp_path, said.append)
-    kept = {path(tmp_path, CASE1, run_at(1)).name for path in (path_in, bodies_path)}
+        jobs.ensure(tasks, tmp_path, jobs.Engine(), said.append)
+    run = run_of("lin-case1", 1, np.ones((32, 4)))
+    kept = {path_in(tmp_path, scenes[0], run).name, bodies_path(tmp_path, scenes[0], run).name}
     assert {p.name for p in tmp_path.iterdir()} == kept
     assert jobs.missing(tasks, (tmp_path,)) == [tasks[1]]
     assert any("[1/2]" in line and "s left" in line for line in said)
 
 
 def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    said, task = list[str](), Task((CASE1,), 1)
+    scene = catalogue.scene("lin-case1")
+    said: list[str] = []
     reason = "a contact reaches the rim of its patch: it needs 1.6 mm,\nhas 1.5 mm"
-    computes(monkeypatch, lambda _: ([replace(run_at(1), status=reason)], None))
-    found = ensured([task], tmp_path, said.append)
+    failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status=reason)
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([failed], None))
+    found = jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append)
     assert [run.status for run in found] == [reason]
     assert list(tmp_path.iterdir()) == []
     assert all("\n" not in line for line in said)
     assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
-    assert jobs.missing([task], (tmp_path,)) == [task]
+    assert len(jobs.missing([Task((scene,), 1)], (tmp_path,))) == 1
     words = str(unconverged("lin-case1", found))
     assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
     assert "\n" not in words
 
 
 def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Path, monkeypatch) -> None:
-    said, status = list[str](), "not settled: loads may still move by 0.5 N after 30 updates of directions and gaps"
-    first, good = run_at(1, 99.0), run_at(2, 100.0)
-    computes(monkeypatch, lambda _: ([replace(first, status=status, moving=0.5)], None))
-    assert ensured([Task((CASE1,), 1)], tmp_path, said.append) == []
+    scene, said = catalogue.scene("lin-case1"), list[str]()
+    status = "not settled: loads may still move by 0.5 N after 30 updates of directions and gaps"
+    first, good = run_of("lin-case1", 1, np.full((32, 4), 99.0)), run_of("lin-case1", 2, np.full((32, 4), 100.0))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([replace(first, status=status, moving=0.5)], None))
+    assert jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append) == []
     assert any(status in line and "not stored" not in line for line in said)
-    kept = load(CASE1, 1, stores=(tmp_path,))
+    kept = load(scene, 1, stores=(tmp_path,))
     assert (kept.status, kept.moving) == (status, 0.5)
-    moved = replace(good, status=status, moving=0.5)
-    alone, settled, found = (reference_of("lin-case1", CASE1, runs) for runs in ((kept,), (first, good), (first, moved)))
+    alone = reference_of("lin-case1", catalogue.scene("lin-case1"), (kept,))
     assert alone.unsettled == f"level 1 {status}"
     assert (alone.uncertainty >= 0.5).all()
+    settled = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, good))
+    found = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5)))
     assert settled.unsettled == ""
     np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
     assert (code_of([settled]), code_of([settled, found])) == (0, 5)
-    assert status in levels_text(found, total(CASE1, found))
-    limit = 1.0 + float(settled.uncertainty.max()) + 0.2
+    assert status in levels_text(found, total(scene, found))
+    limit = 1.0 + 100.0 * float(settled.uncertainty.max()) / 100.0 + 0.2
     before, after = (judge("mine", np.full((32, 4), 101.0), r, Limits(limit))[0] for r in (settled, found))
     assert (before.word, after.word) == ("pass", "undecided")
     assert status in after.detail
 
 
 def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    task = Task((CASE1,), 1)
-    jobs.keep(tmp_path, task, [run_at(1)], bodies_of(CASE1, 1))
-    computes(monkeypatch, lambda _: ([run_at(1, 2.0)], bodies_of(CASE1, 1)))
-    for fresh, found in ((False, 1.0), (True, 2.0)):
-        ensured([task], tmp_path, fresh=fresh)
-        assert load(CASE1, 1, stores=(tmp_path,)).load.max() == found
+    scene = catalogue.scene("lin-case1")
+    task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
+    jobs.keep(tmp_path, task, [old], bodies_of(scene, 1))
+    fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
+    jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
+    assert load(scene, 1, stores=(tmp_path,)).load.max() == 1.0
+    jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None, fresh=True)
+    assert load(scene, 1, stores=(tmp_path,)).load.max() == 2.0
 
 
 def test_levels_of_the_command_line() -> None:
@@ -191,6 +192,8 @@ def test_levels_of_the_command_line() -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rollbench.comparison.commands.reporting.report import compute_references
+
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
     for made in (Study((tmp_path,)), Study((tmp_path,), quick=True), Study(None)):
