@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.load_cases import case
 
 import rollbench
 from rollbench.comparison.reference.tasks import groups
@@ -14,23 +15,7 @@ from rollbench.lowfi.rating.life import life, over_cases
 
 PARTS = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.0")
 PARTS = PARTS.replace('length = "48 mm"', 'length = "30 mm"')
-CASES = """
-[[cases]]
-name = "rapid"
-share = 0.7
-[[cases.loads]]
-at = "0 mm"
-force = ["0 N", "0 N", "300 N"]
-
-[[cases]]
-name = "cutting"
-share = 0.3
-
-[[cases]]
-name = "warm"
-share = 0
-oversize = "1 um"
-"""
+CASES = case("rapid", "300 N", share=0.7) + case("cutting", share=0.3) + case("warm", share=0, oversize="1 um")
 NUTS, NAMES = ["nut 1", "nut 2"], ["rapid", "cutting", "warm"]
 
 
@@ -83,14 +68,14 @@ def test_loads_on_housings_are_those_of_the_case_and_cases_share_their_bodies_bu
     forces = [scene.housings[0].force[2] for scene in (cycle.parts, cycle.cases[0].scene)]
     assert forces == [3000.0, 500.0]
     text = PARTS + CASES + '[[cases.loads]]\nat = "100 mm"\nforce = ["0 N", "0 N", "9 N"]\n'
-    cases = [case.scene for case in scene_file.read(text, "dn.toml").cases]
+    cases = [one.scene for one in scene_file.read(text, "dn.toml").cases]
     assert [[scene.name for scene in group] for group in groups(cases)] == [["dn-rapid", "dn-cutting"], ["dn-warm"]]
 
 
 def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(command, tmp_path: Path) -> None:
     path = written(tmp_path)
     file, off = loads_of(command, tmp_path, path), loads_of(command, tmp_path, path, cutting_2=0.8)
-    each = [(case, nut) for case in NAMES for nut in NUTS]
+    each = [(name, nut) for name in NAMES for nut in NUTS]
     code, found = command.json("check", path, "--model", "lin", "--reference", file, "--json")
     assert (code, found["verdict"]) == (0, "pass")
     assert [(v["case"], v["set"]) for v in found["verdicts"]] == each

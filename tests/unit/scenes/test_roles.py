@@ -42,14 +42,19 @@ def test_headings_say_what_whole_scenes_say():
         assert (catalogue.heading(name)["title"], catalogue.kind(name)) == (scene.title, scene_file.kind_of(scene)), name
 
 
-def test_list_and_solve_import_no_slow_package():
-    """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial."""
-    asked = "import sys; import {}; print(sorted({{'numba', 'scipy.{}', 'pydantic'}} & sys.modules.keys()))"
-    for module, package, found in (
-        ("rollbench.comparison.commands.listing", "linalg", "[]"),
-        ("rollbench.comparison.commands.solving.solve", "linalg", "[]"),
-        ("rollbench.comparison.commands.solving.solve", "special", "[]"),
-        ("rollbench.comparison.wings.friction.solve", "spatial", "[]"),
+DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial", "pint"}
+
+
+def test_no_slow_package_is_imported():
+    """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial; names
+    of scenes need no meshes and pictures, common units no pint."""
+    for code, heavy in (
+        ("import rollbench.comparison.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
+        ("import rollbench.comparison.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
+        ("import rollbench.comparison.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),
+        ("from rollbench.comparison.scenes import catalogue; catalogue.scene_names()", DRAWING),
+        ("from rollbench.comparison.scenes import units; units.parse('2 mm', 'length')", {"pint"}),
     ):
-        out = subprocess.run([sys.executable, "-c", asked.format(module, package)], capture_output=True, text=True)
-        assert out.stdout.strip() == found, (module, package, out.stderr)
+        asked = f"import sys; {code}; print({heavy!r} & sys.modules.keys() or 'none')"
+        out = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
+        assert out.stdout.strip() == "none", (code, out.stdout, out.stderr)

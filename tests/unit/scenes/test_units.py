@@ -1,8 +1,6 @@
 """Quantities as text: exact values, agreement of the table with pint, and refusals."""
 
 import math
-import subprocess
-import sys
 from fractions import Fraction
 
 import pytest
@@ -82,11 +80,3 @@ def test_refusals_name_value_dimension_and_example(value, dimension, reason):
     with pytest.raises(units.UnitError, match=reason) as caught:
         units.parse(value, dimension)
     assert all(words in str(caught.value) for words in (units.show(value), dimension, units.example(dimension)))
-
-
-def test_common_units_do_not_import_pint():
-    code = (
-        "import sys; from rollbench.comparison.scenes import units\n"
-        "units.parse('2 mm', 'length'); sys.exit('pint' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
