@@ -1,5 +1,6 @@
 """A scene file with three load cases of two balls between rings: small in the low order and in 3D."""
 
+import json
 from pathlib import Path
 
 from rollbench.comparison.scenes import catalogue
@@ -24,6 +25,13 @@ share = 0
 oversize = "2 um"
 """
 TEXT = scene_text("two-balls") + "\n[friction]\ncoefficient = 0.1\n" + CASES
+
+
+def case(name: str, force: str = "", **keys: object) -> str:
+    """A load case as text, with a force along the axis at the shaft's left end."""
+    said = "".join(f"{key} = {json.dumps(value)}\n" for key, value in ({"name": name} | keys).items())
+    loads = f'[[cases.loads]]\nat = "0 mm"\nforce = ["0 N", "0 N", "{force}"]\n' if force else ""
+    return f"\n[[cases]]\n{said}{loads}"
 
 
 def written(folder: Path, text: str = TEXT) -> str:

@@ -2,15 +2,25 @@
 
 from tests.evidence_study import STUDY
 
-from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 from rollbench.comparison.wings.evidence.audit import data_digest, judge, stored
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.comparison.wings.evidence.registry import evidence
 
 
-def keys(*tables: str) -> list[str]:
+def of_source(source: str) -> list[str]:
+    """Tables of a source."""
+    return [name for name in tables() if name.startswith(f"{source}-")]
+
+
+def rows(table: str) -> dict[str, Printed]:
+    """Printed entries of a table by key."""
+    return {row.key: row for row in load_table(table)}
+
+
+def keys(*names: str) -> list[str]:
     """ "table:key" of every entry."""
-    return [f"{name}:{row.key}" for name in tables for row in load_table(name)]
+    return [f"{name}:{key}" for name in names for key in rows(name)]
 
 
 def found(key: str) -> Evidence:

@@ -4,55 +4,35 @@ from collections import Counter
 
 import pytest
 from tests.evidence_study import GROUP, STUDY
+from tests.sources.entries import keys, of_source
 
-from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.wings.evidence.audit import judge, misprints
 from rollbench.comparison.wings.evidence.gate import evidence_row
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.comparison.wings.evidence.registry import by_table, evidence
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 #: Entries by class and verdict.
 COUNTS = {
-    "external": {
-        ("hard", "reproduced"): 45,
-        ("hard", "identity"): 11,
-        ("as-printed", "only as printed"): 2,
-        ("band", "band"): 78,
-        ("open", "not identifiable"): 13,
-    },
-    "liu": {
-        ("hard", "reproduced"): 14,
-        ("hard", "identity"): 4,
-        ("as-printed", "only as printed"): 1,
-        ("input", "input"): 18,
-        ("band", "band"): 41,
-        ("open", "not identifiable"): 6,
-        ("open", "contradicted"): 19,
-    },
-    "smith": {
-        ("hard", "reproduced"): 97,
-        ("hard", "identity"): 32,
-        ("as-printed", "only as printed"): 56,
-        ("input", "input"): 62,
-        ("band", "band"): 1,
-        ("open", "not identifiable"): 49,
-        ("open", "contradicted"): 43,
-    },
+    ("hard", "reproduced"): {"external": 45, "lin": 31, "liu": 14, "smith": 97},
+    ("hard", "identity"): {"external": 11, "lin": 12, "liu": 4, "smith": 32},
+    ("as-printed", "only as printed"): {"external": 2, "lin": 65, "liu": 1, "smith": 56},
+    ("as-printed", "identity"): {"lin": 4},
+    ("input", "input"): {"lin": 61, "liu": 18, "smith": 62},
+    ("band", "band"): {"external": 78, "lin": 12, "liu": 41, "smith": 1},
+    ("open", "not identifiable"): {"external": 13, "lin": 29, "liu": 6, "smith": 49},
+    ("open", "inferred"): {"lin": 3},
+    ("open", "contradicted"): {"lin": 3, "liu": 19, "smith": 43},
 }
 
 
-def of_source(source):
-    return [name for name in tables() if name.startswith(f"{source}-")]
-
-
-@pytest.mark.parametrize("source", COUNTS)
+@pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
 def test_every_entry_has_one_finding_and_one_verdict(source):
-    found = evidence(STUDY, *of_source(source))
-    assert Counter((f.printed.table, f.printed.key) for f in found) == Counter(
-        (name, row.key) for name in of_source(source) for row in load_table(name)
-    )
-    assert Counter((f.printed.cls, judge(f)[0]) for f in found) == COUNTS[source]
+    names = [name for name in of_source(source) if name in by_table()]
+    found = evidence(STUDY, *names)
+    assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
+    counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}
+    assert Counter((f.printed.cls, judge(f)[0]) for f in found) == counted
 
 
 @pytest.mark.parametrize("source", ["liu", "smith"])

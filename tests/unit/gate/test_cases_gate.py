@@ -9,6 +9,7 @@ from tests.load_cases import SHIPPED, written
 from tests.load_cases import TEXT as WITH_STORED
 
 import rollbench
+from rollbench.comparison.gate import user
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.store import load, save
 from rollbench.comparison.reference.tasks import groups, plain, settings_of
@@ -23,7 +24,6 @@ def keep(store: Path, text: str, **off: float) -> dict[str, np.ndarray]:
     """Store runs as if the 3D reference had found the loads of the model lin, but for a factor on those of some cases."""
     store.mkdir()
     shipped, out = load(SHIPPED, 1), {}
-    assert shipped is not None
     for case in scene_file.read(text, "two.toml").cases:
         settings = plain(asdict(settings_of([case.scene], 1, "")))
         found = run_model(case.scene, "lin", Options(discretisation=False)).load * off.get(case.name, 1.0)
@@ -36,16 +36,16 @@ def checked(command, store: Path, path: str, *words: object) -> tuple[int, dict]
     return command.json("check", path, "--model", "lin", "--stored", store, "--json", *words)
 
 
-def test_cases_of_one_scene_share_their_meshes() -> None:
-    cases = [case.scene for case in scene_file.read(TEXT, "two.toml").cases]
-    assert [[scene.name for scene in group] for group in groups(cases)] == [["two-rest", "two-push", "two-loose"]]
+def verdicts(found: dict) -> dict[str, str]:
+    return {one["case"]: one["verdict"] for one in found["cases"]}
 
 
 def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path: Path) -> None:
+    cases = [case.scene for case in scene_file.read(TEXT, "two.toml").cases]
+    assert [[scene.name for scene in group] for group in groups(cases)] == [["two-rest", "two-push", "two-loose"]]
     keep(tmp_path / "store", TEXT, push=0.7)
     code, found = checked(command, tmp_path / "store", written(tmp_path, TEXT), "--junit", tmp_path / "out.xml")
-    assert [one["case"] for one in found["cases"]] == ["rest", "push", "loose"]
-    assert [one["verdict"] for one in found["cases"]] == ["pass", "fail", "pass"]
+    assert verdicts(found) == {"rest": "pass", "push": "fail", "loose": "pass"}
     assert (code, found["verdict"], found["passed"]) == (1, "fail", False)
     assert found["worst_cases"] == [{"scene": "two", "case": "push", "verdict": "fail"}]
     assert found["verdicts"] == [v for one in found["cases"] for v in one["verdicts"]]
@@ -54,12 +54,8 @@ def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path: Path) -> 
     assert same.data["worst_cases"] == found["worst_cases"]
 
 
-def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undecided(
-    command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undecided(command, tmp_path, monkeypatch) -> None:
     keep(tmp_path / "store", TEXT, loose=1.07)
-    from rollbench.comparison.gate import user
-
     solve = user.run_model
 
     def lost(scene, *rest):
@@ -68,32 +64,26 @@ def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undeci
 
     monkeypatch.setattr(user, "run_model", lost)
     code, found = checked(command, tmp_path / "store", written(tmp_path, TEXT), "--max-error", "7")
-    assert [one["verdict"] for one in found["cases"]] == ["pass", "not converged", "undecided"]
+    assert verdicts(found) == {"rest": "pass", "push": "not converged", "loose": "undecided"}
     assert (code, found["worst_cases"][0]["case"]) == (1, "push")
 
 
 def test_a_case_without_reference_is_not_covered(command, tmp_path: Path) -> None:
     (tmp_path / "none").mkdir()
     code, found = checked(command, tmp_path / "none", written(tmp_path, TEXT))
-    assert [one["verdict"] for one in found["cases"]] == ["not covered"] * 3
-    assert code == 4
+    assert (code, verdicts(found)) == (4, dict.fromkeys(("rest", "push", "loose"), "not covered"))
 
 
 def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(command, tmp_path: Path) -> None:
     loads = keep(tmp_path / "store", TEXT, push=0.9)
     words = "compare", written(tmp_path, TEXT), "--model", "lin", "--store", tmp_path / "store", "--json"
     code, found = command.json(*words)
-    assert code == 0
-    assert found["scenes"] == []
-    assert [(one["scene"], one["case"], one["share"]) for one in found["cases"]] == [
-        ("two", "rest", 0.75),
-        ("two", "push", 0.25),
-        ("two", "loose", 0.0),
-    ]
+    assert (code, found["scenes"]) == (0, [])
+    shares = {("two", "rest"): 0.75, ("two", "push"): 0.25, ("two", "loose"): 0.0}
+    assert {(one["scene"], one["case"]): one["share"] for one in found["cases"]} == shares
     (whole,) = found["summary"]
     assert whole["largest_error_case"] == "push"
     by_reference = life(SHIPPED, over_cases([loads["rest"], loads["push"]], [0.75, 0.25]))
-    assert by_reference is not None
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}
@@ -108,8 +98,7 @@ def test_a_file_of_loads_is_judged_case_by_case(command, tmp_path: Path) -> None
     assert command("solve", path, "--model", "lin", "--loads-csv", loads).code == 0
     words = ("check", path, "--loads", loads, "--stored", tmp_path / "store", "--json")
     code, found = command.json(*words)
-    assert code == 1
-    assert [one["verdict"] for one in found["cases"]] == ["pass", "pass", "fail"]
+    assert (code, verdicts(found)) == (1, {"rest": "pass", "push": "pass", "loose": "fail"})
     assert found["worst_cases"][0]["case"] == "loose"
     kept = [row for row in loads.read_text().splitlines() if not row.startswith("push")]
     loads.write_text("\n".join(kept) + "\n")
@@ -117,9 +106,7 @@ def test_a_file_of_loads_is_judged_case_by_case(command, tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bodies(
-    command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bodies(command, tmp_path, monkeypatch) -> None:
     from rollbench.hifi import setup
 
     path, store, set_ups, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.prepare

@@ -34,6 +34,5 @@ def test_other_balls_and_other_flanks_are_told_and_what_is_within_the_limit_is_n
     assert "otherwise" in looks(np.roll(loads(), 3, axis=0), loads(), FLANKS, 7.0)
     other = loads()[:, [1, 0, 3, 2]]
     assert "other flanks" in looks(other, loads() + 0.1 * other, ("SR", "NL"), 7.0)
-    assert looks(1.05 * loads(), loads(), FLANKS, 12.0) == ""
-    assert looks(0.0 * loads(), loads(), FLANKS, 7.0) == ""
-    assert looks(1.5 * loads(), loads(), FLANKS, 7.0) == ""
+    for factor, limit in ((1.05, 12.0), (0.0, 7.0), (1.5, 7.0)):
+        assert looks(factor * loads(), loads(), FLANKS, limit) == ""

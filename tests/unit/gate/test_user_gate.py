@@ -2,6 +2,7 @@
 
 import csv
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -23,21 +24,20 @@ from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.meshes.parts import SIDES
 
+TWO = catalogue.scene("two-balls")
 
-def loads_csv(path: Path, factor: float, sides: tuple[str, ...] = SIDES) -> Path:
-    """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
-    found = reference(catalogue.scene("two-balls"))
-    assert found is not None
-    load = found.load.copy()
-    load[1, 1] *= factor
-    lines = [f"{b + 1},{s},{load[b, SIDES.index(s)]:.6g}" for b in range(2) for s in sides]
-    path.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
-    return path
+
+def check(scenes: list, what: Asked) -> list[Verdict]:
+    return check_scenes(scenes, what, Engine(), lambda _: None)
 
 
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
 def test_loads_of_another_program(command, tmp_path: Path, factor: float, code: int, word: str) -> None:
-    file = loads_csv(tmp_path / "mesys.csv", factor)
+    """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
+    load, file = reference(TWO).load.copy(), tmp_path / "mesys.csv"
+    load[1, 1] *= factor
+    lines = [f"{b + 1},{s},{load[b, k]:.6g}" for b in range(2) for k, s in enumerate(SIDES)]
+    file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
     found, out, err = command("check", "two-balls", "--loads", str(file), "--no-compute", "--max-error", "7")
     assert (found, err) == (code, "")
     assert out.startswith(f"{word}: two-balls, mesys.csv: ")
@@ -51,12 +51,8 @@ def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path: Pat
     code, data = command.json("check", "two-balls", str(mine), "--stored", str(tmp_path), "--json")
     assert (code, data["verdict"], data["passed"]) == (4, "not covered", False)
     first, second = data["verdicts"]
-    assert (first["scene"], first["judged"], first["word"], first["levels"]) == (
-        "two-balls",
-        "refined",
-        "pass",
-        [2, 3, 4, 5],
-    )
+    said = [first[key] for key in ("scene", "judged", "word", "levels")]
+    assert said == ["two-balls", "refined", "pass", [2, 3, 4, 5]]
     assert first["error_percent"] < 1.0
     assert first["uncertainty_percent"] > 0.0
     assert (second["scene"], second["word"], second["error_percent"]) == ("mine", "not covered", None)
@@ -65,40 +61,34 @@ def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path: Pat
 def test_a_scene_may_set_its_own_limits() -> None:
     text = scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
     scene = scene_file.loads(text, "two-balls.toml")
-    assert scene == catalogue.scene("two-balls"), "limits are no part of what is solved and stored"
-    assert key_of(scene, "", {}, (0, 3)) == key_of(catalogue.scene("two-balls"), "", {}, (0, 3))
+    assert scene == TWO, "limits are no part of what is solved and stored"
+    assert key_of(scene, "", {}, (0, 3)) == key_of(TWO, "", {}, (0, 3))
     stated, given = limits_of(scene, None), limits_of(scene, 9.0)
     assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
-    assert limits_of(catalogue.scene("two-balls"), None).largest == 7.0
-    verdicts = check_scenes([scene], asked(compute=False), Engine(), lambda _: None)
+    assert limits_of(TWO, None).largest == 7.0
+    verdicts = check([scene], asked(compute=False))
     assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
 
-def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(monkeypatch, tmp_path: Path) -> None:
     planned: list[tuple[list[str], list[int]]] = []
 
-    def refused(tasks, *_: object, **__: object) -> list[object]:  # type: ignore[no-untyped-def]
+    def refused(tasks, *_: object, **__: object) -> list[object]:
         planned.append((sorted({s.name for t in tasks for s in t.scenes}), sorted({t.level for t in tasks})))
         raise Refusal("mine", "3D reference", "no room for the contact", "deepen the groove")
 
     monkeypatch.setattr(user, "ensure", refused)
     text = scene_text("two-balls").replace('"6 um"', '"6.1 um"')
-    scenes = [scene_file.loads(text, "mine.toml"), catalogue.scene("two-balls")]
-    what = Asked((tmp_path, asked().stores[1]))
-    first, second = check_scenes(scenes, what, Engine(), lambda _: None)
+    first, second = check([scene_file.loads(text, "mine.toml"), TWO], Asked((tmp_path, asked().stores[1])))
     assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
     assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
     assert second.word == "pass"
 
 
 def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    from dataclasses import replace
-
     real = user.run_model
     monkeypatch.setattr(user, "run_model", lambda *a: replace(real(*a), status="no equilibrium"))
-    (verdict,) = check_scenes([catalogue.scene("two-balls")], asked(model="lin", compute=False), Engine(), lambda _: None)
+    (verdict,) = check([TWO], asked(model="lin", compute=False))
     assert (verdict.word, verdict.error_percent) == ("fail", None)
     assert verdict.line() == "FAIL: two-balls, lin: the model has no loads: no equilibrium"
 
@@ -106,17 +96,11 @@ def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -
 GOOD = "ball,flank,newton\n1,SL,100\n1,NR,90.5\n2,sl,0\n2,NR,80\n"
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        GOOD,
-        "\ufeff" + GOOD,
-        GOOD.replace(",", ";").replace(".", ","),
-        GOOD.replace(",", "\t"),
-        GOOD.replace("\n", "\r\n") + "\n\n",
-        "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n",
-    ],
-)
+SAVED = ["\ufeff" + GOOD, GOOD.replace(",", "\t"), GOOD.replace("\n", "\r\n") + "\n\n"]
+ORDERED = "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n"
+
+
+@pytest.mark.parametrize("text", [GOOD, *SAVED, GOOD.replace(",", ";").replace(".", ","), ORDERED])
 def test_spreadsheets_as_they_are_saved(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
     found = read_loads(tmp_path / "a.csv", 2)
@@ -156,11 +140,8 @@ ROWS = [GREEN, replace(GREEN, good=False, word="fail", note="=1+1 <b>")]
 def test_junit_is_green_only_where_it_passes() -> None:
     suite = ElementTree.fromstring(junit(ROWS))
     assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
-    cases = list(suite.iter("testcase"))
-    assert [case.find("failure") is None for case in cases] == [True, False]
-    failure = cases[1].find("failure")
-    assert failure is not None
-    assert failure.get("type") == "fail"
+    none, failure = (case.find("failure") for case in suite.iter("testcase"))
+    assert (none, failure.get("type")) == (None, "fail")
     assert "error %: 8.5; uncertainty %: 1; limit %: 7" in str(failure.get("message"))
 
 
@@ -174,15 +155,13 @@ def test_markdown_and_csv(tmp_path: Path) -> None:
     assert widths == {len(HEADS) + 1}
     rows = list(csv.reader(table(ROWS).splitlines()))
     assert (rows[0], rows[2][-1]) == (list(HEADS), "'=1+1 <b>")
-    summary = tmp_path / "summary.md"
+    summary, other = tmp_path / "summary.md", tmp_path / "b.csv"
     summary.write_text("before\n", encoding="utf-8")
     files = {"markdown_file": tmp_path / "a.md", "junit_file": tmp_path / "a.xml", "csv_file": tmp_path / "a.csv"}
-    written = publish(ROWS, **files, environment={"GITHUB_STEP_SUMMARY": str(summary)})
-    assert set(written) == {*files.values(), summary}
+    environment = {"GITHUB_STEP_SUMMARY": str(summary)}
+    assert set(publish(ROWS, **files, environment=environment)) == {*files.values(), summary}
     assert summary.read_text(encoding="utf-8") == "before\n" + text
-    assert publish(ROWS, csv_file=tmp_path / "b.csv", environment={"GITHUB_STEP_SUMMARY": str(summary)}) == [
-        tmp_path / "b.csv"
-    ]
+    assert publish(ROWS, csv_file=other, environment=environment) == [other]
 
 
 def solved_loads(command, folder: Path) -> list[dict[str, str]]:
@@ -196,16 +175,24 @@ def judged(folder: Path, rows: list[dict[str, str]], *drop: str) -> Verdict:
     lines = [",".join(heads), *(",".join(row[head] for head in heads) for row in rows)]
     (folder / "given.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     what = asked(loads=folder / "given.csv", max_error=8.0, store=folder / "none", compute=False)
-    (found,) = check_scenes([catalogue.scene("lin-case1")], what, Engine(), lambda _: None)
+    (found,) = check([catalogue.scene("lin-case1")], what)
     return found
+
+
+def changed(rows: list[dict[str, str]], column: str, of: Callable[[str], object]) -> list[dict[str, str]]:
+    """Rows with another value in a column."""
+    return [row | {column: str(of(row[column]))} for row in rows]
+
+
+def turned(ball: str) -> int:
+    """Number of a ball counted from the other end."""
+    return 33 - int(ball)
 
 
 def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path: Path) -> None:
     rows = solved_loads(command, tmp_path)
     text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
-    assert text.splitlines()[0] == "ball,flank,newton,azimuth_deg,z_mm"
-    assert "#" not in text
-    assert len(rows) == 32 * 4
+    assert (text.splitlines()[0], "#" in text, len(rows)) == ("ball,flank,newton,azimuth_deg,z_mm", False, 32 * 4)
     result = run_model(catalogue.scene("lin-case1"), "lin", Options())
     given = read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
     np.testing.assert_array_equal(given.load, result.load)
@@ -216,38 +203,29 @@ def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path: P
 
 def test_balls_are_matched_by_azimuth_and_station(command, tmp_path: Path) -> None:
     rows = solved_loads(command, tmp_path)
-    turned = [row | {"ball": str(33 - int(row["ball"]))} for row in rows]
-    found, right = judged(tmp_path, turned), judged(tmp_path, rows)
+    found, right = judged(tmp_path, changed(rows, "ball", turned)), judged(tmp_path, rows)
     assert found.error_percent == right.error_percent
     assert "32 balls are numbered otherwise in the file, and were matched by azimuth and z" in found.detail
-    named = [row | {"ball": "b" + row["ball"]} for row in rows]
-    assert judged(tmp_path, named).error_percent == right.error_percent, "with places, a number may be any name"
-    away = [row | {"z_mm": str(float(row["z_mm"]) + 5.0)} for row in rows]
+    named = judged(tmp_path, changed(rows, "ball", "b".__add__))
+    assert named.error_percent == right.error_percent, "with places, a number may be any name"
     with pytest.raises(InputError, match="the place of a ball; the nearest"):
-        judged(tmp_path, away)
+        judged(tmp_path, changed(rows, "z_mm", lambda z: float(z) + 5.0))
     with pytest.raises(InputError, match="line 2: z_mm: got x"):
         judged(tmp_path, [rows[0] | {"z_mm": "x"}, *rows[1:]])
 
 
-def test_what_loads_look_like_is_said(command, tmp_path: Path) -> None:
+def test_what_loads_look_like_is_said_and_a_file_of_several_cases_is_refused(command, tmp_path: Path) -> None:
     rows, places = solved_loads(command, tmp_path), ("azimuth_deg", "z_mm")
-    kilo = [row | {"newton": str(1e-3 * float(row["newton"]))} for row in rows]
-    found = judged(tmp_path, kilo)
-    assert found.word == "fail"
-    assert "look like kilonewtons" in found.line()
-    turned = judged(tmp_path, [row | {"ball": str(33 - int(row["ball"]))} for row in rows], *places)
-    assert "numbered the other way round: add the columns azimuth_deg and z_mm" in turned.detail
-    shifted = judged(tmp_path, [row | {"ball": str(int(row["ball"]) % 32 + 1)} for row in rows], *places)
+    found = judged(tmp_path, changed(rows, "newton", lambda x: 1e-3 * float(x)))
+    assert (found.word, "look like kilonewtons" in found.line()) == ("fail", True)
+    found = judged(tmp_path, changed(rows, "ball", turned), *places)
+    assert "numbered the other way round: add the columns azimuth_deg and z_mm" in found.detail
+    shifted = judged(tmp_path, changed(rows, "ball", lambda ball: int(ball) % 32 + 1), *places)
     assert shifted.word == "pass" or "look numbered otherwise" in shifted.detail
     other = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
-    swapped = judged(tmp_path, [row | {"flank": other[row["flank"]]} for row in rows])
-    assert "other flanks" in swapped.detail
-    wrong = judged(tmp_path, [row | {"newton": str(1.5 * float(row["newton"]))} for row in rows])
+    assert "other flanks" in judged(tmp_path, changed(rows, "flank", other.__getitem__)).detail
+    wrong = judged(tmp_path, changed(rows, "newton", lambda x: 1.5 * float(x)))
     assert (wrong.word, wrong.detail) == ("fail", "")
-
-
-def test_a_file_of_several_cases_is_refused(command, tmp_path: Path) -> None:
-    rows = solved_loads(command, tmp_path)
     judged(tmp_path, [{"case": "1"} | row for row in rows])
     with pytest.raises(InputError, match="one case"):
         judged(tmp_path, [{"case": row["ball"]} | row for row in rows])
@@ -256,7 +234,5 @@ def test_a_file_of_several_cases_is_refused(command, tmp_path: Path) -> None:
 def test_several_sets_write_their_loads_with_their_number(command, tmp_path: Path) -> None:
     command("solve", "double-nut", "--model", "lin", "--loads-csv", tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == "set,ball,flank,newton,azimuth_deg,z_mm"
-    assert len(lines) == 1 + 2 * 68 * 4
-    assert lines[1].startswith("1,1,SL,")
-    assert lines[-1].startswith("2,68,NR,")
+    assert (lines[0], len(lines)) == ("set,ball,flank,newton,azimuth_deg,z_mm", 1 + 2 * 68 * 4)
+    assert (lines[1][:7], lines[-1][:8]) == ("1,1,SL,", "2,68,NR,")

@@ -14,8 +14,7 @@ def test_a_conformity_is_the_groove_s_radius_over_the_ball_s_diameter(conformity
     """The curvature across is 1/r - 1/(2 f r), the more open the groove the larger; that of the helix adds some 1e-4."""
     scene = with_groove(catalogue.scene("lin-case1"), conformity)
     r = scene.balls.radius
-    assert scene.screw.groove_radius / (2.0 * r) == pytest.approx(conformity, rel=1e-12)
-    assert scene.nut.groove_radius / (2.0 * r) == pytest.approx(conformity, rel=1e-12)
+    assert scene.screw.groove_radius == scene.nut.groove_radius == pytest.approx(2.0 * r * conformity, rel=1e-12)
     across = nominal_curvatures(scene)[:, 0]
     assert across == pytest.approx(np.full(4, 1.0 / r - 1.0 / (2.0 * conformity * r)), rel=3e-4)
 

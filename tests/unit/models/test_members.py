@@ -1,4 +1,5 @@
-"""Members of a scene: brute force, closed-form moments, the same numbers whatever the number of workers."""
+"""Members of a scene and of several sets on one shaft: brute force, closed-form moments, own draws of each set, the same
+numbers whatever the number of workers."""
 
 import csv
 import pickle
@@ -10,28 +11,37 @@ import pytest
 from scipy import integrate
 from scipy.special import bdtr
 from scipy.stats import binom, norm
+from tests.axes import double_nut, fixed_axis
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.wings.members import members
-from rollbench.comparison.wings.members.blocks import KEPT, STEP, life_sum
+from rollbench.comparison.wings.members.blocks import KEPT, STEP, columns, contact_loads, life_sum, with_seed
 from rollbench.comparison.wings.members.members import LEVELS, _binomial_quantile, run_members, statistics
+from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.errors import without_draws
 from rollbench.meshes.parts import BallErrors, FourierTerm, SideErrors
 
 RANDOM = shipped("lin-random")
 
 
+def with_errors(**errors):
+    return replace(RANDOM, errors=replace(RANDOM.errors, **errors))
+
+
+def member_of(scene, member=0):
+    return run_model(scene, "lin", Options(member=member, discretisation=False))
+
+
 def test_members_are_the_single_solves():
     found = run_members(RANDOM, "lin", 5)
-    results = [run_model(RANDOM, "lin", Options(member=m, discretisation=False)) for m in range(5)]
-    loads = np.stack([r.load for r in results])
-    np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-12)
+    loads = np.stack([member_of(RANDOM, m).load for m in range(5)])
+    for name, of in (("mean", np.mean), ("largest", np.max), ("smallest", np.min)):
+        np.testing.assert_allclose(getattr(found.bands, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
     np.testing.assert_allclose(found.bands.deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
-    np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-12)
-    np.testing.assert_allclose(found.bands.smallest, loads.min(axis=0), rtol=1e-12)
     np.testing.assert_allclose(found.kept[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
     assert np.all(np.abs(found.bands.quantile(0.5) - np.median(loads, axis=0))[loads[0] > 0.0] <= found.bands.width)
     assert not found.failed
@@ -39,11 +49,9 @@ def test_members_are_the_single_solves():
 
 def test_the_mean_load_is_shared_out_over_the_contacts_that_the_screw_without_errors_loads():
     """64 of them, whatever a member loads: here 58 and 54 contacts bear more than a hundredth of the largest load."""
-    scene = replace(RANDOM, errors=replace(RANDOM.errors, balls=BallErrors(sigma=10e-6)))
-    found = run_members(scene, "lin", 2)
-    for k in range(2):
-        load = run_model(scene, "lin", Options(member=k, discretisation=False)).load
-        assert found.kept[k, list(KEPT).index("mean_load_N")] == pytest.approx(load.sum() / 64, rel=1e-12)
+    scene = with_errors(balls=BallErrors(sigma=10e-6))
+    found = run_members(scene, "lin", 2).kept[:, list(KEPT).index("mean_load_N")]
+    assert found == pytest.approx([member_of(scene, k).load.sum() / 64 for k in range(2)], rel=1e-12)
 
 
 def test_stiffness_is_that_of_a_small_change_of_the_load():
@@ -52,14 +60,15 @@ def test_stiffness_is_that_of_a_small_change_of_the_load():
     shift = []
     for factor in (1.0 - STEP, 1.0 + STEP):
         scene = replace(RANDOM, loads=(replace(load, force=tuple(factor * f for f in load.force)),))
-        shift.append(run_model(scene, "lin", Options(member=1, discretisation=False)).centreline[0, 2])
+        shift.append(member_of(scene, 1).centreline[0, 2])
     expected = 2.0 * STEP * load.force[2] / (shift[1] - shift[0]) * 1e-6
     assert found.kept[1, 2] == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
-    """Blocks done in any order, which travel as those of other processes do."""
+    """Blocks done in any order, which travel as those of other processes do; another seed gives other members."""
     alone = run_members(RANDOM, "lin", 12)
+    assert not np.array_equal(alone.kept, run_members(with_errors(seed=1), "lin", 12).kept)
 
     def backwards(jobs, *_):
         numbered = list(enumerate(jobs))
@@ -70,11 +79,6 @@ def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
     assert np.array_equal(alone.kept, shared.kept)
     for name in ("mean", "deviation", "smallest", "largest", "counts"):
         assert np.array_equal(getattr(alone.bands, name), getattr(shared.bands, name)), name
-
-
-def test_another_seed_gives_other_members():
-    other = replace(RANDOM, errors=replace(RANDOM.errors, seed=1))
-    assert not np.array_equal(run_members(RANDOM, "lin", 3).kept, run_members(other, "lin", 3).kept)
 
 
 def test_moments_of_balls_between_rigid_rings():
@@ -89,7 +93,7 @@ def test_moments_of_balls_between_rigid_rings():
         ingredients=replace(base.ingredients, hertz="error-free"),
     )
     found = run_members(scene, "lin", count)
-    bare = run_model(without_draws(scene), "lin", Options(discretisation=False))
+    bare = member_of(without_draws(scene))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
     both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
     start = both * bare.load[ball, side] ** (2.0 / 3.0)
@@ -108,11 +112,8 @@ def test_moments_of_balls_between_rigid_rings():
 
 def test_random_errors_are_left_out_and_others_kept():
     side = SideErrors(profile=(1e-6,), profile_sigma=(1e-6,), pitch=(FourierTerm(1.0, sin=2e-6, sigma=1e-6),))
-    scene = replace(RANDOM, errors=replace(RANDOM.errors, SL=side))
-    bare = without_draws(scene)
-    assert not bare.errors.random
-    assert bare.errors.SL.profile == (1e-6,)
-    assert bare.errors.SL.pitch == (FourierTerm(1.0, sin=2e-6),)
+    bare = without_draws(with_errors(SL=side)).errors
+    assert (bare.random, bare.SL.profile, bare.SL.pitch) == (False, (1e-6,), (FourierTerm(1.0, sin=2e-6),))
 
 
 def test_life_of_equal_loads_goes_with_their_cube():
@@ -120,10 +121,7 @@ def test_life_of_equal_loads_goes_with_their_cube():
     load[:, 0] = load[:, 3] = 100.0
     ratio = (life_sum(2.0 * load) / life_sum(load)) ** -0.9
     assert ratio == pytest.approx(1.0 / 8.0)
-    uneven = load.copy()
-    uneven[:4] *= 1.5
-    uneven[4:] *= 0.5
-    assert life_sum(uneven) > life_sum(load)
+    assert life_sum(load * np.repeat([1.5, 0.5], 4)[:, None]) > life_sum(load)
 
 
 def test_intervals_of_quantiles_cover():
@@ -145,18 +143,21 @@ def test_a_quantile_of_counts_is_the_least_that_has_the_probability(trials, chan
         assert _binomial_quantile(p, trials, chance) == np.flatnonzero(share >= p)[0]
 
 
-@pytest.mark.parametrize(
-    ("scene", "model", "count"), [("lin-case1", "lin", 5), ("lin-random", "x", 5), ("lin-random", "lin", 1)]
-)
-def test_what_cannot_be_is_refused(scene, model, count):
-    with pytest.raises(InputError):
-        run_members(shipped(scene), model, count)
+def test_quantiles_of_a_binomial_variable_are_scipys():
+    for trials, chance, p in product((2, 20, 99, 1000, 300_000), LEVELS, (0.025, 0.975)):
+        assert _binomial_quantile(p, trials, chance) == binom.ppf(p, trials, chance)
 
 
-def test_members_without_equilibrium_are_named():
-    scene = replace(RANDOM, supports=())
-    with pytest.raises(InputError, match="not held"):
-        run_members(scene, "lin", 3)
+def test_what_cannot_be_is_refused():
+    loose = replace(RANDOM, supports=())
+    for scene, model, count, words in (
+        (shipped("lin-case1"), "lin", 5, "random"),
+        (RANDOM, "x", 5, "x"),
+        (RANDOM, "lin", 1, "2 to"),
+        (loose, "lin", 3, "not held"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run_members(scene, model, count)
 
 
 FEW = ("lin-random", "--members", "4", "--model", "lin")
@@ -167,13 +168,13 @@ def test_command(tmp_path, command):
     code, data = command.json("solve", *FEW, "--seed", "7", "--csv", rows, "--json")
     assert code == 0
     assert (data["members"], data["converged"], data["seed"]) == (4, 4, 7)
-    assert data["statistics"]["largest_load_N"]["members"] == 4
-    with rows.open() as file:
-        found = list(csv.DictReader(file))
+    largest = data["statistics"]["largest_load_N"]
+    assert largest["members"] == 4
+    found = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
     assert [row["member"] for row in found] == ["0", "1", "2", "3"]
-    assert max(float(row["largest_load_N"]) for row in found) == data["statistics"]["largest_load_N"]["largest"]
     assert list(KEPT) == list(found[0])[2:]
-    assert max(ball["largest_N"] for ball in data["balls"]) == data["statistics"]["largest_load_N"]["largest"]
+    assert max(float(row["largest_load_N"]) for row in found) == largest["largest"]
+    assert max(ball["largest_N"] for ball in data["balls"]) == largest["largest"]
 
 
 def test_distributions_come_first_and_bands_where_asked_for(command):
@@ -183,7 +184,66 @@ def test_distributions_come_first_and_bands_where_asked_for(command):
         assert ("\n   32    SL" in out) == bool(options)
 
 
-@pytest.mark.parametrize("trials", [2, 20, 99, 1000, 300_000])
-def test_quantiles_of_a_binomial_variable_are_scipys(trials):
-    for chance, p in product(LEVELS, (0.025, 0.975)):
-        assert _binomial_quantile(p, trials, chance) == binom.ppf(p, trials, chance)
+SIGMA_OF_SETS = BallErrors(sigma=0.5e-6)
+SIGMA_TEXT = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
+
+
+def drawn_sets(parts):
+    sets = [replace(s, parts=replace(s.parts, errors=replace(s.parts.errors, balls=SIGMA_OF_SETS))) for s in parts.sets]
+    return with_seed(replace(parts, sets=tuple(sets)), 0)
+
+
+def test_members_of_several_sets_are_the_single_solves():
+    parts = drawn_sets(fixed_axis((0.0, 0.0, 500.0)))
+    found = run_members(parts, "lin", 3)
+    results = [run_model(parts, "lin", Options(member=m)) for m in range(3)]
+    loads = np.stack([contact_loads(r) for r in results])
+    np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
+    names = columns(parts)
+    member = dict(zip(names, found.kept[2], strict=True))
+    assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
+    assert member["stiffness_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
+    for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
+        assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
+        assert np.array_equal(loads[2][place], s.balls.load)
+        life = (life_sum(s.balls.load) / life_sum(found.bands.nominal[place])) ** -0.9
+        assert member[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
+    assert not found.failed
+
+
+def test_sets_draw_errors_of_their_own(tmp_path):
+    first, second, third = catalogue.scene_text("double-nut").partition('[[sets]]\nname = "nut 2"')
+    for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
+        file = tmp_path / f"{alike}.toml"
+        file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
+        one, other = placed(catalogue.any_scene(str(file)), member=3)
+        assert np.array_equal(one[1].ball_radius, other[1].ball_radius) == alike
+
+
+def test_several_sets_without_anything_random_are_refused():
+    for parts, model, count, words in (
+        (double_nut(), "lin", 3, "nothing random"),
+        (drawn_sets(double_nut()), "mei", 3, "one set"),
+        (drawn_sets(double_nut()), "lin", 1, "2 to"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run_members(parts, model, count)
+
+
+def test_the_command_gives_statistics_of_each_set(tmp_path, command):
+    text = catalogue.scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
+    first, second, third = text.partition('[[sets]]\nname = "nut 2"')
+    file, rows = tmp_path / "small.toml", tmp_path / "rows.csv"
+    file.write_text(first + SIGMA_TEXT + second + third + SIGMA_TEXT)
+    words = "solve", file, "--members", "3", "--model", "lin"
+    code, data = command.json(*words, "--json", "--csv", rows)
+    assert (code, data["seed"], [s["name"] for s in data["sets"]]) == (0, [0, 1], ["nut 1", "nut 2"])
+    assert {(row["set"], row["index"]) for row in data["balls"]} == {(k, i) for k in (1, 2) for i in range(1, 9)}
+    table = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
+    values = [float(r["set 2 mean_load_N"]) for r in table]
+    assert data["sets"][1]["statistics"]["mean_load_N"]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
+    code, said, _ = command(*words, "--seed", "7")
+    assert code == 0
+    assert "seed [7, 8]" in said
+    assert "set 2, nut 2" in said

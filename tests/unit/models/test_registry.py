@@ -15,9 +15,13 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.extremes.static import BACKENDS
 
 QUIET = Options(discretisation=False, engine="interpreted")
+CASE1 = catalogue.scene("lin-case1")
 
 
-def test_records_are_complete_and_labels_are_unique():
+def test_records_are_complete_labels_are_unique_and_every_model_is_compared():
+    assert compared_models(tuple(MODELS)) == list(MODELS.values())
+    with pytest.raises(InputError, match="lin-source-partition"):
+        compared_models(("ansys",))
     assert all(m.about and m.label and m.words for m in MODELS.values())
     assert len({m.label for m in MODELS.values()}) == len(MODELS)
     assert DEFAULT in MODELS
@@ -27,37 +31,26 @@ def test_records_are_complete_and_labels_are_unique():
 def test_uses_of_the_registry():
     assert [m.name for m in RUNGS] == ["lin", "lin-cell", "lin-nut", "refined", "condensed"]
     assert set(BACKENDS.values()) == {"refined", "lin-nut"}
-    axial, bent = catalogue.scene("lin-case1"), catalogue.scene("lin-case3")
     lin = ["refined", "lin", "lin-source-partition", "lin-printed-hertz"]
-    assert [m.name for m in suited(axial)] == [*lin, "mei", "mei-nut"]
-    assert [m.name for m in suited(bent)] == lin
-    rigid = replace(axial, ingredients=replace(axial.ingredients, screw="rigid"))
-    assert [m.name for m in suited(rigid)] == lin
+    rigid = replace(CASE1, ingredients=replace(CASE1.ingredients, screw="rigid"))
+    for scene, names in ((CASE1, [*lin, "mei", "mei-nut"]), (catalogue.scene("lin-case3"), lin), (rigid, lin)):
+        assert [m.name for m in suited(scene)] == names
     assert not MODELS["source"].suits(rigid)
 
 
-def test_every_model_of_the_list_is_compared():
-    assert compared_models(tuple(MODELS)) == list(MODELS.values())
-    with pytest.raises(InputError, match="lin-source-partition"):
-        compared_models(("ansys",))
-
-
 def test_a_variant_is_the_model_on_the_changed_scene():
-    scene = catalogue.scene("lin-case1")
-    changed = replace(scene, ingredients=replace(scene.ingredients, partition="source"))
-    found, expected = run_model(scene, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
+    changed = replace(CASE1, ingredients=replace(CASE1.ingredients, partition="source"))
+    found, expected = run_model(CASE1, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
     np.testing.assert_array_equal(found.load, expected.load)
-    assert found.model == "lin-source-partition"
-    assert from_result(found).model == "lin-source-partition"
-    assert np.abs(found.load - run_model(scene, "lin", QUIET).load).max() > 0.1
+    assert found.model == from_result(found).model == "lin-source-partition"
+    assert np.abs(found.load - run_model(CASE1, "lin", QUIET).load).max() > 0.1
 
 
 def test_estimate_is_no_part_of_a_run_and_speaks_for_the_source_too():
-    scene = catalogue.scene("lin-case1")
-    lin, source = (run_model(scene, name, QUIET) for name in ("lin", "source"))
-    assert not hasattr(lin, "model_form")
-    assert estimate(scene, source).percent == pytest.approx(estimate(scene, lin).percent, rel=0.02)
-    assert estimate(scene, run_model(scene, "mei", QUIET)).percent is None
+    results = [run_model(CASE1, name, QUIET) for name in ("lin", "source", "mei")]
+    assert not hasattr(results[0], "model_form")
+    lin, source, mei = (estimate(CASE1, result).percent for result in results)
+    assert (source, mei) == (pytest.approx(lin, rel=0.02), None)
 
 
 def test_a_study_makes_everything_once():
@@ -74,12 +67,8 @@ def test_a_study_makes_everything_once():
     assert list(study.references(("lin-case1", "lin-case3-ux"))) == ["lin-case1"]
 
 
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [({"nut_inner_diameter": 9e-3}, "solid.nut_inner_diameter"), ({"hole_diameter": 1.0}, "solid.hole_diameter")],
-)
-def test_a_body_that_cannot_be_built_names_its_key(changes: dict[str, float], key: str) -> None:
-    scene = catalogue.scene("lin-case1")
+@pytest.mark.parametrize(("key", "value"), [("nut_inner_diameter", 9e-3), ("hole_diameter", 1.0)])
+def test_a_body_that_cannot_be_built_names_its_key(key: str, value: float) -> None:
     with pytest.raises(InputError) as refused:
-        run_model(replace(scene, solid=replace(scene.solid, **changes)), "refined", QUIET)
-    assert refused.value.key == key
+        run_model(replace(CASE1, solid=replace(CASE1.solid, **{key: value})), "refined", QUIET)
+    assert refused.value.key == f"solid.{key}"

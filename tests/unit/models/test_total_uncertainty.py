@@ -44,10 +44,8 @@ def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -
 
 def test_the_total_of_a_preloaded_scene() -> None:
     scene, found = STUDY.scene("lin-case3"), STUDY.reference("lin-case3")
-    assert found is not None
     whole = total(scene, found)
     assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
-    assert whole.choices is not None
     assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
     parts = input_parts(STUDY, scene, QUANTITIES[0])
     assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0]).max()))
@@ -64,9 +62,7 @@ def test_discretisation_s_part_is_its_largest_bar_over_the_mean_load(bar: bool, 
 def test_large_displacements_take_more_of_a_heavier_contact() -> None:
     """By the larger semi-axis, so that a load that is eight times as large loses sixteen times as much, its mean eight."""
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
-    assert found is not None
     worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
-    assert worst is not None
     mean = found.load[found.load > 0.0].mean()
     assert second_order(scene, found) == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
     eight = replace(found, load=8.0 * found.load)
@@ -76,6 +72,5 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
 
 def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
-    assert found is not None
     monkeypatch.setattr(total_uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
     assert total(scene, found).inputs is None

@@ -6,25 +6,13 @@ import numpy as np
 import pytest
 
 from rollbench.comparison import data
+from rollbench.comparison.models import u_val
 from rollbench.comparison.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
 from rollbench.comparison.models.comparison import from_run
 from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.u_val import (
-    CONTACTS,
-    INPUTS,
-    QUANTITIES,
-    Uncertainty,
-    Validated,
-    bound_shares,
-    grid_uncertainty,
-    scatter,
-    uncertainty,
-    validated,
-)
 from rollbench.comparison.sections.applicability import range_figure, range_table
-from rollbench.meshes.parts import Nut, Scene, Screw
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
@@ -33,15 +21,13 @@ SCENE = "lin-case1"
 
 
 def test_parts_combine_by_the_root_of_squares() -> None:
-    parts = Uncertainty(np.array([1.0]), np.array([2.0]), np.array([2.0]), "")
-    assert parts.combined == pytest.approx([3.0])
-    assert parts.of_reference == pytest.approx([np.sqrt(5.0)])
+    parts = u_val.Uncertainty(np.array([1.0]), np.array([2.0]), np.array([2.0]), "")
+    assert (*parts.combined, *parts.of_reference) == pytest.approx((3.0, np.sqrt(5.0)))
 
 
-@pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda q: q.name)
+@pytest.mark.parametrize("quantity", u_val.QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
-    found = uncertainty(STUDY, SCENE, quantity)
-    assert found is not None
+    found = u_val.uncertainty(STUDY, SCENE, quantity)
     for values in (found.grid, found.model, found.inputs):
         assert np.isfinite(values).all()
         assert values.max() > 0.0
@@ -50,70 +36,59 @@ def test_every_part_is_there(quantity) -> None:
 
 def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
     ref = STUDY.reference(SCENE)
-    found = uncertainty(STUDY, SCENE, QUANTITIES[0])
-    assert ref is not None
-    assert ref.uncertainty is not None
-    assert found is not None
-    mean = ref.load[ref.load > 0.0].mean()
-    assert found.grid == pytest.approx(100.0 * ref.uncertainty / mean)
+    found = u_val.uncertainty(STUDY, SCENE, u_val.QUANTITIES[0])
+    assert found.grid == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     ref = STUDY.reference(SCENE)
-    assert ref is not None
     answer = from_run(ref.best, "3D")
-    for quantity in QUANTITIES:
-        same = validated(STUDY, SCENE, "3D", quantity, answer)
-        assert same is not None
+    for quantity in u_val.QUANTITIES:
+        same = u_val.validated(STUDY, SCENE, "3D", quantity, answer)
         assert (same.error, same.within) == (0.0, 1.0)
     larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)
-    found = {q.name: validated(STUDY, SCENE, "3D", q, larger) for q in QUANTITIES}
+    found = {q.name: u_val.validated(STUDY, SCENE, "3D", q, larger) for q in u_val.QUANTITIES}
     assert found["largest load"].error == pytest.approx(2.0)
     assert found["axial displacement"].error == pytest.approx(5.0)
-    assert found[CONTACTS].ratio == pytest.approx([1.02] * 64)
+    assert found[u_val.CONTACTS].ratio == pytest.approx([1.02] * 64)
 
 
 def test_the_largest_load_is_as_uncertain_as_its_contact() -> None:
     ref, scene = STUDY.reference("lin-case3"), STUDY.scene("lin-case3")
-    assert ref is not None
-    largest = next(q for q in QUANTITIES if q.name == "largest load")
+    largest = next(q for q in u_val.QUANTITIES if q.name == "largest load")
     bar = ref.uncertainty.ravel()[ref.load.argmax()]
-    assert grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())
+    assert u_val.grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())
 
 
-def row(ratio: tuple[float, ...], grid: float, within: float) -> Validated:
-    return Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
+def row(ratio: tuple[float, ...], grid: float, within: float) -> u_val.Validated:
+    return u_val.Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
-    (exact,) = scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
+    (exact,) = u_val.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
     assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
     spread = tuple(np.exp([-0.03, 0.0, 0.03]))
-    (noisy,) = scatter([row(spread, 0.0, 0.5)])
+    (noisy,) = u_val.scatter([row(spread, 0.0, 0.5)])
     assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
-    (less,) = scatter([row(spread, 2.0, 0.5)])
+    (less,) = u_val.scatter([row(spread, 2.0, 0.5)])
     assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
-    (none,) = scatter([row(spread, 20.0, 0.5)])
+    (none,) = u_val.scatter([row(spread, 20.0, 0.5)])
     assert none.scatter == 0.0
 
 
 def test_shares_of_stated_bounds() -> None:
     rows = [{"model": "a", "measured": 1.0, "expected": 2.0}, {"model": "a", "measured": 3.0, "expected": 2.0}]
-    assert bound_shares(rows) == {"a": (1, 2)}
+    assert u_val.bound_shares(rows) == {"a": (1, 2)}
 
 
 def test_tolerances_change_what_they_name() -> None:
     scene = STUDY.scene("lin-case3")
-    assert all(x.change(scene) not in (None, scene) for x in INPUTS)
-    assert INPUTS[-1].change(STUDY.scene(SCENE)) is None
-    wider = next(x for x in INPUTS if "conformity" in x.name).change(scene)
-    of_diameter = [(a.groove_radius - b.groove_radius) / (2.0 * scene.balls.radius) for a, b in pairs(wider, scene)]
+    assert all(x.change(scene) not in (None, scene) for x in u_val.INPUTS)
+    assert u_val.INPUTS[-1].change(STUDY.scene(SCENE)) is None
+    wider = next(x for x in u_val.INPUTS if "conformity" in x.name).change(scene)
+    pairs = (wider.screw, scene.screw), (wider.nut, scene.nut)
+    of_diameter = [(a.groove_radius - b.groove_radius) / (2.0 * scene.balls.radius) for a, b in pairs]
     assert of_diameter == pytest.approx([0.005, 0.005], rel=1e-9)
-
-
-def pairs(a: Scene, b: Scene) -> tuple[tuple[Screw, Screw], tuple[Nut, Nut]]:
-    """Screws and nuts of two scenes."""
-    return (a.screw, b.screw), (a.nut, b.nut)
 
 
 def test_compared_scenes_are_inside() -> None:
@@ -190,6 +165,5 @@ def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_th
     scene = STUDY.scene("liu-screw")
     assert not outside(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
-    assert [place.descriptor.name for place in places(shorter) if place.outside] == [
-        "nut beyond the last balls over the ball's radius"
-    ]
+    beyond = [place.descriptor.name for place in places(shorter) if place.outside]
+    assert beyond == ["nut beyond the last balls over the ball's radius"]

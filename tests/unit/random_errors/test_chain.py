@@ -9,29 +9,26 @@ from scipy.optimize import brentq, minimize
 from rollbench.comparison.scenes.catalogue import scene
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
-from rollbench.lowfi.random_errors.chain import (
-    LAWS,
-    Chain,
-    ball_stiffness,
-    calibrated,
-    end_ratio,
-    first_carrying_load,
-    free_motion,
-    solve_chain,
-)
+from rollbench.lowfi.random_errors import chain as chains
 from rollbench.lowfi.statics.mei import solve_mei
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
 
 ANGLE, LEAD, A = np.radians(45.0), np.radians(3.64), 0.191e-3
-SHORT = Chain(5, 7e9, 2e-10, A, ANGLE, LEAD)
+SHORT = chains.Chain(5, 7e9, 2e-10, A, ANGLE, LEAD)
 ERRORS = 1e-6 * np.array([-1.5, 0.7, 2.0, -2.0, 0.3])
-LONG = Chain(78, 7.1e9, 3.9e-12, A, ANGLE, LEAD)
+LONG = chains.Chain(78, 7.1e9, 3.9e-12, A, ANGLE, LEAD)
 
 
 def long_errors(seed=1, half=2e-6, balls=78):
     return np.random.default_rng(seed).uniform(-half, half, balls)
+
+
+def solved(load=500.0, **changes):
+    """The long chain with some changes, without errors."""
+    chain = replace(LONG, **changes)
+    return chain, chains.solve_chain(chain, np.zeros(chain.balls), load)
 
 
 def energy(u, chain, errors, load):
@@ -50,14 +47,9 @@ def energy(u, chain, errors, load):
 @pytest.mark.parametrize("load", [5.0, 60.0, 900.0])
 def test_minimum_by_brute_force(law, load):
     chain = replace(SHORT, law=law)
-    found = minimize(
-        energy,
-        np.full(5, 6.0),
-        (chain, ERRORS, load),
-        method="Nelder-Mead",
-        options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True},
-    )
-    s = solve_chain(chain, ERRORS, load)
+    options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True}
+    found = minimize(energy, np.full(5, 6.0), (chain, ERRORS, load), method="Nelder-Mead", options=options)
+    s = chains.solve_chain(chain, ERRORS, load)
     assert s.converged
     assert energy(1e6 * s.motion, chain, ERRORS, load) <= found.fun + 1e-9 * abs(found.fun)
     # loose balls ride on the chain: their motion is determined too
@@ -80,7 +72,7 @@ def implicit_load(u, error, chain):
 @pytest.mark.parametrize("load", [5.0, 60.0, 900.0])
 def test_source_s_implicit_angle(load):
     chain = replace(SHORT, law="implicit")
-    s = solve_chain(chain, ERRORS, load)
+    s = chains.solve_chain(chain, ERRORS, load)
     q, sine = np.array([implicit_load(u, e, chain) for u, e in zip(s.motion, ERRORS, strict=True)]).T
     assert s.load == pytest.approx(q, rel=1e-10, abs=1e-10 * load)
     tail = np.cumsum((q * sine * np.cos(LEAD))[::-1])[::-1]
@@ -88,18 +80,18 @@ def test_source_s_implicit_angle(load):
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-9)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", chains.LAWS)
 @pytest.mark.parametrize("load", [30.0, 300.0, 3000.0])
 def test_conditions_of_the_minimum(law, load):
     """Equilibrium, compatibility, no tension, no gap at a loaded ball."""
     chain, e = replace(LONG, law=law), long_errors()
-    s = solve_chain(chain, e, load)
+    s = chains.solve_chain(chain, e, load)
     k = kernels(RANDOM_ERRORS, compiled=False)
-    force = np.array([k.ball(u, x, LAWS.index(law), chain.parameters)[1] for u, x in zip(s.motion, e, strict=True)])
+    force = np.array([k.ball(u, x, chains.LAWS.index(law), chain.parameters)[1] for u, x in zip(s.motion, e, strict=True)])
     tail = np.cumsum(force[::-1])[::-1]
     assert tail[0] == pytest.approx(load, rel=1e-9)
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-8, abs=1e-18)
-    free = free_motion(chain, e)
+    free = chains.free_motion(chain, e)
     assert np.array_equal(s.load > 0.0, s.motion > free)
     assert s.load.min() >= 0.0
     assert 0 < s.loaded <= 78
@@ -107,7 +99,7 @@ def test_conditions_of_the_minimum(law, load):
 
 def test_two_balls_by_hand():
     """Constant angle, no error: k d2^1.5 carried by ball 2 stretches the one segment."""
-    chain = Chain(2, 7e9, 1e-9, A, ANGLE, LEAD, "constant")
+    chain = chains.Chain(2, 7e9, 1e-9, A, ANGLE, LEAD, "constant")
     slope, load = chain.slope, 200.0
 
     def excess(q2):
@@ -115,58 +107,56 @@ def test_two_balls_by_hand():
         return ((q1 / 7e9) ** (2 / 3) - (q2 / 7e9) ** (2 / 3)) / slope - 1e-9 * slope * q2
 
     q2 = brentq(excess, 0.0, load / slope / 2, xtol=1e-14)
-    assert solve_chain(chain, np.zeros(2), load).load == pytest.approx([load / slope - q2, q2], rel=1e-9)
+    assert chains.solve_chain(chain, np.zeros(2), load).load == pytest.approx([load / slope - q2, q2], rel=1e-9)
 
 
 def test_rigid_bodies_share_equally_and_load_as_hertz():
-    chain = replace(LONG, compliance=0.0, law="constant")
-    s = solve_chain(chain, np.zeros(78), 5000.0)
+    chain, s = solved(5000.0, compliance=0.0, law="constant")
     assert s.load == pytest.approx(np.full(78, 5000.0 / 78 / chain.slope), rel=1e-12)
     # F = 78 slope K (slope u)^1.5
     assert s.stiffness == pytest.approx(1.5 * 5000.0 / s.displacement, rel=1e-12)
-    soft = solve_chain(replace(chain, compliance=1e-20), np.zeros(78), 5000.0)
+    _, soft = solved(5000.0, compliance=1e-20, law="constant")
     assert soft.load == pytest.approx(s.load, rel=1e-6)
 
 
 def test_one_ball_is_a_hertz_contact_at_its_angle():
     """Exact: the force is along the line of the groove centres, whose length gives the approach."""
-    chain = Chain(1, 7e9, 0.0, A, ANGLE, 0.0, "exact")
-    s = solve_chain(chain, np.zeros(1), 300.0)
+    _, s = solved(300.0, balls=1, stiffness=7e9, compliance=0.0, lead_angle=0.0, law="exact")
     along, across = A * np.sin(ANGLE) + s.motion[0], A * np.cos(ANGLE)
     length = np.hypot(along, across)
     assert s.load[0] == pytest.approx(7e9 * (length - A) ** 1.5, rel=1e-9)
     assert s.load[0] * along / length == pytest.approx(300.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", chains.LAWS)
 @pytest.mark.parametrize("load", [40.0, 700.0, 4000.0])
 def test_stiffness_is_the_slope_of_the_curve(law, load):
     chain, e, h = replace(LONG, law=law), long_errors(3), 1e-5
-    low, s, high = (solve_chain(chain, e, load * f) for f in (1.0 - h, 1.0, 1.0 + h))
+    low, s, high = (chains.solve_chain(chain, e, load * f) for f in (1.0 - h, 1.0, 1.0 + h))
     slope = 2.0 * h * load / (high.displacement - low.displacement)
     assert s.stiffness == pytest.approx(slope, rel=1e-5)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", chains.LAWS)
 def test_motion_grows_and_falls_back_on_energy(law):
     """Every motion, load and the stiffness grow with the load; the work of the load is what springs hold."""
     chain, e = replace(LONG, law=law), long_errors(4)
     loads = np.linspace(20.0, 4000.0, 41)
-    states = [solve_chain(chain, e, f) for f in loads]
+    states = [chains.solve_chain(chain, e, f) for f in loads]
     for name in ("motion", "load"):
         assert np.all(np.diff([getattr(s, name) for s in states], axis=0) >= 0.0)
     assert np.all(np.diff([s.loaded for s in states]) >= 0)
     if law == "constant":
         assert np.all(np.diff([s.stiffness for s in states]) > 0.0)
     fine = np.linspace(1e-3, 4000.0, 801)
-    work = np.trapezoid([solve_chain(chain, e, f, compiled=True).motion[0] for f in fine], fine)
+    work = np.trapezoid([chains.solve_chain(chain, e, f, compiled=True).motion[0] for f in fine], fine)
     last = states[-1]
     bars = np.diff(last.motion) ** 2 / (2.0 * chain.compliance)
     k = kernels(RANDOM_ERRORS, compiled=True)
 
     def stored(u, x):
-        at = np.linspace(min(free_motion(chain, x), u), u, 101)
-        return np.trapezoid([k.ball(a, x, LAWS.index(law), chain.parameters)[1] for a in at], at)
+        at = np.linspace(min(chains.free_motion(chain, x), u), u, 101)
+        return np.trapezoid([k.ball(a, x, chains.LAWS.index(law), chain.parameters)[1] for a in at], at)
 
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve
@@ -174,8 +164,8 @@ def test_motion_grows_and_falls_back_on_energy(law):
 
 
 def test_compiled_as_interpreted():
-    for law in LAWS:
-        a, b = (solve_chain(replace(LONG, law=law), long_errors(5), 500.0, compiled=c) for c in (False, True))
+    for law in chains.LAWS:
+        a, b = (chains.solve_chain(replace(LONG, law=law), long_errors(5), 500.0, compiled=c) for c in (False, True))
         assert a.load == pytest.approx(b.load, rel=1e-12, abs=1e-12)
         assert a.stiffness == pytest.approx(b.stiffness, rel=1e-12)
 
@@ -183,36 +173,36 @@ def test_compiled_as_interpreted():
 def test_displacement_of_the_source_leaves_out_segments_before_the_first_loaded_ball():
     e = np.zeros(78)
     e[:10] = -20e-6
-    s = solve_chain(LONG, e, 300.0)
+    s = chains.solve_chain(LONG, e, 300.0)
     assert not s.load[:10].any()
     assert s.displacement - s.displacement_first_loaded == pytest.approx(10 * LONG.compliance * 300.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", chains.LAWS)
 def test_displacement_starts_at_the_first_touch(law):
     """A vanishing load moves the largest ball by its own approach only."""
     chain, e = replace(LONG, law=law), long_errors(6, 3e-6)
     e[20] = 4e-6
-    s = solve_chain(chain, e, 1e-3)
+    s = chains.solve_chain(chain, e, 1e-3)
     assert s.loaded == 1
-    alone = Chain(1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant")
+    alone = chains.Chain(1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant")
     before = 20 * chain.compliance * 1e-3
-    assert s.displacement - before == pytest.approx(solve_chain(alone, np.zeros(1), 1e-3).displacement, rel=0.05)
+    assert s.displacement - before == pytest.approx(chains.solve_chain(alone, np.zeros(1), 1e-3).displacement, rel=0.05)
 
 
 def test_ball_joins_at_its_load():
     e = np.zeros(78)
     e[32] = -2e-6
-    load = first_carrying_load(LONG, e, 32, 5000.0)
-    assert solve_chain(LONG, e, 0.999 * load).load[32] == 0.0
-    assert solve_chain(LONG, e, 1.001 * load).load[32] > 0.0
-    assert first_carrying_load(LONG, -e, 32, 5000.0) == 0.0
+    load = chains.first_carrying_load(LONG, e, 32, 5000.0)
+    assert chains.solve_chain(LONG, e, 0.999 * load).load[32] == 0.0
+    assert chains.solve_chain(LONG, e, 1.001 * load).load[32] > 0.0
+    assert chains.first_carrying_load(LONG, -e, 32, 5000.0) == 0.0
     with pytest.raises(ValueError, match="highest load"):
-        first_carrying_load(LONG, e, 32, 0.9 * load)
+        chains.first_carrying_load(LONG, e, 32, 0.9 * load)
     # rigid, constant angle: the other 77 balls close the gap
     rigid = replace(LONG, compliance=0.0, law="constant")
     by_hand = 77 * rigid.slope * rigid.stiffness * 2e-6**1.5
-    assert first_carrying_load(rigid, e, 32, 5000.0) == pytest.approx(by_hand, rel=1e-9)
+    assert chains.first_carrying_load(rigid, e, 32, 5000.0) == pytest.approx(by_hand, rel=1e-9)
 
 
 def test_same_as_mei_with_a_rigid_nut():
@@ -221,8 +211,10 @@ def test_same_as_mei_with_a_rigid_nut():
     other, layout, constants = solve_mei(s), ball_layout(s), nominal_hertz(s).C
     spacing = float(np.diff(np.sort(layout.z))[0])
     stiffness = float((constants[0] + constants[3]) ** -1.5)
-    chain = Chain(32, stiffness, spacing / screw_section(s).EA, A, s.track.contact_angle, lead_angle(s.track), "constant")
-    ours = solve_chain(chain, np.zeros(32), 5000.0).load
+    chain = chains.Chain(
+        32, stiffness, spacing / screw_section(s).EA, A, s.track.contact_angle, lead_angle(s.track), "constant"
+    )
+    ours = chains.solve_chain(chain, np.zeros(32), 5000.0).load
     assert ours == pytest.approx(np.sort(other.load[:, 0])[::-1], rel=1e-8)
 
 
@@ -231,39 +223,26 @@ def test_ball_stiffness_is_two_hertz_contacts_in_series():
     modulus = contact_modulus(205e9, 0.3, 205e9, 0.3)
     screw, nut = 1 / r + c45 / (20e-3 - r * c45), 1 / r - c45 / (20e-3 + r * c45)
     c = sum(float(hertz_constants(1 / r - 1 / 2.1e-3, k, modulus).C) for k in (screw, nut))
-    assert ball_stiffness(4e-3, 20e-3, 2.1e-3, ANGLE, 205e9, 0.3) == pytest.approx(c**-1.5, rel=1e-12)
+    assert chains.ball_stiffness(4e-3, 20e-3, 2.1e-3, ANGLE, 205e9, 0.3) == pytest.approx(c**-1.5, rel=1e-12)
 
 
 def test_calibration():
-    chain = calibrated(LONG, 0.862, 5000.0)
-    assert end_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
-    assert calibrated(LONG, 0.2, 5000.0).compliance > chain.compliance
+    chain = chains.calibrated(LONG, 0.862, 5000.0)
+    assert chains.end_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
+    assert chains.calibrated(LONG, 0.2, 5000.0).compliance > chain.compliance
     for ratio in (0.0, 1.0, 1.2):
         with pytest.raises(ValueError, match="ratio"):
-            calibrated(LONG, ratio, 5000.0)
+            chains.calibrated(LONG, ratio, 5000.0)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"balls": 0},
-        {"stiffness": 0.0},
-        {"compliance": -1.0},
-        {"groove_distance": 0.0},
-        {"contact_angle": 0.0},
-        {"law": "x"},
-        {"lead_angle": -0.1},
-    ],
-)
-def test_no_chain_is_refused(change):
-    with pytest.raises(ValueError, match="must"):
-        replace(LONG, **change)
-
-
-def test_bad_input_is_refused():
+def test_no_chain_and_bad_input_are_refused():
+    wrong = {"balls": 0, "stiffness": 0.0, "compliance": -1.0, "groove_distance": 0.0, "contact_angle": 0.0}
+    for name, value in (wrong | {"law": "x", "lead_angle": -0.1}).items():
+        with pytest.raises(ValueError, match="must"):
+            replace(LONG, **{name: value})
     for load in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(ValueError, match="positive"):
-            solve_chain(LONG, np.zeros(78), load)
+            chains.solve_chain(LONG, np.zeros(78), load)
     for errors in (np.zeros(77), np.full(78, np.nan), np.full(78, A)):
         with pytest.raises(ValueError, match="errors"):
-            solve_chain(LONG, errors, 100.0)
+            chains.solve_chain(LONG, errors, 100.0)

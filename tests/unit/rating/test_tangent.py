@@ -35,11 +35,8 @@ def reaction(scene, station, motion, backend):
 def test_against_finite_differences_of_the_solution_and_reciprocal(model, station):
     scene, backend = small_screw(4, oversize=4e-6), LADDER[model]
     found = tangent_stiffness(clamped(scene, station, MOTION), station, backend=backend)
-    columns = [
-        (reaction(scene, station, MOTION + h, backend) - reaction(scene, station, MOTION - h, backend)) / (2.0 * h.max())
-        for h in np.diag(STEP)
-    ]
-    measured = np.array(columns).T
+    steps = [[reaction(scene, station, MOTION + way * h, backend) for way in (1.0, -1.0)] for h in np.diag(STEP)]
+    measured = np.array([(there - back) / (2.0 * h) for (there, back), h in zip(steps, STEP, strict=True)]).T
     size = np.sqrt(np.diag(measured))
     assert np.abs((measured - measured.T) / np.outer(size, size)).max() < 1e-4
     # lever arms turn with the contacts' forces in the nonlinear solution, which small motions leave alone
@@ -49,8 +46,7 @@ def test_against_finite_differences_of_the_solution_and_reciprocal(model, statio
 
 def test_a_rigid_screw_carries_the_motion_of_its_clamp():
     """Moved along the axis, a clamp of a rigid screw sees the same wrench about another point."""
-    scene = replace(small_screw(4, oversize=4e-6, fixed=ALL), loads=())
-    scene = replace(scene, ingredients=replace(scene.ingredients, screw="rigid"))
+    scene = replace(small_screw(4, oversize=4e-6, fixed=ALL, screw="rigid"), loads=())
     here, there = (tangent_stiffness(scene, z, backend=LADDER["lin"]).matrix for z in (0.1, 0.16))
     t = np.eye(6)
     t[0, 4], t[1, 3] = 0.1 - 0.16, -(0.1 - 0.16)
@@ -58,10 +54,7 @@ def test_a_rigid_screw_carries_the_motion_of_its_clamp():
 
 
 def test_equal_balls_on_rigid_bodies_have_the_closed_form_along_the_axis():
-    scene = small_screw(4, oversize=4e-6, fixed=ALL)
-    scene = replace(
-        scene, loads=(), ingredients=replace(scene.ingredients, screw="rigid"), track=replace(scene.track, lead=0.0)
-    )
+    scene = replace(small_screw(4, lead=0.0, oversize=4e-6, fixed=ALL, screw="rigid"), loads=())
     result = solve_elastic(scene, backend=LADDER["lin"])
     stiff = 1.5 * np.cbrt(result.load) / result.hertz_C
     normal = 1.0 / (1.0 / stiff[:, 0] + 1.0 / stiff[:, 3]) + 1.0 / (1.0 / stiff[:, 1] + 1.0 / stiff[:, 2])
@@ -72,13 +65,10 @@ def test_equal_balls_on_rigid_bodies_have_the_closed_form_along_the_axis():
     assert found.rigidity("uz") == pytest.approx(found.matrix[2, 2], rel=1e-6)
 
 
-def test_a_scene_that_nothing_holds_says_so():
+def test_a_scene_that_nothing_holds_says_so_and_a_station_off_the_screw_is_refused():
     scene = small_screw(4, force=(0.0, 0.0, -500.0), fixed=(("ux", 0.0), ("uy", 0.0)))
     found = tangent_stiffness(scene, 0.1, backend=LADDER["lin"])
     assert found.status.startswith("not held")
     assert np.isnan(found.matrix).all()
-
-
-def test_a_station_off_the_screw_is_refused():
     with pytest.raises(ValueError, match="200 mm"):
         tangent_stiffness(small_screw(4), 0.3, backend=LADDER["lin"])

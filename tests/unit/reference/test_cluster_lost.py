@@ -73,8 +73,8 @@ def cluster(tmp_path):
         yield file.read_text().strip(), started
 
 
-def lose(process, begun):
-    """Kill a process as soon as a job has begun."""
+def lose(address, process, begun, words):
+    """Kill a process as soon as a job has begun, and see the jobs end with these words."""
 
     def watch():
         while not begun.exists():
@@ -83,7 +83,9 @@ def lose(process, begun):
 
     killer = threading.Thread(target=watch, daemon=True)
     killer.start()
-    return killer
+    with pytest.raises(InputError, match=words):
+        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
+    killer.join()
 
 
 @pytest.mark.slow
@@ -91,11 +93,7 @@ def lose(process, begun):
 def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, monkeypatch, capfd, tmp_path):
     monkeypatch.setattr(parallel, "LONELY", 0.4)
     monkeypatch.setattr(parallel, "LOOK", 0.1)
-    address, started = worker
-    killer = lose(started, begun := tmp_path / "begun")
-    with pytest.raises(InputError, match=r"the last worker is lost, and none came in 0\.4 s"):
-        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
-    killer.join()
+    lose(*worker, tmp_path / "begun", r"the last worker is lost, and none came in 0\.4 s")
     assert "waiting 0.4 s for another" in capfd.readouterr().err
 
 
@@ -103,11 +101,7 @@ def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, mo
 @pytest.mark.timeout(300)
 def test_a_scheduler_that_is_lost_is_named(cluster, monkeypatch, tmp_path):
     monkeypatch.setattr(parallel, "PATIENCE", 2.0)
-    address, started = cluster
-    killer = lose(started, begun := tmp_path / "begun")
-    with pytest.raises(InputError, match="the scheduler does not answer any more"):
-        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
-    killer.join()
+    lose(*cluster, tmp_path / "begun", "the scheduler does not answer any more")
 
 
 @pytest.fixture

@@ -12,6 +12,8 @@ from rollbench.comparison.wings.bench.sections.reference_time import level_table
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:
+    with pytest.raises(RuntimeError, match="no-such-model"):
+        measure("lin-case1", "no-such-model", repeats=1)
     found = measure("lin-case1", "lin-nut", repeats=2)
     assert found.status == "converged"
     assert found.process > found.first > 2.0 * found.warm > 0.0
@@ -20,8 +22,8 @@ def test_a_new_process_pays_for_imports_and_first_solve() -> None:
 
 
 def test_caches_of_the_child_are_empty_and_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROLLBENCH_CACHE", "/nowhere")
-    monkeypatch.setenv("NUMBA_CACHE_DIR", "/nowhere")
+    for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR"):
+        monkeypatch.setenv(name, "/nowhere")
     looked = "import os; found = [(p := os.environ[k], os.listdir(p)) for k in ('ROLLBENCH_CACHE', 'NUMBA_CACHE_DIR')]\n"
     code = looked + "raise SystemExit(repr([(p != '/nowhere', x) for p, x in found]))"
     monkeypatch.setattr(cold, "CHILD", code.replace("{", "{{").replace("}", "}}"))
@@ -40,8 +42,7 @@ def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatc
     found = measure_level("lin-case1", 2)
     assert (found.level, found.memory, found.status) == (2, 2.0, "x")
     assert (found.scene, found.contacts, found.load_case, found.stages) == ("lin-case1", 4, 0.5, {"nut": 2.0})
-    assert found.process > 0.1
-    assert found.cpu > 0.1
+    assert min(found.process, found.cpu) > 0.1
 
 
 def test_cold_levels_are_kept(tmp_path: Path) -> None:
@@ -51,12 +52,6 @@ def test_cold_levels_are_kept(tmp_path: Path) -> None:
     save_times(tmp_path, kept)
     assert load_times([tmp_path]) == kept
     (row,) = level_table(kept.levels).rows
-    where = {"scene": "unseen-25x5", "contacts": 264, "level": 1}
     costs = {"load_case": 4.0, "stages": "patches 5.0 s, screw 3.0 s, nut 1.5 s", "memory": 1400.0, "status": "converged"}
-    assert row == where | {"cold": 12.0, "cpu": 20.0} | costs
+    assert row == {"scene": "unseen-25x5", "contacts": 264, "level": 1, "cold": 12.0, "cpu": 20.0} | costs
     assert level_table([replace(level, stages=None)]).rows[0]["stages"] == "not measured"
-
-
-def test_a_process_that_fails_is_no_time() -> None:
-    with pytest.raises(RuntimeError, match="no-such-model"):
-        measure("lin-case1", "no-such-model", repeats=1)

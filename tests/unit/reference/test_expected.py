@@ -5,7 +5,6 @@ import os
 import stat
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError
@@ -23,6 +22,8 @@ from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.leftovers import for_group
 
+CASE1 = catalogue.scene("lin-case1")
+TASK = Task((CASE1,), 1)
 SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "unseen-25x5")
 
 
@@ -31,22 +32,16 @@ SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "u
 def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
     scene = catalogue.scene(name)
     run = load(scene, level, stores=(shipped_store(),))
-    assert run is not None
-    assert run.peak_MB is not None
     found = expected(Task((scene,), level))
     assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
     assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
 
 
-def test_a_second_process_takes_less_time_and_more_memory() -> None:
-    alone, two = (expected(Task((catalogue.scene("lin-case1"),), 3, processes=n)) for n in (1, 2))
+def test_a_second_process_takes_less_time_and_with_many_contacts_the_memory_of_patches() -> None:
+    alone, two = (expected(Task((CASE1,), 3, processes=n)) for n in (1, 2))
     assert 0.5 * alone.seconds < two.seconds < 0.8 * alone.seconds
     assert alone.memory_GB < two.memory_GB < 2.0 * alone.memory_GB
-
-
-def test_with_many_contacts_the_second_process_adds_what_patches_take() -> None:
-    scene = catalogue.scene("unseen-25x5")
-    few, many = (expected(Task((scene,), 1, processes=n)).memory_GB for n in (1, 2))
+    few, many = (expected(Task((catalogue.scene("unseen-25x5"),), 1, processes=n)).memory_GB for n in (1, 2))
     assert many - few == pytest.approx(module.PATCHES_ALONE * module.BASE_GB[1])
     assert module.TOGETHER == TOGETHER
 
@@ -54,58 +49,51 @@ def test_with_many_contacts_the_second_process_adds_what_patches_take() -> None:
 def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     """228 and 264 contacts on level 1 in two processes: at most a tenth more is told, and less than 3 GB."""
     kept = load_times((shipped_store(),))
-    assert kept is not None
     large = [c for c in kept.levels if (c.contacts or 0) > 200]
     assert {c.contacts for c in large} == {228, 264}
     for c in large:
-        assert c.memory is not None
         memory = expected(Task((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
         assert 1.0 <= memory / (1e-3 * c.memory) <= 1.1
         assert memory < 3.0
 
 
-def test_a_machine_that_is_too_small_is_refused_before_anything_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    task = Task((catalogue.scene("lin-case1"),), 1)
+def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(module, "available_GB", lambda: 1.0)
     with pytest.raises(InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
-        jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
-    enough = expected(task).memory_GB
+        jobs.ensure([TASK], tmp_path, jobs.Engine(), lambda _: None)
+    enough = expected(TASK).memory_GB
     monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
-    assert need_memory([task, task], 1) == pytest.approx(enough)
+    assert need_memory([TASK, TASK], 1) == pytest.approx(enough)
     with pytest.raises(InputError, match="--workers 1, "):
-        need_memory([task, task], 2)
+        need_memory([TASK, TASK], 2)
     monkeypatch.setattr(module, "available_GB", lambda: None)
-    assert need_memory([task, task], 2) == pytest.approx(2.0 * enough)
+    assert need_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
 
 
 def test_progress_says_stage_share_and_time_left() -> None:
-    task = Task((catalogue.scene("lin-case1"),), 1)
-    progress, stages = Progress(task), expected(task).stages
+    progress, whole, stages = Progress(TASK), expected(TASK).seconds, expected(TASK).stages
     assert progress.under_way == "lin-case1: level 1: meshes"
     first = progress.line(StageDone("meshes", f"{stages['meshes']:.1f} s"), stages["meshes"])
     assert first.startswith("lin-case1: level 1: meshes: ")
-    assert f"about {duration(expected(task).seconds - stages['meshes'])} left" in first
+    assert f"about {duration(whole - stages['meshes'])} left" in first
     assert progress.under_way == "lin-case1: level 1: patches"
-    second = progress.line(StageDone("patches", "1 s"), 2.0 * (stages["meshes"] + stages["patches"]))
-    left = 2.0 * (expected(task).seconds - stages["meshes"] - stages["patches"])
-    assert f"about {duration(left)} left" in second
+    done = stages["meshes"] + stages["patches"]
+    second = progress.line(StageDone("patches", "1 s"), 2.0 * done)
+    assert f"about {duration(2.0 * (whole - done))} left" in second
     assert progress.line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
 
 
 def test_stages_from_the_cache_say_nothing_of_the_pace() -> None:
-    task = Task((catalogue.scene("lin-case1"),), 1)
-    progress, stages = Progress(task), expected(task).stages
+    progress, stages = Progress(TASK), expected(TASK).stages
     progress.line(StageDone("meshes", "0.0 s, from the cache", cached=True), 0.0)
-    left = expected(task).seconds - stages["meshes"] - stages["patches"]
+    left = expected(TASK).seconds - stages["meshes"] - stages["patches"]
     assert f"about {duration(left)} left" in progress.line(StageDone("patches", "0.0 s, from the cache", cached=True), 0.1)
     left -= stages["ball"]
     assert f"about {duration(3.0 * left)} left" in progress.line(StageDone("ball", "3 s"), 3.0 * stages["ball"])
 
 
 def test_time_left_counts_further_tasks_and_every_load_case() -> None:
-    scenes = tuple(catalogue.scene(name) for name in ("lin-case1", "lin-case2"))
+    scenes = CASE1, catalogue.scene("lin-case2")
     progress, whole = Progress(Task(scenes, 1), after=1000.0), expected(Task(scenes, 1))
     lines = [progress.line(StageDone(name, "1 s"), 0.0) for name in whole.stages if name != "contact loads"]
     assert lines[-1].endswith("left in all")
@@ -125,13 +113,12 @@ def test_an_interrupt_says_what_is_kept(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(jobs, "compute_with_bodies", stopped)
     monkeypatch.setattr(jobs, "reader_gone", lambda: False)
-    task = Task((catalogue.scene("lin-case1"),), 1)
     with pytest.raises(KeyboardInterrupt):
-        jobs.ensure([task], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
+        jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
     assert said[-1].startswith(f"interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
     monkeypatch.setattr(jobs, "reader_gone", lambda: True)
     with pytest.raises(BrokenPipeError):
-        jobs.ensure([task], tmp_path, jobs.Engine(), said.append)
+        jobs.ensure([TASK], tmp_path, jobs.Engine(), said.append)
 
 
 def test_a_reader_that_goes_away_is_seen() -> None:
@@ -150,12 +137,10 @@ def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
         (tmp_path / "own").write_text("")
     finally:
         os.umask(before)
-    assert stat.S_IMODE((tmp_path / "run.json").stat().st_mode) == 0o640
-    for folder in ("team", "team/store"):
-        assert stat.S_IMODE((tmp_path / folder).stat().st_mode) == 0o750
-    assert (tmp_path / "team" / "store" / "run.json").stat().st_mode & 0o040
     for_group(tmp_path / "own")
-    assert np.bitwise_and((tmp_path / "own").stat().st_mode, 0o040)
+    modes = {"run.json": 0o640, "team": 0o750, "team/store": 0o750}
+    assert {name: stat.S_IMODE((tmp_path / name).stat().st_mode) for name in modes} == modes
+    assert all((tmp_path / name).stat().st_mode & 0o040 for name in ("team/store/run.json", "own"))
 
 
 def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,4 +151,4 @@ def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
     with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
-        compute(Task((catalogue.scene("lin-case1"),), 1))
+        compute(TASK)

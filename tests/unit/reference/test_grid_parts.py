@@ -10,25 +10,16 @@ KNOWN = Experience(0.02, 0.015, (0.11, 0.23), ("a", "b"))
 MANY = 4000
 
 
-def drawn_loads(
-    seed: int,
-    levels: tuple[int, ...],
-    contact: float,
-    bodies: float,
-    sockets: float,
-    shift: float = 0.0,
-    both: bool = False,
-) -> dict[int, np.ndarray]:
+def drawn_loads(seed, levels, contact=0.0, bodies=0.0, sockets=0.0, *, shift=0.0, both=False) -> dict[int, np.ndarray]:
     """Loads around 100 N on levels whose errors have these standard deviations [N] at the size of level 3, independent
     from level to level; every level's mean is shifted by a draw of ``shift``."""
     rng, out = np.random.default_rng(seed), {}
     for k in levels:
         h_contact, h_bodies = LEVELS[3]["b_over_h"] / LEVELS[k]["b_over_h"], LEVELS[k]["fine"] / LEVELS[3]["fine"]
         spread = np.sqrt((contact * h_contact**2) ** 2 + (bodies * h_bodies**2) ** 2 + sockets**2)
-        load = np.zeros((MANY, 4))
         on = [0, 1, 2, 3] if both else [0, 3]
-        load[:, on] = 100.0 + spread * rng.normal(size=(MANY, len(on))) + shift * rng.normal()
-        out[k] = load
+        out[k] = np.zeros((MANY, 4))
+        out[k][:, on] = 100.0 + spread * rng.normal(size=(MANY, len(on))) + shift * rng.normal()
     return out
 
 
@@ -61,24 +52,25 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
     assert np.sqrt((bars**2).mean()) == pytest.approx(found.bar)
     of_bodies = bars**2 - (2.0 * found.contact) ** 2
     assert np.sqrt(of_bodies[:, 0].mean() / of_bodies[:, 3].mean()) == pytest.approx(2.0, rel=1e-3)
-    loads[3][0], loads[2][0], loads[1][0] = 0.0, 0.0, 0.0
+    for load in loads.values():
+        load[0] = 0.0
     assert (found.bars(loads)[0] == 0.0).all()
     single = {1: loads[1]}
     assert set(parts(single, KNOWN).bars(single).ravel()) == {0.0, 0.23}
 
 
 def test_two_levels_count_all_as_what_falls_slower() -> None:
-    loads = drawn_loads(3, (1, 2), 0.06, 0.0, 0.02)
-    found = parts(loads, KNOWN)
-    assert found.contact == 0.0
-    assert found.bar > parts(drawn_loads(3, (1, 2, 3), 0.06, 0.0, 0.02), KNOWN).bar
+    two, three = (parts(drawn_loads(3, levels, 0.06, 0.0, 0.02), KNOWN) for levels in ((1, 2), (1, 2, 3)))
+    assert two.contact == 0.0
+    assert two.bar > three.bar
 
 
 def test_beyond_the_last_level_cells_are_refined_on() -> None:
-    found = parts(drawn_loads(7, (4, 5), 0.0, 0.05, 0.0), Experience(0.0, 0.0, (0.1, 0.2), ()))
+    known = Experience(0.0, 0.0, (0.1, 0.2), ())
+    found = parts(drawn_loads(7, (4, 5), bodies=0.05), known)
     size = LEVELS[5]["fine"] / LEVELS[3]["fine"]
     assert found.bodies == pytest.approx(0.05 * size**2 * np.sqrt(1.0 + 0.87**4), rel=0.02)
-    three = parts(drawn_loads(7, (3, 4, 5), 0.05, 0.0, 0.0), Experience(0.0, 0.0, (0.1, 0.2), ()))
+    three = parts(drawn_loads(7, (3, 4, 5), contact=0.05), known)
     size = LEVELS[3]["b_over_h"] / LEVELS[5]["b_over_h"]
     assert np.hypot(three.contact, three.bodies) == pytest.approx(0.05 * size**2 * np.sqrt(1.0 + 0.75**4), rel=0.1)
 
@@ -105,16 +97,14 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
         loads[2] += 1.0 * (loads[2] > 0.0)  # the common part is that of fine levels
     scenes |= {"one": drawn_loads(90, (1, 2, 3), 0.04, 0.0, 0.0, shift=5.0)}
     found = measured(scenes, 0.02)
-    assert found.common == pytest.approx(0.03, rel=0.25)
-    assert found.sockets == 0.02
+    assert (found.common, found.sockets) == (pytest.approx(0.03, rel=0.25), 0.02)
     h = (LEVELS[3]["b_over_h"] / LEVELS[1]["b_over_h"]) ** 2
     spread = np.sqrt((0.05 * h) ** 2 + 0.05**2 * (LEVELS[3]["b_over_h"] / LEVELS[4]["b_over_h"]) ** 4 + 2.0 * 0.03**2)
     assert 1.96 * spread < found.single[1] < 3.0 * spread
     wide = scenes | {"wide": drawn_loads(91, (1, 2, 3), 0.4, 0.0, 0.0, both=True)}
     assert measured(wide, 0.02).single[1] > 3.0 * found.single[1]
-    assert measured(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)}).single[1] == pytest.approx(
-        found.single[1], rel=0.05
-    )
+    known = measured(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)})
+    assert known.single[1] == pytest.approx(found.single[1], rel=0.05)
     assert found.scenes == tuple(scenes)
     save(tmp_path, found)
     assert read(tmp_path) == found

@@ -5,16 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference.levels import (
-    BALL,
-    BEYOND,
-    LEVELS,
-    PRODUCTION,
-    SOURCE_LEVEL,
-    SOURCE_MESH,
-    STUDIED,
-    scaled,
-)
+from rollbench.comparison.reference import levels
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.hifi.meshing.settings import Settings
 
@@ -22,34 +13,24 @@ from rollbench.hifi.meshing.settings import Settings
 LENGTHS = {"own_sizes", "own_ball_sizes", "fine", "coarse", "ball_fine", "ball_coarse", "cell", "tet"}
 
 
-@pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
+@pytest.mark.parametrize("level", [levels.SOURCE_LEVEL, *levels.LEVELS])
 def test_lengths_go_with_the_ball_and_counts_and_ratios_stay(level):
     """Twice the ball: the same mesh twice as large; the ball they are given for: as they are."""
-    given = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
-    assert scaled(level, BALL) == given
-    twice = scaled(level, 2.0 * BALL)
-    assert twice.keys() == given.keys()
+    given = levels.SOURCE_MESH if level == levels.SOURCE_LEVEL else levels.LEVELS[level]
+    assert levels.scaled(level, levels.BALL) == given
+    twice = levels.scaled(level, 2.0 * levels.BALL)
+    assert twice.keys() == given.keys() <= {x.name for x in fields(Settings)}
+    Settings(**twice)
     for name, value in given.items():
-        if name not in LENGTHS:
-            assert twice[name] == value, name
-        elif isinstance(value, tuple):
-            assert twice[name] == pytest.approx([2.0 * x for x in value]), name
-        else:
-            assert twice[name] == pytest.approx(2.0 * value), name
-
-
-@pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
-def test_levels_are_settings(level):
-    settings = scaled(level, 4e-3)
-    assert settings.keys() <= {x.name for x in fields(Settings)}
-    Settings(**settings)
+        expected = pytest.approx(2.0 * np.array(value)) if name in LENGTHS else value
+        assert twice[name] == expected, name
 
 
 def test_every_choice_is_refined_from_level_to_level_or_stays():
-    assert list(LEVELS) == list(range(1, len(LEVELS) + 1))
-    assert STUDIED == (1, 2, 3, PRODUCTION + 1)
-    for a, b in zip(list(LEVELS)[:-1], list(LEVELS)[1:], strict=True):
-        coarse, fine = LEVELS[a], LEVELS[b]
+    assert list(levels.LEVELS) == list(range(1, len(levels.LEVELS) + 1))
+    assert levels.STUDIED == (1, 2, 3, levels.PRODUCTION + 1)
+    for a, b in zip(list(levels.LEVELS)[:-1], list(levels.LEVELS)[1:], strict=True):
+        coarse, fine = levels.LEVELS[a], levels.LEVELS[b]
         assert coarse.keys() == fine.keys()
         for name, value in coarse.items():
             pairs = zip(value, fine[name], strict=True) if isinstance(value, tuple) else [(value, fine[name])]
@@ -62,17 +43,17 @@ def test_every_choice_is_refined_from_level_to_level_or_stays():
 
 def test_every_choice_of_the_finest_level_can_be_refined_alone():
     """What lies beyond the finest level is finer in everything, and only the choices named are taken from it."""
-    finest = LEVELS[PRODUCTION]
-    assert BEYOND.keys() == finest.keys()
-    for name, value in BEYOND.items():
+    finest = levels.LEVELS[levels.PRODUCTION]
+    assert levels.BEYOND.keys() == finest.keys()
+    for name, value in levels.BEYOND.items():
         for further, before in zip(np.atleast_1d(value), np.atleast_1d(finest[name]), strict=True):
             assert further < before if name in LENGTHS | {"growth"} else further > before, name
-    refined = scaled(PRODUCTION, 2.0 * BALL, ("growth", "fine"))
-    plain = scaled(PRODUCTION, 2.0 * BALL)
+    refined = levels.scaled(levels.PRODUCTION, 2.0 * levels.BALL, ("growth", "fine"))
+    plain = levels.scaled(levels.PRODUCTION, 2.0 * levels.BALL)
     assert {name for name in plain if plain[name] != refined[name]} == {"growth", "fine"}
-    assert refined["fine"] == pytest.approx(2.0 * BEYOND["fine"])
+    assert refined["fine"] == pytest.approx(2.0 * levels.BEYOND["fine"])
 
 
 def test_variants_refine_every_choice_of_the_finest_level_once():
     named = [name for variant in VARIANTS.values() for name in variant.refined]
-    assert sorted(named) == sorted(LEVELS[PRODUCTION])
+    assert sorted(named) == sorted(levels.LEVELS[levels.PRODUCTION])

@@ -30,6 +30,8 @@ def loads(*first: float) -> np.ndarray:
 
 
 def test_variants_change_what_they_say() -> None:
+    without, preload = (catalogue.scene(name).errors.balls.oversize for name in VARIED)
+    assert without == 0.0 < preload
     base = dimensions(CASE1)
     sizes = {name: dimensions(v.change(CASE1)) for name, v in VARIANTS.items()}
     lead = CASE1.track.lead
@@ -47,8 +49,7 @@ def test_variants_change_what_they_say() -> None:
     assert [n for n, d in sizes.items() if d.groove_ends] == ["nut-filled"]
     assert {VARIANTS[n].kind for n in ("nut-right", "nut-outer", "shaft-plain", "runout")} == {"scene"}
     assert {VARIANTS[n].kind for n in ("base", "modes")} == {"numerical"}
-    varied_choices = {v.choice for v in VARIANTS.values()}
-    assert not varied_choices & {n.choice for n in NOT_VARIED}
+    assert not {v.choice for v in VARIANTS.values()} & {n.choice for n in NOT_VARIED}
 
 
 def test_a_ring_is_held_by_the_nodes_in_it() -> None:
@@ -58,7 +59,7 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = nut_transform(body, dimensions(replace(CASE1, solid=Solid(nut_held=where))))  # type: ignore[arg-type]
+        T = nut_transform(body, dimensions(replace(CASE1, solid=Solid(nut_held=where))))
         fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
         x, y, z = body.points[np.unique(fixed // 3)].T
         assert fixed.size == 3 * x.size  # in all three directions
@@ -69,9 +70,6 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
     assert held("left face, outer half") == [0, *range(7, 15)]
     assert held("left face, inner half") == [0, *range(8)]
     assert held("right face, outer half") == [50, *range(7, 15)]
-
-
-def test_a_nut_held_elsewhere_has_no_ring() -> None:
     with pytest.raises(ValueError, match="outer surface"):
         held_ring("outer")(replace(CASE1, solid=Solid(nut_held="outer surface")))
 
@@ -101,22 +99,16 @@ def test_the_dropped_twist_of_a_hollow_screw_is_that_of_a_tube() -> None:
 
 
 def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
-    base = loads()
-
-    def effect_of(variant: str, choice: str, kind: str, *first: float):  # type: ignore[no-untyped-def]
-        return effect("lin-case1", variant, variant, choice, kind, loads(*first), base)  # type: ignore[arg-type]
-
-    effects = [
-        effect_of("land", LANDS, "modelling", 103.0, 100.0),
-        effect_of("land-wide", LANDS, "modelling", 98.0, 101.0),
-        effect_of("hole", HOLE, "modelling", 96.0, 100.0),
-        effect_of("nut-right", "nut", "scene", 150.0),
-        effect_of("modes", "modes", "numerical", 150.0),
-    ]
+    changed = (
+        ("land", LANDS, "modelling", 103.0, 100.0),
+        ("land-wide", LANDS, "modelling", 98.0, 101.0),
+        ("hole", HOLE, "modelling", 96.0, 100.0),
+        ("nut-right", "nut", "scene", 150.0),
+        ("modes", "modes", "numerical", 150.0),
+    )
+    effects = [effect("lin-case1", name, name, choice, kind, loads(*to), loads()) for name, choice, kind, *to in changed]
     found = combined(CASE1, effects)
-    assert found is not None
-    assert found.contacts[0, 0] == pytest.approx(np.hypot(3.0, 4.0))
-    assert found.contacts[1, 0] == pytest.approx(1.0)
+    assert found.contacts[:2, 0] == pytest.approx([np.hypot(3.0, 4.0), 1.0])
     assert found.largest == pytest.approx(5.0)
     assert found.rms == pytest.approx(np.sqrt((25.0 + 1.0) / 2.0))
     assert found.ratio == pytest.approx(np.hypot(3.0612, 4.1667), rel=1e-3)  # 101/98 and 100/96
@@ -138,8 +130,3 @@ def test_what_a_store_holds(tmp_path: Path) -> None:
     assert found["junction"].choice == LENGTH
     assert found["base"].error.max_percent == pytest.approx(100.0 * 1.0 / loads(101.0)[:, [0, 3]].mean())
     assert found["coupling"].error.max_percent < 0.01
-
-
-def test_one_case_without_and_one_with_preload() -> None:
-    oversize = [catalogue.scene(name).errors.balls.oversize for name in VARIED]
-    assert oversize[0] == 0.0 < oversize[1]

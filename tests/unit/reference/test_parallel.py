@@ -5,6 +5,7 @@ import socket
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -38,10 +39,6 @@ def large(array: np.ndarray) -> np.ndarray:
     return array[-2:]
 
 
-def variable(name: str) -> str | None:
-    return os.environ.get(name)
-
-
 def process() -> int:
     time.sleep(0.2)
     return os.getpid()
@@ -66,10 +63,6 @@ def fail(kind: str, seconds: float = 0.2):
     raise ValueError(f"no {kind}")
 
 
-def die() -> None:
-    os._exit(3)
-
-
 @pytest.fixture(scope="module")
 def scheduler():
     import dask  # not above: workers read this file
@@ -87,11 +80,11 @@ JOBS = [(vibrate, (n,)) for n in (60, 3, 40, 5, 1)]
 
 
 @pytest.mark.parametrize("backend", ["joblib", "dask"])
-def test_the_results_are_those_of_one_process(backend, scheduler):
+def test_the_results_are_those_of_one_process(where):
     said = []
     serial = run([*JOBS, partial(vibrate, 7)])
     assert {pid for pid, _ in serial} == {os.getpid()}
-    several = run([*JOBS, partial(vibrate, 7)], backend, scheduler if backend == "dask" else None, 2, said.append)
+    several = run([*JOBS, partial(vibrate, 7)], *where, said.append)
     assert os.getpid() not in {pid for pid, _ in several}
     for (_, ours), (_, theirs) in zip(serial, several, strict=True):
         np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
@@ -130,7 +123,6 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
 
 
 def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
-    from rollbench.comparison.reference.jobs import Engine
     from rollbench.comparison.wings.sweep.command import sweep_of  # not above, as dask
     from rollbench.comparison.wings.sweep.run import run_samples
 
@@ -149,45 +141,43 @@ def test_a_cluster_of_its_own():
     assert os.getpid() not in pids
 
 
-def test_cores_are_divided_among_the_workers(monkeypatch):
+def test_cores_are_divided_among_the_workers_and_large_arguments_can_be_written_to(monkeypatch):
     monkeypatch.setattr("joblib.cpu_count", lambda: 6)
-    assert run([(variable, ("OPENBLAS_NUM_THREADS",))] * 2, workers=2) == ["3", "3"]
+    assert run([(os.getenv, ("OPENBLAS_NUM_THREADS",))] * 2, workers=2) == ["3", "3"]
 
-
-def test_large_arguments_can_be_written_to():
     last = run([(large, (np.zeros(200_000),))] * 2, workers=2)
     np.testing.assert_array_equal(last, np.ones((2, 2)))
 
 
+@pytest.fixture
 def where(backend, scheduler):
+    """Backend, scheduler and workers of a test."""
     return {"serial": ("joblib", None, 1), "joblib": ("joblib", None, 2), "dask": ("dask", scheduler, 2)}[backend]
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # loky, when it is stopped at once
 @pytest.mark.parametrize("backend", ["serial", "joblib", "dask"])
-def test_an_exception_is_raised_once_with_its_message(backend, scheduler, capfd):
+def test_an_exception_is_raised_once_with_its_message(backend, where, capfd):
     capfd.readouterr()
-    said = []
+    said, here = [], backend == "serial"
     with pytest.raises(ValueError, match=r"^no luck") as found:
-        run([(fail, ("luck",)), (fail, ("mercy", 0.5))], *where(backend, scheduler), said.append)
+        run([(fail, ("luck",)), (fail, ("mercy", 0.5))], *where, said.append)
     assert str(found.value) == "no luck"
-    assert backend == "serial" or "in fail" in found.value.__notes__[0]
+    assert here or "in fail" in found.value.__notes__[0]
     with pytest.raises(InputError) as found:
-        run([(fail, ("input",))] * 2, *where(backend, scheduler))
+        run([(fail, ("input",))] * 2, *where)
     assert found.value.key == "balls.radius"
-    kind = Stubborn if backend == "serial" else RuntimeError
-    with pytest.raises(kind) as stubborn:
-        run([(fail, ("stubborn",))] * 2, *where(backend, scheduler))
-    assert str(stubborn.value) == ("this and that" if backend == "serial" else "Stubborn: this and that")
-    assert said == []
-    assert capfd.readouterr().err == ""
-    assert len(run(JOBS, *where(backend, scheduler))) == 5
+    with pytest.raises(Stubborn if here else RuntimeError) as stubborn:
+        run([(fail, ("stubborn",))] * 2, *where)
+    assert str(stubborn.value) == ("this and that" if here else "Stubborn: this and that")
+    assert (said, capfd.readouterr().err) == ([], "")
+    assert len(run(JOBS, *where)) == 5
 
 
 @pytest.mark.parametrize("backend", ["joblib", "dask"])
-def test_a_worker_that_dies_is_reported(backend, scheduler):
+def test_a_worker_that_dies_is_reported(where):
     with pytest.raises(InputError, match=r"--workers: got a worker that died.*fewer workers"):
-        run([die, die], *where(backend, scheduler))
+        run([(os._exit, (3,))] * 2, *where)
 
 
 def test_one_job_at_a_time_in_a_process():
@@ -200,28 +190,19 @@ def test_one_job_at_a_time_in_a_process():
         time.sleep(0.05)
         running -= 1
 
-    threads = [threading.Thread(target=parallel._call, args=(k, __version__, watched, ())) for k in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(3) as pool:
+        list(pool.map(lambda k: parallel._call(k, __version__, watched, ()), range(3)))
     assert most == 1
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
+def test_strange_options_are_refused_and_missing_packages_are_named(monkeypatch):
+    for options, message in (
         ({"backend": "mpi"}, r"--backend: got mpi; allowed: joblib or dask"),
         ({"workers": 0}, r"--workers: got 0; allowed: 1 or more"),
         ({"scheduler": "tcp://here:1"}, r"--scheduler: got tcp://here:1; allowed: only with --backend dask"),
-    ],
-)
-def test_strange_options_are_refused(options, message):
-    with pytest.raises(InputError, match=message):
-        run(JOBS, **options)
-
-
-def test_missing_packages_are_named(monkeypatch):
+    ):
+        with pytest.raises(InputError, match=message):
+            run(JOBS, **options)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'rollbench\[cluster\]'"):
         run(JOBS, "dask", "tcp://127.0.0.1:8786")
@@ -288,11 +269,11 @@ def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path
 
 
 @pytest.mark.parametrize("backend", ["joblib", "dask"])
-def test_a_worker_of_another_version_that_joins_later_refuses_its_job(backend, scheduler, monkeypatch, tmp_path):
+def test_a_worker_of_another_version_that_joins_later_refuses_its_job(where, monkeypatch, tmp_path):
     monkeypatch.setattr(parallel, "__version__", "99.0")
     monkeypatch.setattr(parallel, "_version", lambda: "99.0")  # what the workers of the beginning say
     with pytest.raises(InputError, match=rf"a worker of rollbench {__version__}, .*install version 99\.0 where"):
-        run([(wait, (0.0, tmp_path))] * 2, *where(backend, scheduler))
+        run([(wait, (0.0, tmp_path))] * 2, *where)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -15,96 +15,79 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.condensed import load_condensed
 from rollbench.meshes.solid import dimensions
 
+CASE1 = catalogue.scene("lin-case1")
+
 
 def test_round_trip_and_damage(tmp_path: Path) -> None:
-    scene = catalogue.scene("lin-case1")
     loads = np.arange(128.0).reshape(32, 4)
     run = run_of("lin-case1", 2, loads)
-    file = save(tmp_path, scene, run)
-    assert file == path_in(tmp_path, scene, run)
-    back = load(scene, 2, stores=(tmp_path,))
-    assert back is not None
+    file = save(tmp_path, CASE1, run)
+    assert file == path_in(tmp_path, CASE1, run)
+    back = load(CASE1, 2, stores=(tmp_path,))
     assert np.array_equal(back.load, loads)
     assert np.array_equal(back.without["elastic nut"], loads)
     assert np.isnan(back.angle).all()
-    assert back.setup_seconds == 3.0
-    assert (back.sides, back.assumed, back.settings) == ((0, 3), ("nothing",), run.settings)
-    assert load(scene, 1, stores=(tmp_path,)) is None
+    assert (back.setup_seconds, back.sides, back.assumed, back.settings) == (3.0, (0, 3), ("nothing",), run.settings)
+    assert load(CASE1, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
     modes = LEVELS[2]["modes"]
     other = whole.replace(f'"modes":{modes}', f'"modes":{modes + 1}')
     assert other != whole
     for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
         file.write_text(damaged)
-        assert load(scene, 2, stores=(tmp_path,)) is None
+        assert load(CASE1, 2, stores=(tmp_path,)) is None
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
 
 
 def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """Everything that a run's numbers depend on changes its key; names and remarks do not."""
-    scene = catalogue.scene("lin-case1")
-    mesh, sides = asdict(settings_of([scene], 1)), (0, 3)
-    key = key_of(scene, "", mesh, sides)
-    assert key_of(replace(scene, title="other", assumed=(), name="x"), "", mesh, sides) == key
-    assert key_of(scene, "", mesh | {"cuts": list(mesh["cuts"]), "semi": list(mesh["semi"])}, [0, 3]) == key
-    changed = [
-        replace(scene, nut=replace(scene.nut, length=0.055)),
-        replace(scene, solid=replace(scene.solid, shaft=0.03)),
-        replace(scene, loads=()),
-    ]
-    found = [key_of(s, "", mesh, sides) for s in changed]
-    found += [key_of(scene, "", asdict(settings_of([scene], 2)), sides), key_of(scene, "land", mesh, sides)]
-    found += [key_of(scene, "", mesh, (0, 1, 2, 3)), key_of(scene, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
-    monkeypatch.setattr(store, "versions", lambda: {"gmsh": "0", "scikit-fem": "0"})
-    found.append(key_of(scene, "", mesh, sides))
-    monkeypatch.undo()
-    monkeypatch.setattr(store, "SCHEMA", -1)
-    found.append(key_of(scene, "", mesh, sides))
-    monkeypatch.undo()
-    assumed = dimensions(scene)
-    monkeypatch.setattr(store, "dimensions", lambda _: replace(assumed, hole=2.0 * assumed.hole))
-    found.append(key_of(scene, "", mesh, sides))
+    mesh, sides = asdict(settings_of([CASE1], 1)), (0, 3)
+    key = key_of(CASE1, "", mesh, sides)
+    assert key_of(replace(CASE1, title="other", assumed=(), name="x"), "", mesh, sides) == key
+    assert key_of(CASE1, "", mesh | {"cuts": list(mesh["cuts"]), "semi": list(mesh["semi"])}, [0, 3]) == key
+    longer, other = replace(CASE1.nut, length=0.055), replace(CASE1.solid, shaft=0.03)
+    found = [key_of(replace(CASE1, **x), "", mesh, sides) for x in ({"nut": longer}, {"solid": other}, {"loads": ()})]
+    found += [key_of(CASE1, "", asdict(settings_of([CASE1], 2)), sides), key_of(CASE1, "land", mesh, sides)]
+    found += [key_of(CASE1, "", mesh, (0, 1, 2, 3)), key_of(CASE1, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
+    assumed = replace(dimensions(CASE1), hole=2.0 * dimensions(CASE1).hole)
+    for name, value in (
+        ("versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
+        ("SCHEMA", -1),
+        ("dimensions", lambda _: assumed),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(store, name, value)
+            found.append(key_of(CASE1, "", mesh, sides))
     assert len({key, *found}) == 11
 
 
 def test_only_converged_runs_are_stored(tmp_path: Path) -> None:
-    scene = catalogue.scene("lin-case1")
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
     with pytest.raises(ValueError, match="no reference: not held: because"):
-        save(tmp_path, scene, failed)
-    jobs.keep(tmp_path, Task((scene,), 1), [failed], None)
+        save(tmp_path, CASE1, failed)
+    jobs.keep(tmp_path, Task((CASE1,), 1), [failed], None)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path: Path) -> None:
-    scene, loads = catalogue.scene("lin-case1"), np.ones((32, 4))
+    loads = np.ones((32, 4))
     wide = run_of("lin-case1", 1, loads, group=("lin-case1", "lin-case2"))
     assert wide.settings["reach"] > run_of("lin-case1", 1, loads).settings["reach"]
     narrow = run_of("unseen-short-nut", 1, np.ones((24, 4)))
-    save(tmp_path, scene, wide)
-    assert load(scene, 1, stores=(tmp_path,)) is not None
-    for name in ("semi", "reach"):  # too coarse cells, too small patches
-        factor = 1.5 if name == "semi" else 0.5
-        other = replace(wide, settings=wide.settings | {name: tuple(factor * x for x in wide.settings[name])})
-        assert not serves(scene, 1, "", other.settings, other.sides)
-    assert not serves(scene, 1, "", wide.settings, (0, 1, 2))
-    assert not serves(scene, 1, "", wide.settings | {"modes": 24}, wide.sides)
-    assert not serves(scene, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
+    save(tmp_path, CASE1, wide)
+    assert load(CASE1, 1, stores=(tmp_path,)) is not None
+    for name, factor in (("semi", 1.5), ("reach", 0.5)):  # too coarse cells, too small patches
+        other = wide.settings | {name: tuple(factor * x for x in wide.settings[name])}
+        assert not serves(CASE1, 1, "", other, wide.sides)
+    assert not serves(CASE1, 1, "", wide.settings, (0, 1, 2))
+    assert not serves(CASE1, 1, "", wide.settings | {"modes": 24}, wide.sides)
+    assert not serves(CASE1, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
 
 
-@pytest.mark.parametrize(
-    ("name", "sides"),
-    [
-        ("lin-case1", (0, 3)),
-        ("lin-case2", (0, 3)),
-        ("lin-case3", (0, 1, 2, 3)),
-        ("lin-profile", (0, 1, 2, 3)),
-        ("unseen-25x5", (0, 1, 2, 3)),
-        ("unseen-63x20", (0, 3)),
-    ],
-)
-def test_sides_that_may_touch(name: str, sides: tuple[int, ...]) -> None:
-    assert needed_sides(catalogue.scene(name)) == sides
+def test_sides_that_may_touch() -> None:
+    two, four = ("lin-case1", "lin-case2", "unseen-63x20"), ("lin-case3", "lin-profile", "unseen-25x5")
+    found = {name: needed_sides(catalogue.scene(name)) for name in (*two, *four)}
+    assert found == dict.fromkeys(two, (0, 3)) | dict.fromkeys(four, (0, 1, 2, 3))
 
 
 def test_scenes_of_the_same_parts_share_a_set_up() -> None:
@@ -115,26 +98,23 @@ def test_scenes_of_the_same_parts_share_a_set_up() -> None:
 
 
 def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Path) -> None:
-    scene = catalogue.scene("lin-case1")
-    bodies = bodies_of(scene, 2)
+    bodies = bodies_of(CASE1, 2)
     bodies.save(tmp_path / "a.npz")
     read = load_condensed(tmp_path / "a.npz")
     assert (read.geometry, read.level, read.base) == (bodies.geometry, 2, 0.3)
     assert np.array_equal(read.screw, bodies.screw)
     (tmp_path / "b.npz").write_bytes((tmp_path / "a.npz").read_bytes()[:-200])
-    with pytest.raises(ValueError, match="damaged"):
-        load_condensed(tmp_path / "b.npz")
     np.savez(tmp_path / "c.npz", format=99)
-    with pytest.raises(ValueError, match="format 99"):
-        load_condensed(tmp_path / "c.npz")
+    for name, words in (("b", "damaged"), ("c", "format 99")):
+        with pytest.raises(ValueError, match=words):
+            load_condensed(tmp_path / f"{name}.npz")
 
 
 def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path: Path) -> None:
     """A run under other loads has the same geometry, but its patches' own terms are sampled elsewhere."""
-    scene = catalogue.scene("lin-case1")
     run = run_of("lin-case1", 1, np.ones((32, 4)))
-    heavy = replace(scene, loads=(replace(scene.loads[0], force=(0.0, 0.0, 60e3)),))
+    heavy = replace(CASE1, loads=(replace(CASE1.loads[0], force=(0.0, 0.0, 60e3)),))
     other = replace(run, settings=asdict(settings_of([heavy], 1)))
-    assert bodies_path(tmp_path, scene, run) != bodies_path(tmp_path, heavy, other)
-    assert bodies_path(tmp_path, scene, run) == bodies_path(tmp_path, replace(scene, name="x"), run)
-    assert bodies_path(tmp_path, scene, run) != bodies_path(tmp_path, scene, replace(run, sides=(0, 1, 2, 3)))
+    assert bodies_path(tmp_path, CASE1, run) != bodies_path(tmp_path, heavy, other)
+    assert bodies_path(tmp_path, CASE1, run) == bodies_path(tmp_path, replace(CASE1, name="x"), run)
+    assert bodies_path(tmp_path, CASE1, run) != bodies_path(tmp_path, CASE1, replace(run, sides=(0, 1, 2, 3)))

@@ -35,7 +35,6 @@ def test_tables_say_the_floor_of_two_cores_and_what_ways_move() -> None:
 
 def test_the_shipped_record_has_every_stage_and_bounds_the_missed_targets() -> None:
     costs = load_costs([shipped_store()])
-    assert costs is not None
     for job in costs.jobs:
         assert set(job.stages) == set(STAGES)
         for stage in job.stages.values():

@@ -34,15 +34,12 @@ def test_keys_choices_and_bodies_are_told_together() -> None:
 
 
 def test_what_a_faulty_value_may_have_caused_is_not_told() -> None:
-    """Without its count, nothing can be said of the balls in the nut."""
+    """Without its count, nothing can be said of the balls in the nut; a missing key not beside the unknown one that stands
+    for it."""
     error = faults(("count = 32", "cout = 32"), ('length = "54 mm"', 'length = "5 mm"'))
-    assert keys(error) == ["balls.cout"]
-    assert error.advice == "unknown key; did you mean count?"
-
-
-def test_a_missing_key_is_not_told_beside_the_unknown_one_that_stands_for_it() -> None:
+    assert (keys(error), error.advice) == (["balls.cout"], "unknown key; did you mean count?")
     error = faults(('pitch_radius = "16.5 mm"', 'pitch_radus = "16.5 mm"'), ("[screw]", "[shaft]"))
-    assert keys(error) == ["track.pitch_radus", "shaft"] or keys(error) == ["shaft", "track.pitch_radus"]
+    assert sorted(keys(error)) == ["shaft", "track.pitch_radus"]
 
 
 @pytest.mark.parametrize(
@@ -50,19 +47,14 @@ def test_a_missing_key_is_not_told_beside_the_unknown_one_that_stands_for_it() -
     [
         (("[screw]", '[screw]\npitch_diameter = "33 mm"'), "screw.pitch_diameter", "under [track]"),
         (("[nut]", "[nut]\ncircuits = 3"), "nut.circuits", "circuits = 3 with circuit_gap = 0.5 under [balls]"),
-        (
-            ("count = 32", 'ball_diameter = "5 mm"\ncount = 32'),
-            "balls.ball_diameter",
-            'diameter = "5.556 mm" under [balls]',
-        ),
+        (("turns = 2", "ball_diameter = 1\nturns = 2"), "balls.ball_diameter", 'diameter = "5.556 mm" under [balls]'),
         (("[nut]", '[nut]\nPreload = "1 kN"'), "nut.Preload", "under [preload]"),
         (("[screw]", '[screw]\ndiameter = "32 mm"'), "screw.diameter", "did you mean outer_diameter?"),
     ],
 )
 def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, advice: str) -> None:
     error = faults(change)
-    assert error.key == key
-    assert advice in error.advice
+    assert (error.key, advice in error.advice) == (key, True)
 
 
 def test_every_word_leads_to_a_key_that_there_is() -> None:
@@ -76,15 +68,11 @@ def test_each_fault_is_a_line_of_the_command_line(command, tmp_path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(GOOD.replace('"20 mm"', '"20"').replace("count = 32", "count = 0"), encoding="utf-8")
     code, _, err = command("solve", file)
-    assert code == 2
-    assert len(err.splitlines()) == 2
-    assert all(line.startswith(f"rollbench: {file}: ") for line in err.splitlines())
-    assert "more fault" not in err
+    assert (code, "more fault" in err) == (2, False)
+    assert [line.startswith(f"rollbench: {file}: ") for line in err.splitlines()] == [True, True]
 
 
 def test_many_faults_are_cut() -> None:
     listed = ", ".join(['"1"'] * 1000)
     error = faults(("count = 32", f"azimuths = [{listed}]"))
-    assert error.more == 999
-    assert len(error.lines()) == 31
-    assert error.lines()[-1] == "my.toml: and 970 more faults"
+    assert (error.more, len(error.lines()), error.lines()[-1]) == (999, 31, "my.toml: and 970 more faults")

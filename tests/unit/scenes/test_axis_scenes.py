@@ -6,6 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from scipy.io import mmread
 from tests.shipped_texts import axis_names, own_text
 
 from rollbench.comparison.errors import InputError, SceneError
@@ -16,7 +17,6 @@ from rollbench.comparison.scenes.kinds import json_schema
 from rollbench.comparison.scenes.template import AXES, BEARINGS, template
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.parts import Scene
 
 ROLLERS = own_text("rollers")
 
@@ -41,32 +41,24 @@ def test_templates_are_read_as_they_stand(kind):
 
 def test_units_positions_and_heat_are_read():
     found = scene_file.read(ROLLERS, "rollers.toml")
-    assert isinstance(found, Assembly)
     (taper,) = found.sets
-    assert isinstance(taper.parts, RollerRow)
-    assert taper.kind == "tapered roller bearing"
+    assert (type(found), type(taper.parts), taper.kind) == (Assembly, RollerRow, "tapered roller bearing")
     assert taper.position == pytest.approx(2.0 * 0.0254)
     assert found.thermal_strain == pytest.approx(1e-4)
     assert found.housings[0].stiffness[2][2] == pytest.approx(1e6 * 4.4482216152605 / 0.0254)
     result = run_model(found)
-    assert result.model == "refined"
-    assert result.converged
+    assert (result.model, result.converged) == ("refined", True)
 
 
 def test_one_set_that_stands_is_a_plain_scene():
     plain = scene_file.loads(scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
     raw = tomllib.loads(scene_text("lin-nominal-4p1"))
     one = {name: raw.pop(name) for name in ("track", "nut", "balls")}
-    lines = [f"{k} = {show(v)}" for k, v in raw.items() if k not in ("supports", "loads")]
-    lines += [
-        f"[[{k}]]\n" + "\n".join(f"{a} = {show(b)}" for a, b in row.items())
-        for k in ("supports", "loads")
-        for row in raw[k]
-    ]
-    lines += ['[[sets]]\nname = "nut"', *(f"{k} = {show(v)}" for k, v in one.items())]
-    found = scene_file.read("\n".join(lines), "lin-nominal-4p1.toml")
-    assert isinstance(found, Scene)
-    assert found == plain
+    tables = [("", {k: v for k, v in raw.items() if k not in ("supports", "loads")})]
+    tables += [(f"[[{k}]]", row) for k in ("supports", "loads") for row in raw[k]]
+    tables += [("[[sets]]", {"name": "nut"} | one)]
+    lines = [line for head, table in tables for line in (head, *(f"{k} = {show(v)}" for k, v in table.items()))]
+    assert scene_file.read("\n".join(lines), "lin-nominal-4p1.toml") == plain
 
 
 def test_circuits_with_gaps_fill_their_arcs_evenly():
@@ -91,26 +83,23 @@ def test_sets_take_what_catalogues_print():
     assert scene_file.read(text, "double-nut.toml") == catalogue.shipped("double-nut")
 
 
-def test_commands_of_one_set_refuse_several_with_the_reason():
+def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypatch):
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
-    with pytest.raises(InputError, match="mei describes one set: its bars"):
-        run_model(catalogue.shipped("double-nut"), "mei")
     assert AXIS_MODELS == ("refined", "lin", "lin-source-partition", "lin-cell", "lin-nut")
-    with pytest.raises(InputError, match="see: rollbench list"):
-        run_model(catalogue.shipped("double-nut"), "none")
-
-
-def test_a_model_registered_for_one_set_is_refused_with_a_reason(monkeypatch):
     monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].run))
-    with pytest.raises(InputError, match="new describes one set: it solves one set"):
-        run_model(catalogue.shipped("double-nut"), "new")
+    for name, words in (
+        ("mei", "mei describes one set: its bars"),
+        ("none", "see: rollbench list"),
+        ("new", "new describes one set: it solves one set"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run_model(catalogue.shipped("double-nut"), name)
 
 
 def test_schema_knows_axes():
     text = json.dumps(json_schema())
-    assert "rolling sets, in any order" in text
-    assert "cup_angle" in text
+    assert all(words in text for words in ("rolling sets, in any order", "cup_angle"))
 
 
 @pytest.fixture(scope="module")
@@ -123,20 +112,16 @@ def small(tmp_path_factory):
 
 
 def test_result_has_the_keys_of_one_set(command, small):
-    _, single, _ = command("solve", "two-balls", "--model", "lin", "--json")
-    code, several, _ = command("solve", small, "--model", "lin", "--json")
+    (_, one), (code, two) = (command.json("solve", scene, "--model", "lin", "--json") for scene in ("two-balls", small))
     assert code == 0
-    one, two = json.loads(single), json.loads(several)
     assert set(one) <= set(two)
     shared = {"sides", "loads", "axial", "worst_contact", "truncation", "static_safety", "life", "rating_refused"}
     assert shared <= set(one["summary"]) & set(two["summary"])
     assert shared - {"axial"} <= set(two["sets"][1]["summary"])
-    worst = two["summary"]["worst_set"]
-    assert two["sets"][worst - 1]["largest_load_N"] == max(s["largest_load_N"] for s in two["sets"])
-    assert two["summary"]["loads"]["max_N"] == two["sets"][worst - 1]["largest_load_N"]
-    assert two["sets"][0]["summary"]["preload"]["axial_N"] == pytest.approx(
-        -two["sets"][1]["summary"]["preload"]["axial_N"], rel=1e-9
-    )
+    largest = [s["largest_load_N"] for s in two["sets"]]
+    assert two["summary"]["loads"]["max_N"] == largest[two["summary"]["worst_set"] - 1] == max(largest)
+    first, second = (s["summary"]["preload"]["axial_N"] for s in two["sets"])
+    assert first == pytest.approx(-second, rel=1e-9)
     axial = two["summary"]["axial"]
     assert axial["force_N"] == 2000.0
     assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
@@ -145,29 +130,17 @@ def test_result_has_the_keys_of_one_set(command, small):
 def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
     files = "--curve", tmp_path / "c.csv", "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
     code, out, _ = command("solve", small, "--model", "lin", *files)
-    assert code == 0
-    assert "angle deg" not in out
-    assert "shaft at 100 mm" in out
-    rows = (tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()
-    assert len(rows) == 17
-    last = dict(zip(rows[0].split(","), rows[11].split(","), strict=True))
-    assert float(last["load_factor"]) == 1.0
-    assert float(last["axial_force_N"]) == 2000.0
-    around = [dict(zip(rows[0].split(","), rows[k].split(","), strict=True)) for k in (10, 12)]
-    slope = 400.0 / (float(around[1]["displacement_um"]) - float(around[0]["displacement_um"]))
-    given = {k: v for k, v in last.items() if k == "stiffness_N_per_um"}
-    compliance = np.linalg.inv(_matrix(tmp_path / "k.mtx"))
-    assert slope == pytest.approx(1e-6 / compliance[2, 2], rel=2e-3)
-    assert float(given["stiffness_N_per_um"]) == pytest.approx(1e-6 * _matrix(tmp_path / "k.mtx")[2, 2], rel=1e-9)
+    assert (code, "angle deg" in out, "shaft at 100 mm" in out) == (0, False, True)
+    rows = list(csv.DictReader((tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()))
+    assert len(rows) == 16
+    before, last, after = rows[9:12]
+    assert (float(last["load_factor"]), float(last["axial_force_N"])) == (1.0, 2000.0)
+    slope = 400.0 / (float(after["displacement_um"]) - float(before["displacement_um"]))
+    matrix = np.asarray(mmread(tmp_path / "k.mtx"))
+    assert slope == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=2e-3)
+    assert float(last["stiffness_N_per_um"]) == pytest.approx(1e-6 * matrix[2, 2], rel=1e-9)
     code, out, _ = command("solve", small, "--model", "lin-nut", "--balls")
-    assert code == 0
-    assert "angle deg" in out
-
-
-def _matrix(path):
-    from scipy.io import mmread
-
-    return np.asarray(mmread(path))
+    assert (code, "angle deg" in out) == (0, True)
 
 
 def test_commands_work_or_say_why_not(command, small, tmp_path):
@@ -175,22 +148,18 @@ def test_commands_work_or_say_why_not(command, small, tmp_path):
     assert "NOT COVERED: two, lin: no stored run of its 3D reference, and none is to be computed" in out
     assert code == 4
     vary = "--vary", "sets[0].offset=-6 um:-2 um", "--samples", "2", "--model", "lin", "--out", tmp_path / "s"
-    code, _, _ = command("sweep", small, *vary)
-    assert code == 0
-    with (tmp_path / "s" / "samples.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert {row["status"] for row in rows} == {"converged"}
-    assert all(row["at"].startswith("nut 1: ") for row in rows)
+    assert command("sweep", small, *vary).code == 0
+    rows = list(csv.DictReader((tmp_path / "s" / "samples.csv").read_text(encoding="utf-8").splitlines()))
+    assert {(row["status"], row["at"][:7]) for row in rows} == {("converged", "nut 1: ")}
     by_offset = sorted(rows, key=lambda row: float(row["sets[0].offset"].split()[0]))
     assert float(by_offset[0]["largest_load_N"]) > float(by_offset[-1]["largest_load_N"])
-    refused = (
+    for tokens, why in (
         (("solve", small, "--members", "3"), "nothing random"),
         (("solve", small, "--all"), "every set is built as its scene asks"),
         (("solve", small, "--member", "1"), "no set has random errors"),
         (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-source-partition, lin-cell"),
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
-    )
-    for tokens, why in refused:
+    ):
         assert why in command.refused(*tokens)
 
 

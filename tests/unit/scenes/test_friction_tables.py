@@ -18,20 +18,14 @@ from rollbench.meshes.parts import Friction, Motion, Time
 def test_the_former_key_is_read_and_its_new_names_are_said(word, feedback, neighbours):
     found = mine(("nut = 0.07", f'nut = 0.07\ncoupling = "{word}"')).friction
     assert (found.feedback, found.neighbours) == (feedback, neighbours)
+    two = mine(("nut = 0.07", "nut = 0.07\nfeedback = true\nneighbours = true")).friction
+    assert [(x.feedback, x.neighbours) for x in (two, mine().friction)] == [(True, True), (True, False)], "two keys"
     new = f"feedback = {str(feedback).lower()}, neighbours = {str(neighbours).lower()}"
     assert found.assumed[-1] == f'The former key coupling = "{word}" is read as {new}.'
 
 
-def test_feedback_and_neighbours_are_two_keys():
-    found = mine(("nut = 0.07", "nut = 0.07\nfeedback = true\nneighbours = true")).friction
-    assert (found.feedback, found.neighbours) == (True, True)
-    plain = mine().friction
-    assert (plain.feedback, plain.neighbours) == (True, False)
-
-
 def test_coefficients_of_both_grooves_stand_for_the_shared_one():
-    separate = mine(("coefficient = 0.06", "screw = 0.06"))
-    assert separate.friction == mine().friction
+    assert mine(("coefficient = 0.06", "screw = 0.06")).friction == mine().friction
     with pytest.raises(SceneError, match=r"friction.coefficient: got nothing; allowed: 0 to 2; .*screw and nut"):
         mine(("coefficient = 0.06\n", ""))
     double = catalogue.scene_text("double-nut")

@@ -11,7 +11,7 @@ from rollbench.meshes.solid import dimensions
 FLANGE = '[nut.flange]\ndiameter = "72 mm"\nthickness = "11 mm"\n'
 
 
-def read(text: str, lead: str = "20 mm"):  # type: ignore[no-untyped-def]
+def read(text: str, lead: str = "20 mm"):
     tables = template().replace('lead = "20 mm"', f'lead = "{lead}"', 1) + text
     return scene_file.loads(tables, "a.toml")
 

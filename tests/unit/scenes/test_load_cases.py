@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from tests.load_cases import SHIPPED, TEXT
+from tests.load_cases import SHIPPED, TEXT, case
 
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.scenes import scene_file
@@ -11,25 +11,8 @@ from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.like import scene_like
 
 LIKE = scene_like("40x10")
-TIMED = """
-[[cases]]
-name = "cutting"
-time = "30 s"
-speed = "200 rpm"
-[[cases.loads]]
-at = "0 mm"
-force = ["0 N", "0 N", "8 kN"]
-[[cases]]
-name = "rapid"
-time = "10 s"
-speed = "-1000 rpm"
-[[cases]]
-name = "crash"
-share = 0.0
-[[cases.loads]]
-at = "0 mm"
-force = ["0 N", "0 N", "40 kN"]
-"""
+TIMED = case("cutting", "8 kN", time="30 s", speed="200 rpm") + case("rapid", time="10 s", speed="-1000 rpm")
+TIMED += case("crash", "40 kN", share=0.0)
 
 
 def bare(scene):
@@ -38,7 +21,7 @@ def bare(scene):
 
 def test_cases_are_the_scene_with_what_differs():
     cycle = scene_file.read(TEXT, "two.toml")
-    first, second, third = (case.scene for case in cycle.cases)
+    first, second, third = (one.scene for one in cycle.cases)
     assert (cycle.name, cycle.shares) == ("two", (0.75, 0.25, 0.0))
     assert [one.name for one in (first, second, third)] == ["two-balls", "two-push", "two-loose"]
     assert bare(first) == bare(SHIPPED), "nothing else is changed: stored runs serve"
@@ -53,7 +36,7 @@ def test_shares_follow_from_times_and_speeds():
     cutting, rapid, crash = cycle.cases
     assert cycle.shares == pytest.approx((6000 / 16000, 10000 / 16000, 0.0))
     assert cycle.speed == pytest.approx(2 * 3.141592653589793 * 16000 / 60 / 40), "turns over time"
-    assert [case.scene.loads[0].force[2] for case in (cutting, crash)] == [8e3, 4e4]
+    assert [one.scene.loads[0].force[2] for one in (cutting, crash)] == [8e3, 4e4]
     assert rapid.scene.loads == cycle.parts.loads, "its own where it has none"
     assert rapid.scene.motion.speed < 0.0
 
@@ -61,16 +44,13 @@ def test_shares_follow_from_times_and_speeds():
 def test_the_commented_cases_of_a_new_scene_are_read():
     start = LIKE.index("# [[cases]]")
     shown = LIKE[:start] + "\n".join(x.removeprefix("# ") for x in LIKE[start : LIKE.index("# [friction]")].splitlines())
-    assert [case.name for case in scene_file.read(shown, "my.toml").cases] == ["cutting", "rapid"]
+    assert [one.name for one in scene_file.read(shown, "my.toml").cases] == ["cutting", "rapid"]
     assert not hasattr(scene_file.read(LIKE, "my.toml"), "cases"), "comments only"
 
 
-def test_a_case_holds_no_further_freedom():
+def test_a_case_holds_no_further_freedom_and_commands_of_one_load_case_refuse_several():
     text = scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
     with pytest.raises(SceneError, match=r"cases\[0\].supports\[0\].displace.uz.*allowed: ux, uy, rx, ry, rz"):
         scene_file.read(text + 'displace = { uz = "1 um" }\n', "a.toml")
-
-
-def test_commands_of_one_load_case_refuse_several():
     with pytest.raises(InputError, match=r"cases: got 3 cases; allowed: a scene without \[\[cases\]\]"):
         scene_file.loads(TEXT, "two.toml")

@@ -17,11 +17,9 @@ from rollbench.comparison.wings.crosscheck.study import STUDIES
 
 def test_roles_group_the_scenes_of_the_report():
     assert REFERENCED == ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
-    assert all(name.startswith("unseen-") for name in UNSEEN)
-    assert len(UNSEEN) == 11
+    assert {catalogue.scene(name).role for name in REFERENCED} == {"referenced"}
+    assert [name.startswith("unseen-") for name in UNSEEN] == 11 * [True]
     assert set(DEEP) < {*UNSEEN, *STUDIES}
-    for name in REFERENCED:
-        assert catalogue.scene(name).role == "referenced"
 
 
 def test_hash_and_key_do_not_know_the_role():
@@ -34,12 +32,8 @@ def test_hash_and_key_do_not_know_the_role():
     other = replace(scene, role="")
     assert other == scene
     assert key_of(other, "", {"b_over_h": 2.0}, (0, 3)) == key_of(scene, "", {"b_over_h": 2.0}, (0, 3))
-
-
-def test_an_unknown_role_is_refused():
-    text = catalogue.scene_text("lin-case1").replace('role = "referenced"', 'role = "seen"')
     with pytest.raises(SceneError, match="role"):
-        scene_file.loads(text, "mine.toml")
+        scene_file.loads(text.replace('role = "referenced"', 'role = "seen"'), "mine.toml")
 
 
 def test_headings_say_what_whole_scenes_say():
@@ -48,14 +42,19 @@ def test_headings_say_what_whole_scenes_say():
         assert (catalogue.heading(name)["title"], catalogue.kind(name)) == (scene.title, scene_file.kind_of(scene)), name
 
 
-def test_list_and_solve_import_no_slow_package():
-    """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial."""
-    asked = "import sys; import {}; print(sorted({{'numba', 'scipy.{}', 'pydantic'}} & sys.modules.keys()))"
-    for module, package, found in (
-        ("rollbench.comparison.commands.listing", "linalg", "[]"),
-        ("rollbench.comparison.commands.solving.solve", "linalg", "[]"),
-        ("rollbench.comparison.commands.solving.solve", "special", "[]"),
-        ("rollbench.comparison.wings.friction.solve", "spatial", "[]"),
+DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial", "pint"}
+
+
+def test_no_slow_package_is_imported():
+    """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial; names
+    of scenes need no meshes and pictures, common units no pint."""
+    for code, heavy in (
+        ("import rollbench.comparison.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
+        ("import rollbench.comparison.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
+        ("import rollbench.comparison.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),
+        ("from rollbench.comparison.scenes import catalogue; catalogue.scene_names()", DRAWING),
+        ("from rollbench.comparison.scenes import units; units.parse('2 mm', 'length')", {"pint"}),
     ):
-        out = subprocess.run([sys.executable, "-c", asked.format(module, package)], capture_output=True, text=True)
-        assert out.stdout.strip() == found, (module, package, out.stderr)
+        asked = f"import sys; {code}; print({heavy!r} & sys.modules.keys() or 'none')"
+        out = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
+        assert out.stdout.strip() == "none", (code, out.stdout, out.stderr)

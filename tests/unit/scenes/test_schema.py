@@ -1,13 +1,16 @@
-"""Template and schema of every kind: all keys shown and described, alternatives and examples valid."""
+"""Template and schema of every kind: all keys shown and described, alternatives and examples valid; the shipped file."""
 
 import json
 import re
 import sys
 import tomllib
+from pathlib import Path
+from urllib.parse import unquote, urlparse
 
 import pytest
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import ROOT
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import json_schema
@@ -22,7 +25,16 @@ EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "m
 EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle"}
 
 
-def test_template_loads_as_case_1():
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_schema_of_friction_describes_every_key(kind):
+    schema = json.loads(json.dumps(tidy_schema(KINDS[kind].keys), allow_nan=False))
+    for node in (schema, *schema["$defs"].values()):
+        assert all(entry.get("description") for entry in node.get("properties", {}).values())
+
+
+def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
+    with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
+        template("screw")
     scene, case = scene_file.loads(template(), "x/my.toml"), catalogue.scene("lin-case1")
     assert scene.name == "my"
     for part in ("track", "screw", "nut", "balls", "supports", "loads", "errors", "ingredients"):
@@ -60,9 +72,17 @@ def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
             scene_file.read(text.replace(line, line.removeprefix("# "), 1), "my.toml")
 
 
-def test_template_of_an_unknown_kind_is_refused():
-    with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
-        template("screw")
+@pytest.mark.parametrize("words", [("--like", "16x5"), ("--kind", "axis")])
+def test_a_new_scene_names_the_schema(tmp_path, words, command):
+    command("new", tmp_path / "my.toml", *words)
+    first = (tmp_path / "my.toml").read_text(encoding="utf-8").splitlines()[0]
+    (path,) = re.findall(r"^#:schema (file://.*)$", first)
+    assert json.loads(Path(unquote(urlparse(path).path)).read_text(encoding="utf-8"))["$id"] == "urn:rollbench:scene"
+
+
+def test_shipped_schema_is_the_printed_one():
+    """To renew it: rollbench schema > compare/scene.schema.json."""
+    assert json.loads((ROOT / "scene.schema.json").read_text(encoding="utf-8")) == json.loads(json.dumps(json_schema()))
 
 
 def test_one_schema_for_all_kinds():
@@ -88,8 +108,8 @@ def test_template_alternatives_load():
         if "azimuths" in lines[i]:
             changed.remove("count = 32")
         elif 'lead = "0 mm"' in lines[i]:
-            changed = ["turns = 1" if x == "turns = 2" else x for x in changed]
-            changed = ["count = 18" if x == "count = 32" else x for x in changed]
+            of_ring = {"turns = 2": "turns = 1", "count = 32": "count = 18"}
+            changed = [of_ring.get(x, x) for x in changed]
         if "displace" in lines[i]:
             changed = [x.removeprefix("# ") if x in lines[j - 3 : j] else x for x in changed]
         if lines[j].startswith("# ") and "displace" not in lines[i]:
@@ -104,9 +124,8 @@ def schema_keys(schema: dict) -> set[str]:
 
 
 def model_keys(model: type) -> set[str]:
-    found = set()
-    for name, field in model.model_fields.items():
-        found.add(name)
+    found = set(model.model_fields)
+    for field in model.model_fields.values():
         for module, inner in re.findall(r"(rollbench\.comparison\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
             found |= model_keys(getattr(sys.modules[module], inner))
     return found
@@ -140,7 +159,7 @@ def test_schema_examples_and_defaults_are_valid():
     schema = tidy_schema(SceneKeys)
     base = tomllib.loads(template())
     for name, node in schema["$defs"]["TrackKeys"]["properties"].items():
-        for value in [*node["examples"], *([node["default"]] if "default" in node else [])]:
+        for value in [*node["examples"], *(node[key] for key in ("default",) if key in node)]:
             SceneKeys.model_validate(base | {"track": base["track"] | {name: value}})
     for name, node in schema["properties"].items():
         for value in node.get("examples", []):

@@ -5,15 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.sources.entries import check, keys
+from tests.sources.entries import check, found, keys, of_source
 
-from rollbench.comparison.printed.printed_data import tables
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.schema import FrictionKeys
 from rollbench.comparison.sources.external.evidence import bearings, case, screws
 from rollbench.comparison.sources.external.gate import band_row, external_rows
 from rollbench.comparison.wings.evidence.audit import audit, left_out
-from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
@@ -21,27 +19,15 @@ from rollbench.meshes.parts import Friction
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-TABLES = (
-    "external-contact",
-    "external-equivalent",
-    "external-gmn",
-    "external-harris",
-    "external-masta",
-    "external-nsk",
-    "external-sjovall",
-    "external-snfa",
-    "external-thk",
-    "external-vm63",
-)
 
-
-@pytest.mark.parametrize("key", keys(*TABLES))
+@pytest.mark.parametrize("key", keys(*of_source("external")))
 def test_entry(key: str) -> None:
     check(key)
 
 
 def test_every_case_is_run_or_left_out_with_its_reason() -> None:
-    assert [name for name in tables() if name.startswith(case.PREFIX)] == list(TABLES)
+    makers = ("gmn", "harris", "masta", "nsk", "sjovall", "snfa", "thk", "vm63")
+    assert of_source("external") == [f"{case.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
     assert [row["place"] for row in left_out() if row["source"] == "other programs, makers, textbooks"] == [
         "eng-tools.dev, calculator of a 6206",
         "GMN, series KH, 25 deg",
@@ -51,20 +37,16 @@ def test_every_case_is_run_or_left_out_with_its_reason() -> None:
 
 def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
     names = [name for name in catalogue.scene_names() if name.startswith(case.PREFIX)]
-    assert len(names) == 13
-    assert all(catalogue.shipped(name).assumed for name in names)
+    assert [bool(catalogue.shipped(name).assumed) for name in names] == 13 * [True]
     assert set(case.assumptions()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
     rows = external_rows(STUDY, 7.0)
-    assert len(rows) == 78
-    assert all(row.passed for row in rows)
-    tilt = next(e for e in evidence(STUDY, "external-masta") if e.printed.key == "tilt")
-    high = tilt.printed.high or 0.0
-    row = band_row(replace(tilt, value=1.001 * high))
-    assert (row.verdict, row.limit_percent) == ("FAIL", pytest.approx(2.0))
-    assert band_row(replace(tilt, value=0.999 * high)).verdict == "ok"
+    assert [row.passed for row in rows] == 78 * [True]
+    tilt = found("external-masta:tilt")
+    beyond, within = (band_row(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
+    assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
 
 
 def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
@@ -109,6 +91,6 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
     assert [f.feedback for f in coefficients(replace(nut, friction=None), (0.1,))] == [True]
-    found = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
-    assert found.found.value == pytest.approx(941.0, rel=2e-3)
-    assert "1.09 times the printed torque" in found.reason
+    drag = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
+    assert drag.found.value == pytest.approx(941.0, rel=2e-3)
+    assert "1.09 times the printed torque" in drag.reason

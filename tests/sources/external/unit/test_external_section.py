@@ -1,10 +1,10 @@
 """Sections on external evidence and on u_val: what their tables are made of."""
 
 import numpy as np
+from tests.sources.entries import of_source, rows
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import Scatter, Validated
-from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.sections.u_val import scatter_figure, scatter_table, u_val_table
 from rollbench.comparison.sources.external.section import SOURCES, TITLES, assumed_table, stages_table, summary
 from rollbench.comparison.wings.evidence.record import Evidence
@@ -12,12 +12,12 @@ from rollbench.reports.figures import draw
 
 
 def test_every_external_table_has_a_title():
-    assert sorted(TITLES) == sorted(SOURCES) == [name for name in tables() if name.startswith("external-")]
+    assert sorted(TITLES) == sorted(SOURCES) == of_source("external")
 
 
 def test_summary_counts_what_comes_out():
-    rows = {row.key: row for row in load_table("external-masta")}
-    found = [Evidence(rows["radial"], 15.1102), Evidence(rows["tilt"], 3.65), Evidence(rows["axial"], 140.0)]
+    computed = {"radial": 15.1102, "tilt": 3.65, "axial": 140.0}
+    found = [Evidence(rows("external-masta")[key], value) for key, value in computed.items()]
     assert summary(found).startswith("2 of 3 published values and claims agree: 1 to the digits")
     assert "1 within a band" in summary(found)
 
@@ -36,14 +36,11 @@ def test_catalogue_over_the_three_rigidities():
     assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
 
 
-def test_u_val_says_what_an_error_is_worth():
+def test_u_val_says_what_an_error_is_worth_and_bias_and_scatter_are_drawn():
     small = Validated("s", "refined", "contact loads", 0.5, 0.1, 0.3, 1.0, 1.05, 1.0, 0.8, (1.0,), "lin-case1")
     large = Validated("s", "lin", "contact loads", -6.0, 0.1, 0.3, 1.0, 1.05, 0.5, 0.2, (0.9,), "lin-case1")
     says = [row["says"] for row in u_val_table([small, large]).rows]
     assert says == ["not told from u_val", "E ± u_val is the model's"]
-
-
-def test_bias_and_scatter_are_drawn():
     found = [Scatter("lin", "contact loads", 15, 900, 0.3, 2.9, 0.8, 0.5)]
     assert scatter_table(found).rows[0]["within_own"] == 50.0
     assert "<svg" in draw(scatter_figure(found))

@@ -18,7 +18,6 @@ from rollbench.hifi.condensation.responses import on_bolts
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import dimensions
-from rollbench.reports.records import Table, Text
 
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
@@ -30,8 +29,6 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
     for other in found.values():
         assert replace(other, nut=scene.nut, solid=scene.solid) == scene
     inner, outer = (found[f"flange, {x} half of its face"].nut.flange for x in ("inner", "outer"))
-    assert inner is not None
-    assert outer is not None
     assert inner.seat[1] == outer.seat[0] == pytest.approx(51.25e-3)
 
 
@@ -39,8 +36,6 @@ def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "SIZES", ("bnf-4010-5",))
     text, table = holding.section(Study(), lambda _: None).items
-    assert isinstance(text, Text)
-    assert isinstance(table, Table)
     assert text.paragraphs[0].startswith("The way of holding a nut moves its largest load by +0.0 to +0.0 %, its life by ")
     by_model = [row for row in table.rows if row["by"] == "lin"]
     assert len(by_model) == 7
@@ -57,20 +52,22 @@ def stored_ways() -> list[dict[str, Any]]:
     ]
 
 
-def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
+def rows_of(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
-    monkeypatch.setattr(holding, "stored", lambda _: stored_ways())
-    rows = holding.rows_of(Study(), "bnf-4010-5")
+    monkeypatch.setattr(holding, "stored", lambda _: stored)
+    return holding.rows_of(Study(), "bnf-4010-5")
+
+
+def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = rows_of(monkeypatch, stored_ways())
     left, whole, bolts = (row for row in rows if row["by"] == "3D, level 1")
     assert [row["held"] for row in (left, whole, bolts)] == ["left face", holding.WHOLE, holding.BOLTED]
     assert whole["largest"] == 60.0
     assert whole["rigidity"] == pytest.approx(400.0)
     assert (bolts["load_change"], bolts["rigidity_change"]) == (100.0, -50.0)
-    words = holding.bolted_words()
-    assert (
-        "by +150.00 % of the mean load, any load by at most 150.00 % of it (106.07 % RMS), the rigidity by -50.00 %"
-        in words
-    )
+    moved = "by +150.00 % of the mean load, any load by at most 150.00 % of it (106.07 % RMS), the rigidity by -50.00 %"
+    assert moved in holding.bolted_words()
 
 
 def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
@@ -85,17 +82,13 @@ def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
 
 def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
     """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
-    monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "left_out", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
-    one = stored_ways()
-    monkeypatch.setattr(holding, "stored", lambda _: [*one, *finer(one, 0.02)])
-    rows = holding.rows_of(Study(), "bnf-4010-5")
+    stored = [*stored_ways(), *finer(stored_ways(), 0.02)]
+    rows = rows_of(monkeypatch, stored)
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
     known = grid_parts.read(shipped_store())
-    assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0), (
-        "0.4 N of a mean of 40 N beside a face"
-    )
-    both = {x["level"]: holding.loads_of(x) for x in (*one, *finer(one, 0.02)) if x["held"] == holding.WHOLE}
+    assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
+    both = {x["level"]: holding.loads_of(x) for x in stored if x["held"] == holding.WHOLE}
     bar = grid_parts.parts(both, known).bars(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
@@ -106,9 +99,7 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
 
 def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Changes of a level are over its own left face."""
-    monkeypatch.setattr(holding, "DEFAULT", "lin")
-    monkeypatch.setattr(holding, "stored", lambda _: [x for x in stored_ways() if x["held"] != "left face"])
-    rows = holding.rows_of(Study(), "bnf-4010-5")
+    rows = rows_of(monkeypatch, [x for x in stored_ways() if x["held"] != "left face"])
     assert {row["by"] for row in rows} == {"lin"}
     assert holding.mesh_words(rows) == "Nothing was solved in 3D."
 
@@ -131,9 +122,8 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
         assert load.max(axis=1).sum() * slope_of(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
 
 
-ON_FLANGES = [
-    row for row in holding.stored(shipped_store()) if row["held"].startswith("flange") and row["held"] != holding.BOLTED
-]
+STORED = holding.stored(shipped_store())
+ON_FLANGES = [row for row in STORED if row["held"].startswith("flange") and row["held"] != holding.BOLTED]
 
 
 @pytest.mark.parametrize("row", ON_FLANGES, ids=lambda x: f"{x['scene']}, {x['held']}, {x['level']}")

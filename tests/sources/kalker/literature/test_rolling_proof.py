@@ -32,17 +32,12 @@ def test_contact_of_another_program_to_its_digits():
     assert 30.0 * found.power == pytest.approx(540.4, abs=0.05)
 
 
-def test_order_counts_the_cells_of_its_own_grids():
+def test_order_counts_the_cells_of_its_own_grids_and_is_none_where_errors_do_not_fall():
     values = (1.0 + 0.1, 1.0 - 0.09, 1.0 + 0.1 / FINER**2)
     assert Proof("", "", values, 1.0, 1.0, values[-1], FINER).order == pytest.approx(2.0)
     assert Proof("", "", values, 1.0, 1.0, values[-1], None).order is None
-    assert Proof("", "", values[::-1], 1.0, 1.0, values[-1]).order is None
-
-
-@pytest.mark.parametrize("middle", [0.89, 1.1, 1.0, 1.001])
-def test_errors_that_do_not_fall_from_grid_to_grid_have_no_order(middle):
-    values = (1.1, middle, 1.01)
-    assert Proof("", "", values, 1.0, 1.0, values[-1]).order is None
+    for others in (values[::-1], *((1.1, middle, 1.01) for middle in (0.89, 1.1, 1.0, 1.001))):
+        assert Proof("", "", others, 1.0, 1.0, others[-1]).order is None
 
 
 def test_a_narrow_strip_of_stick_has_no_order_and_says_so():

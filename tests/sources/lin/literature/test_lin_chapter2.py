@@ -21,42 +21,33 @@ def test_table_b1_to_every_printed_digit() -> None:
     assert len(rows) == 19
     for f in rows:
         digits = f.printed.printed
-        assert f.as_printed is not None
-        mantissa = digits.lower().split("e")[0]
-        decimals = len(mantissa.split(".")[1]) if "." in mantissa else 0
-        exponent = int(digits.lower().split("e")[1]) if "e" in digits.lower() else 0
-        assert f"{f.as_printed / 10.0**exponent:.{decimals}f}" == mantissa, f.printed.label
+        mantissa, _, exponent = digits.lower().partition("e")
+        decimals = len(mantissa.partition(".")[2])
+        assert f"{f.as_printed / 10.0 ** int(exponent or 0):.{decimals}f}" == mantissa, f.printed.label
 
 
 def test_right_values_differ_from_the_printed_ones() -> None:
     """The faults matter: the right constant of the screw is 7 to 10 % off the printed one, its radius along twice."""
-    c = found("lin-B1:C_S")
-    assert c.value is not None
-    assert c.printed.value is not None
+    c, r = found("lin-B1:C_S"), found("lin-B1:rho2_S")
     assert 0.03 < abs(c.printed.value / c.value - 1.0) < 0.12
-    r = found("lin-B1:rho2_S")
-    assert r.value is not None
-    assert r.printed.value is not None
     assert 1.9 < r.value / r.printed.value < 2.2
 
 
 def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
     """1.34 is inside the spread of the open choices: about 1.30 (coarse partition) to 1.34 (C.8 without its root)."""
-    coarse = STUDY.solve(STUDY.changed("lin-case1", partition="source")).load[:, 0]
-    rootless = STUDY.solve(STUDY.changed("lin-case1", section="groove squared")).load[:, 0]
-    assert ratio(coarse) == pytest.approx(1.300, abs=2e-3)
-    assert ratio(rootless) == pytest.approx(1.344, abs=2e-3)
+    for expected, change in ((1.300, {"partition": "source"}), (1.344, {"section": "groove squared"})):
+        load = STUDY.solve(STUDY.changed("lin-case1", **change)).load[:, 0]
+        assert ratio(load) == pytest.approx(expected, abs=2e-3)
 
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
     rows = {row["scene"]: row for row in cases.readings_table(STUDY).rows}
-    assert [name for name, row in rows.items() if row["text"] == "yes"] == ["lin-case3-ux", "lin-case3-offset-ux"]
+    changes = {"lin-case3-ux": 7.37, "lin-case3-offset-ux": 8.34}
+    assert [name for name, row in rows.items() if row["text"] == "yes"] == list(changes)
     assert rows["lin-case3"]["lin_change"] == 0.0
-    assert rows["lin-case3-ux"]["lin_change"] == pytest.approx(7.37, abs=0.01)
-    assert rows["lin-case3-offset-ux"]["lin_change"] == pytest.approx(8.34, abs=0.01)
-    for name in ("lin-case3-ux", "lin-case3-offset-ux"):
-        assert rows[name]["reference"] == "none stored"
+    for name, change in changes.items():
+        assert (rows[name]["lin_change"], rows[name]["reference"]) == (pytest.approx(change, abs=0.01), "none stored")
         assert name in CASES
     for name in rows:
         assert {row["case"] for row in cases.summary_table(STUDY).rows} >= {name}

@@ -3,27 +3,27 @@
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP
-from tests.sources.entries import check, found, keys
+from tests.sources.entries import check, found, keys, rows
 
-from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.comparison.sources.lin.evidence import rotary_linear, source_cases
 from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-PRINTED = source_cases.rotary("I", printed=True)
+SHARPNESS = source_cases.rotary("I", printed=True).sharpness
 #: The source's law with exact integrals in place of its maps.
-EXACT = source_law(rotary_linear.ROTARY, PRINTED.sharpness, None)
+EXACT = source_law(rotary_linear.ROTARY, SHARPNESS, None)
+
+
+def as_source(displacement: float, law=EXACT):
+    """The ball under the source's axial load at a displacement, by its law or another one."""
+    return solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, displacement, law, fast=True)
 
 
 @pytest.mark.parametrize("key", keys("lin-3.1", "lin-3.2", "lin-G"))
 def test_entry(key: str) -> None:
     check(key)
-
-
-def rows(table: str) -> dict[str, Printed]:
-    return {r.key: r for r in load_table(table)}
 
 
 def test_forces_to_every_printed_digit() -> None:
@@ -53,13 +53,7 @@ def test_printed_sum_of_case_iii_is_a_misprint() -> None:
 def test_step_of_the_maps_is_inferred_from_case_iii(spacing: float | None) -> None:
     """Exact integrals and other steps miss the losses of case III; 0.08 gives every digit of the case (above)."""
     table = rows("lin-3.2")
-    s = solve_ball_as_printed(
-        rotary_linear.ROTARY,
-        rotary_linear.AXIAL,
-        rotary_linear.CASES["III"],
-        source_law(rotary_linear.ROTARY, PRINTED.sharpness, spacing),
-        fast=True,
-    )
+    s = as_source(rotary_linear.CASES["III"], source_law(rotary_linear.ROTARY, SHARPNESS, spacing))
     off = [abs(rotary_linear.rotary_value(s, f"P_{side}") - table[f"P_{side}_III"].value) for side in SIDES]
     assert max(off) > 3.0 * 5e-5
     assert s.torque * 1e3 == pytest.approx(table["torque_III"].value, rel=1.1e-3)
@@ -69,33 +63,23 @@ def test_interpolated_maps_break_the_balance_of_power() -> None:
     """Fault of the source: with its maps torque 3.21 is 0.2 % more than the moment friction exerts on the ring."""
     s = rotary_linear.as_printed("III")
     assert s.torque / inner_torque(rotary_linear.ROTARY, s.load, s.motion) - 1.0 == pytest.approx(1.92e-3, abs=1e-4)
-    exact = solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, rotary_linear.CASES["III"], EXACT, fast=True)
+    exact = as_source(rotary_linear.CASES["III"])
     assert exact.torque == pytest.approx(inner_torque(rotary_linear.ROTARY, exact.load, exact.motion), rel=1e-9)
 
 
-@pytest.mark.parametrize("case", list(rotary_linear.CASES))
-def test_right_values_balance_power(case: str) -> None:
-    for hertz in ("right", "as printed"):
-        s = rotary_linear.right(case, hertz)
-        assert s.motion.status == "exact"
-        assert s.input_power == pytest.approx(s.motion.loss, rel=1e-10)
+RIGHT = [("I", 1, 281.1399, 2.31871), ("II", 1, 318.1037, 20.22452), ("III", 0, 528.0381, 35.52587)]
 
 
-@pytest.mark.parametrize("case", list(rotary_linear.CASES))
-def test_sigmoid_spends_what_stick_spends(case: str) -> None:
-    """At the printed loads the source's total is the least dissipation; only who spends it and the motion differ."""
-    printed = solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, rotary_linear.CASES[case], EXACT, fast=True)
-    least = rotary_linear.right(case, "as printed")
-    assert printed.motion.loss == pytest.approx(least.motion.loss, rel=1e-8)
-    assert least.motion.rest.sum() == {"I": 1, "II": 1, "III": 0}[case]
-
-
-@pytest.mark.parametrize(
-    ("case", "force", "torque"), [("I", 281.1399, 2.31871), ("II", 318.1037, 20.22452), ("III", 528.0381, 35.52587)]
-)
-def test_right_values(case: str, force: float, torque: float) -> None:
-    """Exact Hertz constants change case II most: its ball has gone on from sliding to spin."""
-    s = rotary_linear.right(case)
+@pytest.mark.parametrize(("case", "rest", "force", "torque"), RIGHT)
+def test_right_values_balance_power(case: str, rest: int, force: float, torque: float) -> None:
+    """Exact Hertz constants change case II most: its ball has gone on from sliding to spin. At the printed loads the
+    source's total is the least dissipation; only who spends it and the motion differ."""
+    s, least = rotary_linear.right(case), rotary_linear.right(case, "as printed")
+    for one in (s, least):
+        assert one.motion.status == "exact"
+        assert one.input_power == pytest.approx(one.motion.loss, rel=1e-10)
+    assert as_source(rotary_linear.CASES[case]).motion.loss == pytest.approx(least.motion.loss, rel=1e-8)
+    assert least.motion.rest.sum() == rest
     assert s.load.force.sum() == pytest.approx(force, rel=1e-6)
     assert s.torque * 1e3 == pytest.approx(torque, rel=1e-5)
 
@@ -103,7 +87,7 @@ def test_right_values(case: str, force: float, torque: float) -> None:
 def test_transition_of_figure_3_7() -> None:
     """Forces nearly constant before four-point contact, torque then rises much faster than force."""
     start, end = rotary_linear.as_printed("I"), rotary_linear.as_printed("III")
-    early = solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, 3e-6, rotary_linear.PRINTED_LAW, fast=True)
+    early = as_source(3e-6, rotary_linear.PRINTED_LAW)
     assert early.load.force.sum() == pytest.approx(start.load.force.sum(), rel=5e-3)
     assert np.sum(early.load.force > 0.0) == 2
     assert end.torque / start.torque > 5.0 * end.load.force.sum() / start.load.force.sum()
@@ -120,13 +104,11 @@ def test_appendix_g() -> None:
 
 def test_linear_slope_of_the_source() -> None:
     """1.38 lies between the secants to c/a = 0.5 and the slopes at 0 of all conformities; its error is 4 to 7 %."""
-    row = rows("lin-G")["k_f"]
-    pressure = 1e6 * rows("lin-G")["pressure"].value
+    row, pressure = rows("lin-G")["k_f"], 1e6 * rows("lin-G")["pressure"].value
     ratios = np.array([rotary_linear.straight_groove(c, pressure)[0] for c in (0.515, 0.52, 0.54, 0.56, 0.58, 0.60)])
     start, end = linear_factor(ratios), linear_factor(ratios) - 0.25 * cubic_factor(ratios)
     assert row.low == pytest.approx(np.min(end), abs=1e-2)
     assert row.high == pytest.approx(np.max(start), abs=1e-2)
     assert np.min(end) < row.value < np.max(start)
     error = linear_error(ratios, row.value)
-    assert np.min(error) == pytest.approx(0.0429, abs=1e-4)
-    assert np.max(error) == pytest.approx(0.0691, abs=1e-4)
+    assert (np.min(error), np.max(error)) == pytest.approx((0.0429, 0.0691), abs=1e-4)

@@ -7,21 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP
-from tests.sources.entries import check, keys
+from tests.sources.entries import check, keys, rows
 
-from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, as_stepped, pair
-from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
+from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, PairResult, implied_load, sliding_speed, solve_pair
 from rollbench.lowfi.friction.screw.run import RunSummary, equal_steps, summarise
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 THETA = {case: source_cases.deviation(case) for case in source_cases.PAIR_SCENES}
-
-
-def rows(table: str) -> dict[str, Printed]:
-    return {r.key: r for r in load_table(table)}
 
 
 @pytest.mark.parametrize("key", keys("lin-3.6", "lin-3.7", "lin-3.4.4"))
@@ -37,19 +32,17 @@ def reading(name: str, case: str) -> PairResult:
     return pair(case, "plain" if name == "plain" else "inferred")
 
 
-def quantity(r: PairResult, kind: str) -> float:
-    return r.force if kind == "force" else 100.0 * r.friction_increase
-
-
-@pytest.mark.parametrize("key", ["force_a", "force_b", "increase_a", "increase_b"])
-def test_readings_of_table_3_7(key: str) -> None:
+@pytest.mark.parametrize("case", THETA)
+def test_readings_of_table_3_7(case: str) -> None:
     """Open: the load state is not printed. The number lies between the plain reading and four contacts loaded radially."""
-    row, (kind, case) = rows("lin-3.7")[key], key.split("_")
-    assert row.cls == "open"
-    found = {name: quantity(reading(name, case), kind) for name in ("plain", "inferred", "radial")}
-    assert all(reading(name, case).converged for name in found)
-    assert found["plain"] < row.value < found["radial"]
-    assert found["inferred"] == pytest.approx(row.value, rel=0.025)
+    found = [reading(name, case) for name in ("plain", "inferred", "radial")]
+    assert all(r.converged for r in found)
+    forces, increases = [r.force for r in found], [100.0 * r.friction_increase for r in found]
+    for key, (plain, inferred, radial) in (("force", forces), ("increase", increases)):
+        row = rows("lin-3.7")[f"{key}_{case}"]
+        assert row.cls == "open"
+        assert plain < row.value < radial
+        assert inferred == pytest.approx(row.value, rel=0.025)
 
 
 @pytest.mark.parametrize(("case", "force", "increase"), [("a", 0.98316, 0.37855), ("b", 1.29143, 0.49858)])
@@ -69,7 +62,7 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = solve_pair(replace(source_cases.inferred(THETA[case]), coupling=coupling))  # type: ignore[arg-type]
+        r = solve_pair(replace(source_cases.inferred(THETA[case]), coupling=coupling))
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
         assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
     assert np.all(r.free.load.force > 0.0)
@@ -101,9 +94,8 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).load.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).load.mean()
-    assert sliding_speed(source_cases.inferred(THETA["a"])) == pytest.approx(
-        sliding_speed(source_cases.plain(THETA["a"])), rel=0.02
-    )
+    with_oversize, without = (sliding_speed(of(THETA["a"])) for of in (source_cases.inferred, source_cases.plain))
+    assert with_oversize == pytest.approx(without, rel=0.02)
 
 
 def test_oversize_is_what_matters() -> None:
@@ -111,9 +103,8 @@ def test_oversize_is_what_matters() -> None:
     base = source_cases.inferred(THETA["a"])
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
-        assert (
-            abs(solve_pair(replace(base, oversize=factor * source_cases.inferred_oversize())).force / printed - 1.0) > 0.2
-        )
+        other = replace(base, oversize=factor * source_cases.inferred_oversize())
+        assert abs(solve_pair(other).force / printed - 1.0) > 0.2
     for force in (25.0, 100.0):
         assert solve_pair(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
 
@@ -121,10 +112,8 @@ def test_oversize_is_what_matters() -> None:
 def test_hertz_constants_of_the_source_change_little() -> None:
     exact = source_cases.inferred(THETA["a"])
     printed = replace(exact, groove=source_cases.table_3_6(hertz="as printed"))
-    assert isinstance(printed, Pair)
     assert solve_pair(printed).force == pytest.approx(solve_pair(exact).force, rel=0.13)
-    b1 = rows("lin-B1")
-    h = printed.groove.constants
+    b1, h = rows("lin-B1"), printed.groove.constants
     for key, value in (("C_S", h.C[0]), ("C_N", h.C[2]), ("C_aS", h.C_a[0]), ("C_bN", h.C_b[2])):
         assert value == pytest.approx(b1[key].value, rel=1e-3)
 
@@ -136,21 +125,12 @@ def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     return summarise(equal_steps(source_cases.lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 
-def test_occupation_means_no_volume_of_the_tube() -> None:
-    assert source_cases.lin_3_4_4().tube == 0.0
-
-
-def found_of_run(name: str) -> list[float]:
-    """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases."""
-    values = [float(getattr(run_summary(a), name)) for a in AMPLITUDES]
-    return values + [float(getattr(run_summary(3.0, p), name)) for p in (0.5 * np.pi, np.pi)]
-
-
 def test_band_of_the_largest_torque_of_3_4_4_is_held_from_both_sides() -> None:
+    """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases; no volume of the tube."""
+    assert source_cases.lin_3_4_4().tube == 0.0
     row = rows("lin-3.4.4")["largest"]
-    assert row.low is not None
-    assert row.high is not None
-    values = [100.0 * x for x in found_of_run("largest")]
+    runs = [*((a, 0.0) for a in AMPLITUDES), (3.0, 0.5 * np.pi), (3.0, np.pi)]
+    values = [100.0 * run_summary(*run).largest for run in runs]
     assert row.low <= min(values)
     assert max(values) <= row.high
     assert values[0] < row.value < values[1]

@@ -44,8 +44,7 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     (pinion,) = gear.supports
     free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
     clamped, pinned = ratios(gear), ratios(replace(gear, supports=(free,)))
-    assert pinned[0] / clamped[0] > 1.2
-    assert pinned[1] / clamped[1] > 1.2
+    assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
 @pytest.mark.parametrize("layout", layouts.LAYOUTS, ids=lambda x: x.scene)
@@ -58,10 +57,8 @@ def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: layouts.Layout) 
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
+    of = {layout: layouts.by_scene(STUDY, layout, 0.5).stiffness for layout in layouts.LAYOUTS}
     for layout in (layouts.TRIPLEX, layouts.TAPERED):
-        assert layouts.in_series(layout) < 0.75 * layouts.by_scene(STUDY, layout, 0.5).stiffness
+        assert layouts.in_series(layout) < 0.75 * of[layout]
     assert np.isnan(layouts.in_series(layouts.SUPPORTED))
-    ratio = (
-        layouts.by_scene(STUDY, layouts.TRIPLEX, 0.5).stiffness / layouts.by_scene(STUDY, layouts.SUPPORTED, 0.5).stiffness
-    )
-    assert ratio == pytest.approx(2.0, abs=0.05)
+    assert of[layouts.TRIPLEX] / of[layouts.SUPPORTED] == pytest.approx(2.0, abs=0.05)

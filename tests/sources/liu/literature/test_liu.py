@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.sources.entries import check, keys
+from tests.sources.entries import check, keys, of_source
 
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.liu.evidence import case, drawn, given
@@ -16,7 +16,7 @@ from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-TABLES = ("liu-2", "liu-3", "liu-4.1", "liu-4.2", "liu-4.3", "liu-4.4")
+TABLES = of_source("liu")
 #: Random numbers of sections 4.3 and 4.4.
 RANDOM = [
     row
@@ -67,19 +67,12 @@ def test_bands_are_those_of_the_ensemble(row) -> None:
 
 
 def test_other_draws_give_the_same_percentiles() -> None:
-    """Another seed: every percentile within four standard errors of both samples."""
+    """Another seed: every percentile within four standard errors of both samples. All drawn screws converge."""
     other = solve_ensemble(case.screw(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
-    for key, name, load in (
-        ("max_2_500", "largest", 500.0),
-        ("max_2_1000", "largest", 1000.0),
-        ("max_2_5000", "largest", 5000.0),
-    ):
-        row = next(r for r in RANDOM if r.key == key)
-        a, b = place(row), percentile(other.of(name, load), row.value, row.tolerance)
+    for load in (500.0, 1000.0, 5000.0):
+        row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
+        a, b = place(row), percentile(other.of("largest", load), row.value, row.tolerance)
         assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
-
-
-def test_all_drawn_screws_converge() -> None:
     for half_range in case.LOADS:
         ensemble = case.drawn(half_range)
         assert ensemble.failed == 0
@@ -87,14 +80,10 @@ def test_all_drawn_screws_converge() -> None:
 
 
 def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
-    """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N."""
+    """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N. Medians of the counts at
+    1000 N add up to all balls, and the printed ones are too many."""
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
-    assert "1707 screws" in drawn.fewer_given(3, 42, 78)
-    assert " 1707 have" in drawn.fewer_given(3, 42, 78)
-
-
-def test_unloaded_is_what_is_not_loaded() -> None:
-    """Medians of the counts at 1000 N add up to all balls, and the printed ones are too many."""
+    assert all(words in drawn.fewer_given(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
         loaded = float(np.median(case.sample(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
@@ -129,9 +118,8 @@ def test_two_digits_exchanged() -> None:
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
-    stiffer = calibrated(
-        replace(case.screw(), stiffness=1.034 * case.screw().stiffness), case.printed_ratio(), case.calibration_load()
-    )
+    stiffer = replace(case.screw(), stiffness=1.034 * case.screw().stiffness)
+    stiffer = calibrated(stiffer, case.printed_ratio(), case.calibration_load())
     assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert solve_chain(stiffer, case.one_error(-2e-6), 5000.0).load[32] < 43.55 * 0.99
     assert drawn.secant(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
@@ -141,8 +129,7 @@ def test_no_contact_stiffness_mends_the_offset() -> None:
 def test_single_ball_by_hand() -> None:
     """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
     first, last = given.loads_of_others()
-    alone = case.screw().slope * case.screw().stiffness * 2e-6**1.5
-    assert first == pytest.approx(alone, rel=0.02)
+    assert first == pytest.approx(case.screw().slope * case.screw().stiffness * 2e-6**1.5, rel=0.02)
     assert first < last
     low, high = given.others_change(-2.0)
     assert 0.0 < low < high

@@ -29,8 +29,8 @@ def test_chain_shares_the_load_as_the_beam_does_on_average():
     beam = Study().solve(bodies.with_errors(SCENE, errors, 5000.0)).load[:, 0]
     axial = solve_chain(bodies.same_screw(SCENE), errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
-    turns = beam.reshape(3, 26).mean(axis=1)
-    assert turns == pytest.approx(axial.reshape(3, 26).mean(axis=1), rel=0.01)
+    turns, chain = (load.reshape(3, 26).mean(axis=1) for load in (beam, axial))
+    assert turns == pytest.approx(chain, rel=0.01)
     one = bodies.Compared("none", 5000.0, axial, beam, beam)
     rms, most, ball = one.off(beam)
     assert 0.0 < rms < abs(most) < 5.0

@@ -11,23 +11,21 @@ from rollbench.comparison.sources.makers import section
 from rollbench.comparison.sources.makers.laws import bearings, nuts, torque
 from rollbench.comparison.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
 from rollbench.comparison.sources.makers.tables import Table, half_step, table
-from rollbench.reports import records
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 def one(value: float, computed: Band, **said: object) -> Outside:
     shared = {"quantity": "rigidity", "law": "law", "maker": "maker", "item": "item", "cls": "class", "origin": ""}
-    return Outside(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)  # type: ignore[arg-type]
+    return Outside(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
 
 
 def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
     """Closed forms: a row of a pair deflects by u; of three rows, one by P^(2/3), two by (P/2)^(2/3), 2 u in all."""
     preload = (2.0 / (1.0 + 2.0 ** (-2 / 3))) ** 1.5
     found = bearings.over_pair("DBD")
-    assert found[0] == pytest.approx(preload, rel=1e-12)
-    assert found[1] == pytest.approx(preload ** (1 / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-1 / 3)), rel=1e-12)
-    assert found[2] == pytest.approx(preload ** (4 / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-4 / 3)), rel=1e-12)
+    grown = (preload ** (k / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-k / 3)) for k in (1, 4))
+    assert found == pytest.approx((preload, *grown), rel=1e-12)
     assert bearings.over_pair("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
     assert bearings.over_pair("DBT")[0] == pytest.approx((2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12)
 
@@ -36,7 +34,6 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
     values = [x for x in bearings.sets() if x.quantity == quantity and not x.item.endswith(" DB")]
     found = standing(values)
-    assert found is not None
     assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
     wrong = [x.item for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
@@ -45,15 +42,10 @@ def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: floa
 def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
     found = list(bearings.ball_bearings())
     clear = np.array([x.computed.value - x.value for x in found if x.quantity == "displacement"])
-    assert clear.size == 728
-    assert float(np.sqrt((clear**2).mean())) < 0.6
-    assert float((np.abs(clear) <= 1.0).mean()) > 0.94
-    stiff = standing([x for x in found if x.quantity == "rigidity"])
-    assert stiff is not None
-    assert (stiff.number, abs(stiff.bias) < 0.6, stiff.scatter < 2.0) == (546, True, True)
-    factor = standing([x for x in found if x.quantity == "rating"])
-    assert factor is not None
-    assert (factor.number, abs(factor.bias) < 0.1, factor.scatter < 1.0) == (91, True, True)
+    assert (clear.size, np.sqrt((clear**2).mean()) < 0.6, (np.abs(clear) <= 1.0).mean() > 0.94) == (728, True, True)
+    for quantity, number, bias, scatter in (("rigidity", 546, 0.6, 2.0), ("rating", 91, 0.1, 1.0)):
+        of = standing([x for x in found if x.quantity == quantity])
+        assert (of.number, abs(of.bias) < bias, of.scatter < scatter) == (number, True, True)
 
 
 def test_balls_come_back_from_their_ratings() -> None:
@@ -97,28 +89,17 @@ def test_formulas_in_disguise_are_computed_and_not_judged() -> None:
 def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     judged = [x for x in nuts.nut_rigidity() if not x.left]
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
-    assert len(judged) == 472
-    assert abs(float(np.median(errors))) < 0.1
-    assert float((np.abs(errors) < 0.2).mean()) > 0.85
+    assert (len(judged), abs(np.median(errors)) < 0.1, (np.abs(errors) < 0.2).mean() > 0.85) == (472, True, True)
     growth = standing([x for x in nuts.preloaded_nuts() if x.law == "growth with preload"])
-    assert growth is not None
     assert (growth.number, abs(growth.bias) < 2.0, growth.scatter < 2.0) == (126, True, True)
 
 
-@pytest.mark.parametrize(
-    ("circuits", "turns", "known"),
-    [
-        ("4", "T4 of the name", (4.0, True)),
-        ("4", "K4 of the name", (4.0, False)),
-        ("22.8", "rows x turns", (5.6, False)),
-        ("31", "rows x turns", (3.0, True)),
-        ("1x4", "1x4", (4.0, True)),
-        ("2", "1.7", (3.4, False)),
-        ("", "1,2x4", (4.8, False)),
-    ],
-)
-def test_turns_as_printed(circuits: str, turns: str, known: tuple[float, bool]) -> None:
-    assert nuts.turns_printed({"circuits": circuits, "turns": turns}) == pytest.approx(known)
+def test_turns_as_printed() -> None:
+    known = {("4", "T4 of the name"): 4.0, ("31", "rows x turns"): 3.0, ("1x4", "1x4"): 4.0}
+    other = {("4", "K4 of the name"): 4.0, ("22.8", "rows x turns"): 5.6, ("2", "1.7"): 3.4, ("", "1,2x4"): 4.8}
+    for (circuits, turns), expected in (known | other).items():
+        found = nuts.turns_printed({"circuits": circuits, "turns": turns})
+        assert found == (pytest.approx(expected), (circuits, turns) in known)
 
 
 def test_drag_torque_of_the_measured_screws() -> None:
@@ -148,31 +129,22 @@ def test_all_values_and_their_table() -> None:
 def test_section_says_its_conclusion_first() -> None:
     found = section.section(STUDY, lambda _: None)
     assert found.conclusion.startswith("Of 36")
-    shown = found.items[1]
-    assert isinstance(shown, records.Table)
-    assert "1020: a formula in disguise" in shown.note
+    assert "1020: a formula in disguise" in found.items[1].note
 
 
-@pytest.mark.parametrize(
-    ("text", "half"), [("2 150", 5.0), ("0.14", 0.005), ("7", 0.5), ("1,5", 0.05), ("-12", 0.5), ("300", 50.0)]
-)
-def test_half_of_the_last_step(text: str, half: float) -> None:
-    assert half_step(text) == pytest.approx(half)
+def test_half_of_the_last_step() -> None:
+    steps = {"2 150": 5.0, "0.14": 0.005, "7": 0.5, "1,5": 0.05, "-12": 0.5, "300": 50.0}
+    assert {text: half_step(text) for text in steps} == pytest.approx(steps)
 
 
 def test_verdicts_and_what_does_not_count() -> None:
     band = Band.within(100.0, 0.02)
-    assert [one(x, band).verdict for x in (97.4, 97.6, 102.4, 102.6)] == [
-        "below the band",
-        "in the band",
-        "in the band",
-        "above the band",
-    ]
+    verdicts = [one(x, band).verdict for x in (97.4, 97.6, 102.4, 102.6)]
+    assert verdicts == ["below the band", *2 * ["in the band"], "above the band"]
     formula = replace(one(97.0, band), left="a formula in disguise")
     assert formula.verdict == "a formula in disguise"
     assert standing([formula]) is None
     both = standing([one(80.0, band), one(125.0, band), formula])
-    assert both is not None
     assert (both.number, both.bias, both.scatter) == (2, pytest.approx(2.5), pytest.approx(22.5))
 
 

@@ -40,19 +40,9 @@ def test_figure_can_be_drawn(section):
 
 
 def test_every_unit_of_force_length_and_stiffness_is_readable():
-    dimension = {
-        "lbf": "force",
-        "N": "force",
-        "in": "length",
-        "mm": "length",
-        "uin": "length",
-        "in-lbf": "moment",
-        "lbf/in": "stiffness",
-        "psi": "pressure",
-        "degF": "temperature difference",
-        "deg": "angle",
-        "rad": "angle",
-    }
+    dimension = dict.fromkeys(("lbf", "N"), "force") | dict.fromkeys(("in", "mm", "uin"), "length")
+    dimension |= dict.fromkeys(("deg", "rad"), "angle") | {"in-lbf": "moment", "lbf/in": "stiffness"}
+    dimension |= {"psi": "pressure", "degF": "temperature difference"}
     used = Counter(row.unit for name in smith.TITLES for row in load_table(name) if row.printed)
     for unit in used:
         if unit in dimension:
