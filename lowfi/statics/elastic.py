@@ -156,8 +156,8 @@ def settle(elastic: Elastic, build: Rebuild | None = None) -> tuple[Elastic, Out
 
 
 class Solution(NamedTuple):
-    """A scene at the outcome of its solver, with what builds it anew, its unheld motions, notes on its sides, and when it
-    was prepared (`time.perf_counter`)."""
+    """A scene at the outcome of its solver, with what builds it anew without its pins, its unheld motions, notes on its
+    sides, and when it was prepared (`time.perf_counter`)."""
 
     elastic: Elastic
     outcome: Outcome
@@ -180,7 +180,7 @@ def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
         prepared_at = perf_counter()
         elastic, outcome = settle(elastic, held)
         if np.array_equal(rebuild.use, all_sides(scene)) or (outcome.status == 0 and untouched(elastic)):
-            return Solution(elastic, outcome, held, mechanism, notes, prepared_at)
+            return Solution(elastic, outcome, rebuild, mechanism, notes, prepared_at)
         notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
         rebuild = replace(rebuild, use=all_sides(scene))
 
@@ -226,8 +226,8 @@ def solve_elastic(
     result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
 
     def otherwise() -> Array | None:
-        again = pin(problem, mechanism, True)
-        other, found = settle(replace(rebuild, held=(again.fixed, again.prescribed, again.pins))())
+        _, other = rebuild.pinned(pin(rebuild.problem(), mechanism, True))
+        other, found = settle(other)
         return None if lost(found) else contacts_of(other)[1][..., 0]
 
     return with_other_pin(result, mechanism, otherwise)
