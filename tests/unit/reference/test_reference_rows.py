@@ -43,17 +43,17 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
     already. (All other scenes pass in the gate's own test.)"""
     monkeypatch.setattr(gate, "UNSEEN", ())
     assert [row.name for row in gate.reference_rows(Study(), 7.0) if not row.passed] == []
-    from rollbench.lowfi.statics import elastic_system, problem
+    from rollbench.lowfi.statics import elastic, problem
     from rollbench.meshes.section import BeamSection
 
-    right = elastic_system.grooved_section
+    right = elastic.grooved_section
 
     def soft(geometry, screw):  # type: ignore[no-untyped-def]
         s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
     with monkeypatch.context() as patch:
-        patch.setattr(elastic_system, "grooved_section", soft)
+        patch.setattr(elastic, "grooved_section", soft)
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
     stiff = problem.hertz_C
     with monkeypatch.context() as patch:
