@@ -104,7 +104,7 @@ def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
 
 def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
     from rollbench.lowfi.compliance.parts import LADDER
-    from rollbench.lowfi.statics.axis.refined import solve_refined
+    from rollbench.lowfi.statics.axis.elastic import solve_refined
 
     engine: Any = options.engine
     return solve_refined(assembly, engine=engine, member=options.member, backend=LADDER[name], name=name)

@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.mechanism import free_motions
-from rollbench.lowfi.statics.problem import SIGNS, Problem, build, error_free
+from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build, error_free
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.selection import shifts_of_beam
 from rollbench.lowfi.statics.shape import shape_polynomials
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend
-from rollbench.lowfi.statics import elastic, static
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
-from rollbench.lowfi.statics.problem import Problem, distances
+from rollbench.lowfi.statics.elastic import ElasticBuild
+from rollbench.lowfi.statics.problem import distances
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
-from rollbench.lowfi.statics.settle import contact_angles, verdict
-from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, round_off_bound, unheld
+from rollbench.lowfi.statics.settle import contact_angles
+from rollbench.lowfi.statics.static import Build, Engine, Solution, Unheld, pick_engine, solve_sides
 from rollbench.lowfi.threads import one_thread
-from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
-
-if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.imported import Condensed
 
 
 @dataclass(frozen=True)
@@ -45,12 +39,7 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     """Contact loads of balls with errors ``drawn`` at places ``layout``: ``solve_static``."""
     known = distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
-    solved = static.solve_sides(scene, drawn, layout, pick_engine(engine, layout.z.size), use, known=known)
-    if isinstance(solved, Unheld):
-        return _none(solved.problem.C, solved.status)
-    prepared, outcome = solved.prepared, solved.outcome
-    status = verdict(outcome, round_off_bound(prepared, outcome.scale), partial(unheld, prepared.problem))
-    return _loads(prepared.force, prepared.normal, prepared.problem.C, status)
+    return _loads(solve_sides(Build(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known)))
 
 
 def elastic_loads(
@@ -63,39 +52,16 @@ def elastic_loads(
 ) -> ContactLoads:
     """The same with elastic bodies, ``solve_elastic``; whole: see `body_compliance`."""
     use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
+    parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
     with one_thread():
-        system, status = solved_system(scene, drawn, layout, backend, None, engine, use, whole)
-        if isinstance(system, Problem):
-            return _none(system.C, status)
-        _, contact, _ = elastic.contacts_of(system)
-    return _loads(contact[..., 0], contact[..., 1:3], system.problem.C, status)
+        return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
 
 
-def solved_system(
-    scene: Scene,
-    drawn: Specimen,
-    layout: BallLayout,
-    backend: Backend,
-    condensed: Condensed | None,
-    engine: Engine,
-    use: Mask,
-    whole: WholeBody = whole_body,
-) -> tuple[Elastic | Problem, str]:
-    """Elastic bodies at their solution, with the sides ``use`` (4,) or all four, and its status; the problem alone where
-    nothing holds the screw."""
-    kernels = pick_engine(engine, layout.z.size)
-    solved = elastic.solve_sides(Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, False, 1, whole))
+def _loads(solved: Solution | Unheld) -> ContactLoads:
     if isinstance(solved, Unheld):
-        return solved.problem, solved.status
-    system, outcome = solved.elastic, solved.outcome
-    return system, verdict(outcome, elastic.round_off(system, outcome.scale), partial(unheld, system.problem))
-
-
-def _loads(force: Array, normal: Array, C: Array, status: str) -> ContactLoads:
-    angle = np.where(force > 0.0, contact_angles(normal), np.nan)
-    return ContactLoads(force.copy(), angle, C.copy(), status)
-
-
-def _none(C: Array, status: str) -> ContactLoads:
-    nan: Any = np.full(C.shape, np.nan)
-    return ContactLoads(nan, nan, C.copy(), status)
+        C = solved.problem.C.copy()
+        return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
+    problem, contact, _, _ = solved.system.flanks()[0]
+    force = contact[..., 0].copy()
+    angle = np.where(force > 0.0, contact_angles(contact[..., 1:3]), np.nan)
+    return ContactLoads(force, angle, problem.C.copy(), solved.verdict())

@@ -6,30 +6,32 @@ with a pluggable origin (`lowfi.compliance.bodies`, or a condensed 3D model read
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.lowfi.compliance.parts import REFINED, Backend, idealised
+from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
+from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealised
 from rollbench.lowfi.hertz import contact_stiffness
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
-from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
-from rollbench.lowfi.statics.records import Outcome
+from rollbench.lowfi.statics.elastic_system import LARGEST, Flanks, flanks_of, pair_data, spring_rows
+from rollbench.lowfi.statics.problem import Problem, SolvedState
+from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, BodyState, BodySystem, Outcome
+from rollbench.lowfi.statics.response import one_pair, response_of
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides, describe_left_out
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, lost, report_of, settled, verdict
-from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
-from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, pin, unheld, with_other_pin
-from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
+from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
+from rollbench.lowfi.statics.settle import SetFlanks, least_residual
+from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions
+from rollbench.lowfi.statics.static import Build, Engine, OneSet, Words, options_of, pick_engine, scale_of, solve_built
+from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Scene, UnfitKey
+from rollbench.meshes.section import BeamSection
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.imported import Condensed
@@ -40,149 +42,163 @@ CONDENSED = "convex energy, elastic bodies condensed to the contacts"
 MARGIN = 0.2e-6
 
 
-def iterate(elastic: Elastic, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the present state."""
-    bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
-    if start:
-        elastic.engine.start_forces(bodies, state, elastic.springs, options)
-    outcome: Outcome = elastic.engine.solve_forces(bodies, contacts, state, options, elastic.arms, elastic.history)
-    elastic.scale = outcome.scale
-    return outcome
+@dataclass(kw_only=True)
+class Elastic(OneSet):
+    """Elastic bodies of a scene; assumed: statements about the bodies."""
+
+    SOLVER = "solve_forces"
+    given: BodySystem
+    state: BodyState
+    shaft: Shaft
+    bodies: Flanks
+    assumed: tuple[str, ...]
+
+    @property
+    def pair(self) -> tuple[int, int] | None:
+        """Sides of the one diagonal that the closed form serves, screw's first; None where all four flanks take part."""
+        if self.given.bodies.second.size:
+            return None
+        a = 0 if self.problem.use[0] else 1
+        return a, 3 - a
+
+    def iterate(self, start: bool = True) -> Outcome:
+        """As `Prepared.iterate`, with the problem's Hertz constants."""
+        if self.pair is not None:
+            self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
+        return super().iterate(start)
+
+    def flanks(self) -> Sequence[SetFlanks]:
+        """Contacts at the state."""
+        problem, state, moved, pair = self.problem, self.state, self.shifts(), self.pair
+        if pair is None:
+            return (SetFlanks(problem, state.contact, state.inner[:, :2].copy(), moved),)
+        a, b = pair
+        N = len(moved)
+        contact, p, single = np.zeros((N, 4, 5)), np.zeros((N, 2)), np.zeros((4, 5))
+        contact[:, a] = contact[:, b] = state.contact[:, 0]
+        contact[:, b, 1:3] *= -1.0
+        geometry, closure, drawn, tiny = problem.geometry, problem.closure, problem.drawn, self.given.contacts.tiny
+        for i in range(N):  # the centre follows from the motions of both flanks
+            ball = geometry[i], closure[i], drawn.ball_radius[i], drawn.profile
+            self.engine.settle_ball(p[i], moved[i].copy(), *ball, tiny, single)
+        return (SetFlanks(problem, contact, p, moved),)
+
+    def forces(self) -> Array:
+        """Forces ``(N, 4, 2)`` [N] of the balls on all flanks."""
+        pair, contact = self.pair, self.state.contact
+        pushes = contact[..., 0, None] * contact[..., 1:3]
+        if pair is None:
+            return np.asarray(pushes)
+        out = np.zeros((contact.shape[0], 4, 2))
+        out[:, pair[0]], out[:, pair[1]] = pushes[:, 0], -pushes[:, 0]
+        return out
+
+    def shifts(self) -> Array:
+        """Motions ``(N, 4, 2)`` [m] of all built flanks at the state."""
+        screw, nut, v0, R = self.bodies.kept
+        forces = self.forces()
+        N, out = len(forces), np.zeros(forces.shape)
+        for G, sides in ((screw, (0, 1)), (nut, (2, 3))):
+            used = [s for s in sides if self.problem.use[s]]
+            out[:, used] = (G @ forces[:, used].ravel()).reshape(N, len(used), 2)
+        out[:, :2] += v0 + R @ self.state.a
+        return out
+
+    def round_off(self) -> float:
+        """By the largest motions and the stiffest contact."""
+        problem, v0 = self.problem, self.given.bodies.v0
+        stiff = float(contact_stiffness(self.state.contact[..., 0], problem.C.min()).max(initial=0.0))
+        motion = float(np.abs(self.shifts()).max()) + float(np.abs(v0).max(initial=0.0))
+        return least_residual(motion, stiff, self.scale, [problem])
+
+    def clears(self) -> bool:
+        """Whether no ball comes within MARGIN of an omitted flank, as `lowfi.statics.selection.all_clear` has it.
+
+        A flank that was left out moves with its neighbour on the same ridge, up to their own elastic difference.
+        """
+        problem, contact, p, shift = self.flanks()[0]
+        for s in np.flatnonzero(~problem.use):
+            shift[:, s] = shift[:, int(s) ^ 1]
+        force = contact[None, ..., 0]
+        return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
+
+    def solved(self) -> SolvedState:
+        """The state with the motions of the nodes and the reactions, which the condensed system does not hold itself."""
+        problem, squeeze = self.problem, self.bodies.squeeze
+        used = [s for s in range(2) if problem.use[s]]
+        pushes = self.forces()[:, used].transpose(1, 0, 2).reshape(-1, 2)
+        by_flanks = flank_loads(problem, pushes, used)
+        if squeeze is not None:
+            by_flanks += squeeze.node_loads(pushes.ravel())
+        motion, nodal = node_motions(self.shaft, by_flanks, self.state.a), np.zeros((problem.nodes.size, 6))
+        if problem.basis is None:
+            nodal = node_forces(self.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
+        if squeeze is not None:
+            motion = squeeze.with_inside(motion, pushes, problem.fixed)
+        held = np.where(problem.fixed, nodal, 0.0)
+        scale = max(self.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
+        _, contact, centre, shifts = self.flanks()[0]
+        return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
+
+    def words(self) -> Words:
+        """As `OneSet.words`: with what was done to keep the compliance positive."""
+        build, clipped = self.build, self.bodies.clipped
+        assert isinstance(build, ElasticBuild)
+        source = idealised(build.backend, build.scene) if build.condensed is None else (build.condensed.describe(),)
+        size = self.state.phi.size + self.state.a.size
+        cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
+        assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
+        return Words(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
 
 
-def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
-    """Centres ``(N, 2)`` [m], contacts ``(N, 4, 5)`` of all flanks, and flank motions ``(N, 4, 2)`` [m] at the state."""
-    problem = elastic.problem
-    N = elastic.state.inner.shape[0]
-    moved = flank_shifts(elastic)
-    pair = elastic.pair
-    if pair is None:
-        return elastic.state.inner[:, :2].copy(), elastic.state.contact.copy(), moved
-    a, b = pair
-    of_pair = elastic.state.contact[:, 0]
-    contact = np.zeros((N, 4, 5))
-    contact[:, a] = of_pair
-    contact[:, b] = of_pair
-    contact[:, b, 1:3] *= -1.0
-    p = np.zeros((N, 2))
-    shift = moved.copy()
-    single = np.zeros((4, 5))
-    for i in range(N):  # the centre follows from the motions of both flanks
-        elastic.engine.settle_ball(
-            p[i],
-            shift[i],
-            problem.geometry[i],
-            problem.closure[i],
-            problem.drawn.ball_radius[i],
-            problem.drawn.profile,
-            elastic.contacts.tiny,
-            single,
+@dataclass(frozen=True, kw_only=True)
+class ElasticBuild(Build):
+    """As `Build`, with elastic bodies: backend: what answers the contact forces; condensed: compliance from a 3D model
+    instead; whole: see `body_compliance`."""
+
+    backend: Backend = REFINED
+    condensed: Condensed | None = None
+    whole: WholeBody = whole_body
+
+    @property
+    def section(self) -> BeamSection | None:
+        """That of the backend."""
+        return grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None
+
+    def ready(self, problem: Problem) -> Elastic:
+        """A problem, ready for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of
+        the bodies."""
+        N = self.layout.z.size
+        if N > LARGEST:
+            reason = f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin"
+            raise UnfitKey("balls.count", reason)
+        response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
+        shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
+        flanks, pair, drawn = flanks_of(problem, scale.typical, shaft, response), one_pair(problem), problem.drawn
+        local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
+        local[..., 0], local[..., 2] = flanks.e, flanks.h
+        local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
+        if pair is not None:  # one diagonal alone: nothing to couple with
+            local[..., 0] += 2.0 * ball.g**2
+            rows = pair_data(problem, pair, local[..., 0], flanks.h)
+        balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)
+        v0, k, options = flanks.bodies.v0, flanks.bodies.work.size, options_of(problem, scale)
+        springs = spring_rows(problem, pair, options.stiffness)
+        return Elastic(
+            engine=self.engine,
+            given=BodySystem(flanks.bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.none), shaft.arms, springs),
+            state=BodyState(np.zeros(v0.shape), np.zeros(k), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))),
+            options=options,
+            problem=problem,
+            build=self,
+            shaft=shaft,
+            bodies=flanks,
+            assumed=response.assumed,
         )
-    return p, contact, moved
 
-
-def flank_forces(elastic: Elastic) -> Array:
-    """Forces ``(N, 4, 2)`` [N] of the balls on all flanks."""
-    pair, contact = elastic.pair, elastic.state.contact
-    pushes = contact[..., 0, None] * contact[..., 1:3]
-    if pair is None:
-        return np.asarray(pushes)
-    out = np.zeros((contact.shape[0], 4, 2))
-    out[:, pair[0]], out[:, pair[1]] = pushes[:, 0], -pushes[:, 0]
-    return out
-
-
-def flank_shifts(elastic: Elastic) -> Array:
-    """Motions ``(N, 4, 2)`` [m] of all built flanks at the state."""
-    N = elastic.state.inner.shape[0]
-    screw, nut, v0, R = elastic.flanks.kept
-    forces, out = flank_forces(elastic), np.zeros((N, 4, 2))
-    for G, sides in ((screw, (0, 1)), (nut, (2, 3))):
-        used = [s for s in sides if elastic.problem.use[s]]
-        out[:, used] = (G @ forces[:, used].ravel()).reshape(N, len(used), 2)
-    out[:, :2] += v0 + R @ elastic.state.a
-    return out
-
-
-def round_off(elastic: Elastic, scale: float) -> float:
-    """Relative residual below which double precision cannot get: see `lowfi.statics.settle.least_residual`."""
-    problem = elastic.problem
-    stiff = float(contact_stiffness(elastic.state.contact[..., 0], problem.C.min()).max(initial=0.0))
-    motion = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
-    return least_residual(motion, stiff, scale, [problem])
-
-
-def untouched(elastic: Elastic) -> bool:
-    """True if no ball comes within MARGIN of an omitted flank, as `lowfi.statics.selection.all_clear` has it.
-
-    A flank that was left out moves with its neighbour on the same ridge, up to their own elastic difference.
-    """
-    problem = elastic.problem
-    p, contact, shift = contacts_of(elastic)
-    for s in np.flatnonzero(~problem.use):
-        shift[:, s] = shift[:, int(s) ^ 1]
-    force = contact[None, ..., 0]
-    return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
-
-
-def settle(elastic: Elastic, build: Rebuild | None = None) -> tuple[Elastic, Outcome]:
-    """Solve, and follow the contacts (`lowfi.statics.settle.settled`), lever arms on uneven flanks where ``build`` makes
-    the problem anew; the problem that was solved, and its outcome."""
-
-    def iterated(start: bool) -> Outcome:
-        if elastic.pair is not None:
-            elastic.contacts.pair[:, 4] = elastic.problem.C[:, list(elastic.pair)].sum(axis=1)
-        return iterate(elastic, start)
-
-    def flanks() -> list[Flanks]:
-        centre, contact, shift = contacts_of(elastic)
-        return [Flanks(elastic.problem, contact, centre, shift)]
-
-    def rebuild(arms: list[Array]) -> Outcome:
-        nonlocal elastic
-        old = elastic
-        elastic = elastic if build is None else build(arms[0])
-        elastic.problem.C[:] = old.problem.C
-        for new_state, old_state in zip(elastic.state, old.state, strict=True):
-            new_state[:] = old_state
-        return iterate(elastic, False)
-
-    def contacts() -> list[Contacts]:
-        return [Contacts(elastic.problem, contacts_of(elastic)[1])]
-
-    hertz = elastic.problem.scene.ingredients.hertz
-    outcome = settled(iterated, contacts, flanks, None if build is None else rebuild, hertz)
-    return elastic, outcome
-
-
-class Solution(NamedTuple):
-    """A scene at the outcome of its solver, with what builds it anew, its unheld motions, notes on its sides, and when it
-    was prepared (`time.perf_counter`)."""
-
-    elastic: Elastic
-    outcome: Outcome
-    rebuild: Rebuild
-    mechanism: Mechanism
-    notes: tuple[str, ...]
-    prepared_at: float
-
-
-def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
-    """Solve with the sides that ``rebuild`` builds, and again with all four where a ball may touch the others."""
-    notes: tuple[str, ...] = ()
-    scene = rebuild.scene
-    while True:
-        problem = rebuild.problem()
-        mechanism = free_motions(problem)
-        if mechanism.driven:
-            return Unheld(problem, mechanism)
-        held, elastic = rebuild.pinned(pin(problem, mechanism))
-        prepared_at = perf_counter()
-        elastic, outcome = settle(elastic, held)
-        if np.array_equal(rebuild.use, all_sides(scene)) or (outcome.status == 0 and untouched(elastic)):
-            return Solution(elastic, outcome, held, mechanism, notes, prepared_at)
-        notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
-        rebuild = replace(rebuild, use=all_sides(scene))
+    def touched(self) -> str:
+        """As `Build.touched`."""
+        return "two of the four sides may touch in the solution without them: solved again with all four"
 
 
 @one_thread()
@@ -206,56 +222,8 @@ def solve_elastic(
     start = perf_counter()
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
-    kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
-    every = everything or drawn.profile.shape[1] > 0
-    use = all_sides(scene) if every else choose_sides(scene, drawn)
-    solved = solve_sides(Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, everything, refine))
-    if isinstance(solved, Unheld):
-        return failed_result(solved.problem, name, solved.status, perf_counter() - start)
-    elastic, outcome, mechanism, rebuild = solved.elastic, solved.outcome, solved.mechanism, solved.rebuild
-    problem = elastic.problem
-    bound = round_off(elastic, outcome.scale)
-    status = verdict(outcome, bound, partial(unheld, problem))
-    if outcome.status in NO_LOADS:
-        return failed_result(problem, name, status, perf_counter() - start)
-    system = CONDENSED, elastic.state.phi.size + elastic.state.a.size, problem.nodes.size - 1
-    report = report_of(outcome, kernels, (start, solved.prepared_at), system, bound, solved.notes)
-    left = (*describe_left_out(problem, mechanism, everything=everything), *_cut(elastic))
-    source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
-    assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
-    result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
-
-    def otherwise() -> Array | None:
-        again = pin(problem, mechanism, True)
-        other, found = settle(replace(rebuild, held=(again.fixed, again.prescribed, again.pins))())
-        return None if lost(found) else contacts_of(other)[1][..., 0]
-
-    return with_other_pin(result, mechanism, otherwise)
-
-
-def _cut(elastic: Elastic) -> tuple[str, ...]:
-    """What was done to keep the compliance positive."""
-    clipped = elastic.flanks.clipped
-    if clipped <= 1e-6:
-        return ()
-    return (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
-
-
-def solved_state(elastic: Elastic) -> SolvedState:
-    """The state with the motions of the nodes and the reactions, which the condensed system does not hold itself."""
-    problem = elastic.problem
-    used = [s for s in range(2) if problem.use[s]]
-    pushes = flank_forces(elastic)[:, used].transpose(1, 0, 2).reshape(-1, 2)
-    by_flanks = flank_loads(problem, pushes, used)
-    if elastic.flanks.squeeze is not None:
-        by_flanks += elastic.flanks.squeeze.node_loads(pushes.ravel())
-    motion = node_motions(elastic.shaft, by_flanks, elastic.state.a)
-    centre, contact, shifts = contacts_of(elastic)
-    nodal = np.zeros((problem.nodes.size, 6))
-    if problem.basis is None:
-        nodal = node_forces(elastic.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
-    if elastic.flanks.squeeze is not None:
-        motion = elastic.flanks.squeeze.with_inside(motion, pushes, problem.fixed)
-    held = np.where(problem.fixed, nodal, 0.0)
-    scale = max(elastic.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
-    return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
+    uneven = drawn.profile.shape[1] > 0
+    kernels = pick_engine(engine, layout.z.size, uneven)
+    use = all_sides(scene) if everything or uneven else choose_sides(scene, drawn)
+    parts = scene, drawn, layout, use, kernels, everything, refine
+    return solve_built(ElasticBuild(*parts, backend=backend, condensed=condensed), name, start)

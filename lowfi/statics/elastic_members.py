@@ -11,14 +11,14 @@ from types import ModuleType
 import numpy as np
 
 from rollbench.lowfi.compliance.parts import Backend
-from rollbench.lowfi.statics.elastic import Solution, flank_forces, iterate, round_off, solve_sides, untouched
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, pair_data
+from rollbench.lowfi.statics.elastic import Elastic, ElasticBuild
+from rollbench.lowfi.statics.elastic_system import pair_data
 from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.problem import distances, hertz_C
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shaft import node_motions, rigid_nodes, rows_of
-from rollbench.lowfi.statics.static import scale_of
+from rollbench.lowfi.statics.static import Solution, scale_of, solve_sides
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
@@ -74,10 +74,11 @@ class ElasticMembers:
         if key not in self._systems:
             self._systems[key] = None
             drawn = specimen(self.scene, self.layout)
-            parts = Rebuild(self.scene, drawn, self.layout, use, None, self.backend, None, self.engine, False)
-            solved = solve_sides(parts)
-            if isinstance(solved, Solution) and solved.outcome.status == CONVERGED and solved.elastic.flanks.lent == 0.0:
-                self._systems[key] = _System(solved.elastic)
+            solved = solve_sides(ElasticBuild(self.scene, drawn, self.layout, use, self.engine, backend=self.backend))
+            if isinstance(solved, Solution) and solved.outcome.status == CONVERGED:
+                elastic = solved.system
+                if isinstance(elastic, Elastic) and elastic.bodies.lent == 0.0:
+                    self._systems[key] = _System(elastic)
         return self._systems[key]
 
 
@@ -93,7 +94,7 @@ class _System:
     def __init__(self, elastic: Elastic) -> None:
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
-        self.local = elastic.contacts.local.copy()
+        self.local = elastic.given.contacts.local.copy()
         self.size = float(np.cbrt(scale_of(elastic.problem).typical))
         self.by_pushes, self.by_motions, self.at_rest = _work(elastic)
 
@@ -107,18 +108,18 @@ class _System:
         for array, first in zip(self.elastic.state, start or self.start, strict=True):
             array[:] = first
         elastic = self.elastic
-        outcome = iterate(elastic, False)
+        outcome = elastic.iterate(False)
         if outcome.status not in (CONVERGED, ITERATIONS):
             return None
-        if outcome.residual > ACCEPTED and outcome.residual > round_off(elastic, outcome.scale):
+        if outcome.residual > ACCEPTED and outcome.residual > elastic.round_off():
             return None
         whole = np.array_equal(elastic.problem.use, all_sides(elastic.problem.scene))
-        if not whole and (outcome.status != CONVERGED or not untouched(elastic)):
+        if not whole and (outcome.status != CONVERGED or not elastic.clears()):
             return None
         contact = elastic.state.contact
         loads = np.zeros(offset.shape[:2])
         loads[:, slice(None) if elastic.pair is None else elastic.pair] = contact[..., 0]
-        on_screw = flank_forces(elastic)[:, [s for s in (0, 1) if elastic.problem.use[s]]].swapaxes(0, 1).ravel()
+        on_screw = elastic.forces()[:, [s for s in (0, 1) if elastic.problem.use[s]]].swapaxes(0, 1).ravel()
         work = float(self.by_pushes @ on_screw + self.by_motions @ elastic.state.a) + self.at_rest
         return loads, outcome.residual, work
 
@@ -127,22 +128,22 @@ class _System:
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
-        scale, slope = scale_of(problem), elastic.flanks.slope
+        scale, slope = scale_of(problem), elastic.bodies.slope
         size = float(np.cbrt(scale.typical))
-        local = elastic.contacts.local
+        local = elastic.given.contacts.local
         local[:] = self.local
         local[..., 0] += slope * np.log(size / self.size)
         local[..., 2] += slope * (1.0 / size - 1.0 / self.size)
         if elastic.pair is not None:
-            elastic.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
-        elastic.contacts = elastic.contacts._replace(tiny=scale.none)
+            elastic.given.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
+        elastic.given = elastic.given._replace(contacts=elastic.given.contacts._replace(tiny=scale.none))
         elastic.options = elastic.options._replace(floor=scale.floor, furthest=float(radii.max()))
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:
     """Loads of the scene times the motions of their stations [J]: by the flanks' forces ``(2 c,)`` [N], side after side, by
     the amplitudes ``(k,)`` of the free motions, and without either."""
-    problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.flanks.squeeze
+    problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()
     dof, rows = rows_of(problem, [s for s in range(2) if problem.use[s]])
     by_flanks = np.zeros((load.size, 2 * len(rows)))

@@ -78,6 +78,27 @@ class Problem:
         return width
 
 
+@dataclass(frozen=True)
+class SolvedState:
+    """Motions, contacts and reactions at the end of any model's solve, for ``n`` nodes and ``N`` balls.
+
+    motion: of the nodes ``(n, 6)`` [m, rad]; centre: shifts of the balls in their sections ``(N, 2)`` [m]; force: of the
+    contacts ``(N, 4)`` [N]; normal: unit vectors from ball to groove in the section ``(N, 4, 2)``; reactions: of the
+    supports on the nodes ``(n, 6)`` [N, N m] (zero for a rigid screw, whose supports take what is left); shifts: motions
+    of the flanks in the section ``(N, 4, 2)`` [m], None where all flanks are exact arcs and nothing asks for them;
+    scale: largest force met [N].
+    """
+
+    problem: Problem
+    motion: Array
+    centre: Array
+    force: Array
+    normal: Array
+    reactions: Array
+    shifts: Array | None
+    scale: float
+
+
 @lru_cache(maxsize=64)
 def nominal_hertz(scene: Scene) -> HertzConstants:
     """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle.
@@ -431,30 +452,8 @@ def _rigid(
         lift[:] = np.linalg.lstsq(a, values, rcond=None)[0]
     to_motion = scale[:, None] * basis / scale[None, :]
     count = layout.z.size
-    B = np.zeros((count, 2, 2, 6))
-    origin = np.full(count, z0)
-    shift = scale * lift
-    for s in range(2):
-        rows_s = flank_rows(parts, s, origin)
-        B[:, s] = rows_s @ to_motion
-    fixed = np.zeros((1, 6), dtype=bool)
-    if held:
-        fixed[0, 6 - held :] = True
-    prescribed = np.linalg.solve(to_motion, shift)[None, :]
-    return Problem(
-        scene,
-        layout,
-        drawn,
-        np.array([z0]),
-        section,
-        fixed,
-        prescribed,
-        (to_motion.T @ load)[None, :],
-        np.zeros((count, 2), dtype=np.int64),
-        B,
-        geometry,
-        closure,
-        use,
-        0,
-        to_motion,
-    )
+    B = np.stack([flank_rows(parts, s, np.full(count, z0)) @ to_motion for s in range(2)], axis=1)
+    fixed = np.arange(6)[None] >= 6 - held
+    prescribed, work = np.linalg.solve(to_motion, scale * lift)[None, :], (to_motion.T @ load)[None, :]
+    shaft = np.array([z0]), section, fixed, prescribed, work, np.zeros((count, 2), dtype=np.int64), B
+    return Problem(scene, layout, drawn, *shaft, geometry, closure, use, 0, to_motion)

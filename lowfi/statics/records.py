@@ -47,17 +47,19 @@ class BeamContacts(NamedTuple):
     tiny: float
 
 
-class BeamState(NamedTuple):
-    """Unknowns of beam and balls, and the contacts there."""
+class RowState(NamedTuple):
+    """Unknowns of a system whose unknowns are rows of motions, and the contacts there."""
 
-    #: Motions of the nodes (n, 6) [m, rad].
+    #: Motions of the rows (r, 6) [m, rad]: n nodes of the shaft, then the bodies beside it.
     q: Array
-    #: Deformations of the elements (n - 1, 6) [m, rad].
+    #: Deformations of the shaft's elements (n - 1, 6) [m, rad].
     d: Array
     #: Centres of the balls (N, 2) from their nominal places [m].
     p: Array
     #: Contacts (N, 4, 5), see `lowfi.statics.kernel.ball`.
     contact: Array
+    #: Force [N] and stiffness [N/m] of the rollers' slices (M, 2).
+    slices: Array
 
 
 class MemberArrays(NamedTuple):
@@ -83,13 +85,27 @@ class MemberStates(NamedTuple):
     p: Array
 
 
-class BeamSlopes(NamedTuple):
-    """Derivatives of the energy of beam and balls."""
+class Slopes(NamedTuple):
+    """Derivatives of the energy of rows and balls."""
 
-    #: By the motions of the nodes (n, 6) [N, N m].
+    #: By the motions of the rows (r, 6) [N, N m].
     gradient: Array
-    #: Second derivatives of a ball's energy by the motion of its screw flanks (N, 4, 4) [N/m].
+    #: Second derivatives of a ball's energy by the motion of its flanks [N/m]: (N, 4, 4) of the screw's, or (N, 8, 8).
     hessians: Array
+
+
+class RowRoom(NamedTuple):
+    """Room for the iteration on rows of motions."""
+
+    slopes: Slopes
+    #: Stiffness of shaft and springs, and the factor of the whole, in a lower band or an envelope.
+    base: Array
+    matrix: Array
+    #: Step of the rows (r, 6) [m, rad].
+    step: Array
+    #: Motions of the rows (r, 6) and deformations of the elements (n - 1, 6) where the step begins.
+    q0: Array
+    d0: Array
 
 
 class Options(NamedTuple):
@@ -116,18 +132,6 @@ class BeamSystem(NamedTuple):
 
     shaft: BeamArrays
     contacts: BeamContacts
-
-
-class BeamRoom(NamedTuple):
-    """Room for the iteration on them."""
-
-    slopes: BeamSlopes
-    #: Factor of the stiffness in the lower band, step of the nodes (n, 6) [m, rad].
-    band: Array
-    step: Array
-    #: Motion of the first node (6,) and deformations of the elements (n - 1, 6) where the step begins.
-    q0: Array
-    d0: Array
 
 
 class AxisArrays(NamedTuple):
@@ -188,21 +192,6 @@ class AxisRollers(NamedTuple):
     s: Array
 
 
-class AxisState(NamedTuple):
-    """Unknowns, and the contacts there."""
-
-    #: Motions of the rows (r, 6) [m, rad].
-    q: Array
-    #: Deformations of the shaft's elements (n - 1, 6) [m, rad].
-    d: Array
-    #: Centres of the balls (N, 2) from their nominal places [m].
-    p: Array
-    #: Contacts (N, 4, 5), see `lowfi.statics.kernel.ball`.
-    contact: Array
-    #: Force [N] and stiffness [N/m] of the rollers' slices (M, 2).
-    slices: Array
-
-
 class Progress(NamedTuple):
     """How a Newton iteration gets on: least residual, lowest energy [J], iterations since either fell, searches that found
     nothing."""
@@ -213,15 +202,6 @@ class Progress(NamedTuple):
     stuck: int
 
 
-class AxisSlopes(NamedTuple):
-    """Derivatives of the energy."""
-
-    #: By the motions of the rows (r, 6) [N, N m].
-    gradient: Array
-    #: Second derivatives of a ball's energy by the motion of its flanks (N, 8, 8) [N/m].
-    hessians: Array
-
-
 class AxisSystem(NamedTuple):
     """A shaft with all its rolling elements."""
 
@@ -230,23 +210,8 @@ class AxisSystem(NamedTuple):
     rollers: AxisRollers
 
 
-class AxisRoom(NamedTuple):
-    """Room for the iteration on them."""
-
-    slopes: AxisSlopes
-    #: Stiffness of shaft and springs, and the factor of the whole, in the envelope; step of the rows (r, 6) [m, rad].
-    base: Array
-    values: Array
-    step: Array
-    #: Motions of the rows (r, 6) and deformations of the elements (n - 1, 6) where the step begins.
-    q0: Array
-    d0: Array
-
-
-#: Systems whose unknowns are rows of motions, with their states and rooms.
+#: Systems whose unknowns are rows of motions.
 Rows = BeamSystem | AxisSystem
-RowState = BeamState | AxisState
-RowRoom = BeamRoom | AxisRoom
 
 
 class Bodies(NamedTuple):
@@ -344,11 +309,15 @@ class BallRows(NamedTuple):
 
 
 class BodySystem(NamedTuple):
-    """Elastic bodies with all rolling elements; arms (k,): see `lowfi.statics.shaft`."""
+    """Elastic bodies with all rolling elements."""
 
     bodies: Bodies
     contacts: BallContacts
+    #: What makes forces of the unbalanced work on the free motions (k,), see `lowfi.statics.shaft`.
     arms: Array
+    #: Linear springs between opposite flanks in place of two contacts, to start with (N, w, d): rows sqrt(stiffness) x
+    #: direction, zero where there is none.
+    springs: Array
 
 
 class BodyRoom(NamedTuple):

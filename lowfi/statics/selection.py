@@ -142,16 +142,8 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
     offered[..., 5] = 1.0
     for i in range(problem.layout.z.size):
         shift[:2] = moved[i]
-        engine.settle_ball(
-            p,
-            shift,
-            offered[i],
-            problem.closure[i],
-            problem.drawn.ball_radius[i],
-            problem.drawn.profile,
-            0.1 * floor,
-            contact,
-        )
+        ball = offered[i], problem.closure[i], problem.drawn.ball_radius[i], problem.drawn.profile
+        engine.settle_ball(p, shift, *ball, 0.1 * floor, contact)
         touched |= contact[:, 0] > floor
     return touched
 

@@ -3,17 +3,19 @@ contact angle, and lever arms on uneven flanks. The same for one set and several
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from time import perf_counter
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 
 import numpy as np
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
 from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz
-from rollbench.lowfi.statics.records import Outcome
+from rollbench.lowfi.statics.records import Options, Outcome
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
@@ -29,20 +31,57 @@ ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
-class Contacts(NamedTuple):
-    """Contacts (N, 4, 5) of a set's balls as the kernels leave them, and its problem."""
-
-    problem: Problem
-    contact: Array
-
-
-class Flanks(NamedTuple):
-    """The same with the centres (N, 2) of the balls and the motions (N, 4, 2) of all flanks [m]."""
+class SetFlanks(NamedTuple):
+    """A set's problem with the contacts (N, 4, 5) of its balls as the kernels leave them, their centres (N, 2), and the
+    motions (N, 4, 2) of all flanks [m]."""
 
     problem: Problem
     contact: Array
     centre: Array
     shift: Array
+
+
+@dataclass(kw_only=True)
+class Prepared(ABC):
+    """Sets of balls ready for the kernels: what these solve, the state that they fill, how they iterate; scale: the largest
+    force met in the last run [N]."""
+
+    #: Kernel that solves such a system.
+    SOLVER: ClassVar[str]
+
+    engine: ModuleType
+    given: Any
+    state: Any
+    options: Options
+    scale: float = 0.0
+
+    def iterate(self, start: bool = True) -> Outcome:
+        """Solve from the linear start, or from the present state."""
+        outcome: Outcome = getattr(self.engine, self.SOLVER)(self.given, self.state, self.options, start)
+        self.scale = outcome.scale
+        return outcome
+
+    @property
+    @abstractmethod
+    def problems(self) -> Sequence[Problem]:
+        """Problem of each set, whose Hertz constants the kernels take."""
+
+    @abstractmethod
+    def flanks(self) -> Sequence[SetFlanks]:
+        """Contacts of each set at the state."""
+
+    @abstractmethod
+    def with_arms(self, arms: Sequence[Array]) -> Self:
+        """The same at the state with lever arms that are longer by (N, 4, 2) [m] for each set."""
+
+    def at_state(self, of: Prepared) -> Self:
+        """Itself at the state of another."""
+        for mine, known in zip(self.state, of.state, strict=True):
+            mine[:] = known
+        return self
+
+
+P = TypeVar("P", bound=Prepared)
 
 
 def contact_angles(normal: Array) -> Array:
@@ -55,22 +94,15 @@ def lost(outcome: Outcome) -> bool:
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
-def settled(
-    iterate: Callable[[bool], Outcome],
-    contacts: Callable[[], Sequence[Contacts]],
-    flanks: Callable[[], Sequence[Flanks]],
-    rebuild: Callable[[list[Array]], Outcome] | None,
-    hertz: str,
-) -> Outcome:
-    """Solve from the start, and follow the contacts by Hertz' constants where ``hertz`` is "actual", and by lever arms on
-    uneven flanks where there is a ``rebuild``; iterate: from the linear start (True) or the present state. Of all sets; for
-    the rest see ``follow_hertz`` and ``follow_profile``."""
-    outcome = iterate(True)
-    if hertz == "actual":
-        outcome = follow_hertz(outcome, contacts, lambda: iterate(False))
-    if rebuild is not None and any(uneven(problem) for problem, _ in contacts()):
-        outcome = follow_profile(outcome, flanks, rebuild)
-    return outcome
+def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
+    """Solve from the start, and follow the contacts: by Hertz' constants where the scene has them "actual", by lever arms
+    on uneven flanks (``profile``); the system then, and its outcome."""
+    outcome = system.iterate()
+    if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
+        outcome = follow_hertz(system, outcome)
+    if profile and any(map(uneven, system.problems)):
+        return follow_profile(system, outcome)
+    return system, outcome
 
 
 def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
@@ -125,47 +157,38 @@ def report_of(
     )
 
 
-def follow_hertz(outcome: Outcome, contacts: Callable[[], Sequence[Contacts]], again: Callable[[], Outcome]) -> Outcome:
-    """The outcome with Hertz' constants at the actual geometry.
-
-    contacts: of all sets at the state; again: solves from it with the constants that their problems then have.
-    """
+def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
+    """The outcome with Hertz' constants at the actual geometry."""
     for _ in range(HERTZ_RUNS):
         if lost(outcome):
             break
         change = 0.0
-        for problem, contact in contacts():
+        for problem, contact, _, _ in system.flanks():
             nominal = problem.scene.track.contact_angle
             gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), nominal)
             updated = actual_hertz(problem.scene, problem.drawn, gamma).C
             change = max(change, float(np.abs(updated / problem.C - 1.0).max()))
             problem.C[:] = updated
-        outcome = after(outcome, again())
+        outcome = after(outcome, system.iterate(False))
         if change < SETTLED:
             break
     return outcome
 
 
-def follow_profile(
-    outcome: Outcome, flanks: Callable[[], Sequence[Flanks]], rebuild: Callable[[list[Array]], Outcome]
-) -> Outcome:
-    """The outcome with flanks that turn about their centre of curvature at the contact, which an uneven profile shifts.
-
-    Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error). flanks: of
-    all sets at the state; rebuild: solves from it with arms that are longer by (N, 4, 2) [m] for each set.
-    """
-    before: list[Array] | None = None
+def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
+    """The system with flanks that turn about their centre of curvature at the contact, which an uneven profile shifts, and
+    its outcome: solved again with moved lever arms until they settle (the shift is of the size of the profile error)."""
+    before = [np.zeros((*p.C.shape, 2)) for p in system.problems]
     for _ in range(ARM_RUNS):
         if lost(outcome):
             break
-        arms = [centre_shift(s) for s in flanks()]
-        old = [np.zeros_like(x) for x in arms] if before is None else before
-        change = max(float(np.abs(x - y).max()) for x, y in zip(arms, old, strict=True))
-        before = arms
-        outcome = after(outcome, rebuild(arms))
+        arms = [centre_shift(s) for s in system.flanks()]
+        change = max(float(np.abs(x - y).max()) for x, y in zip(arms, before, strict=True))
+        before, system = arms, system.with_arms(arms)
+        outcome = after(outcome, system.iterate(False))
         if change < SETTLED:
             break
-    return outcome
+    return system, outcome
 
 
 def uneven(problem: Problem) -> bool:
@@ -173,7 +196,7 @@ def uneven(problem: Problem) -> bool:
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
-def centre_shift(s: Flanks) -> Array:
+def centre_shift(s: SetFlanks) -> Array:
     """From the groove's centre to the profile's centre of curvature at each loaded contact (N, 4, 2) [m]; zero for arcs."""
     force, normal = s.contact[..., 0], s.contact[..., 1:3]
     if not uneven(s.problem):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from types import ModuleType
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,8 @@ from numpy.typing import NDArray
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
-from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
-from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSlopes, BeamState, Options, Outcome
+from rollbench.lowfi.statics.problem import Problem, SolvedState, build, distances, tightest
+from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSystem, Options, Outcome, RowState, Slopes
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
     all_sides,
@@ -26,14 +27,14 @@ from rollbench.lowfi.statics.selection import (
     shifts_of_beam,
     touched_sides,
 )
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, lost, report_of, settled, verdict
+from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.shape import lifted
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.section import BeamSection
 
 Engine = Literal["auto", "interpreted", "compiled"]
 
@@ -46,30 +47,6 @@ COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
 COMPILE_UNEVEN = 24
 #: Share of the largest force or moment from which on what a pin takes is looked into.
 PIN_SHOWN = 1e-9
-
-
-@dataclass
-class Prepared:
-    """A problem ready for the kernels: their arguments, the state they fill, and the largest force met [N]."""
-
-    problem: Problem
-    engine: ModuleType
-    beam: BeamArrays
-    contacts: BeamContacts
-    state: BeamState
-    options: Options
-    history: Array
-    scale: float = 0.0
-
-    @property
-    def force(self) -> Array:
-        """Contact forces, ``(N, 4)`` [N]."""
-        return np.asarray(self.state.contact[..., 0])
-
-    @property
-    def normal(self) -> Array:
-        """Unit normals from ball to groove in the section plane, ``(N, 4, 2)``."""
-        return np.asarray(self.state.contact[..., 1:3])
 
 
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
@@ -129,61 +106,175 @@ def options_of(problem: Problem, scale: Scale, tolerance: float = TOLERANCE) -> 
     )
 
 
-def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
+class Words(NamedTuple):
+    """What a model says of a solution: its formulation and number of unknowns, what it assumes and leaves out."""
+
+    formulation: str
+    unknowns: int
+    assumed: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
+
+
+@dataclass(kw_only=True)
+class OneSet(Prepared):
+    """A problem ready for the kernels; build: makes it anew with other lever arms."""
+
+    problem: Problem
+    build: Build
+
+    @property
+    def problems(self) -> Sequence[Problem]:
+        """The one problem."""
+        return (self.problem,)
+
+    def with_arms(self, arms: Sequence[Array]) -> Self:
+        """As `Prepared.with_arms`."""
+        longer: Any = self.build.ready(self.build.problem(arms[0]))
+        longer.problem.C[:] = self.problem.C
+        return longer.at_state(self)  # type: ignore[no-any-return]
+
+    @abstractmethod
+    def clears(self) -> bool:
+        """Whether no ball touches a side that was left out, at the solution."""
+
+    @abstractmethod
+    def round_off(self) -> float:
+        """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`)."""
+
+    @abstractmethod
+    def solved(self) -> SolvedState:
+        """State in the kernels' arrays, with the reactions."""
+
+    @abstractmethod
+    def words(self) -> Words:
+        """What the model says of the solution."""
+
+
+@dataclass(kw_only=True)
+class Beam(OneSet):
+    """A screw as a beam, or rigid, its nut rigid."""
+
+    SOLVER = "solve_beam"
+    given: BeamSystem
+    state: RowState
+
+    @property
+    def force(self) -> Array:
+        """Contact forces, ``(N, 4)`` [N]."""
+        return np.asarray(self.state.contact[..., 0])
+
+    def flanks(self) -> Sequence[SetFlanks]:
+        """Contacts at the state."""
+        moved = np.zeros((len(self.state.p), 4, 2))
+        moved[:, :2] = flank_motions(self.problem, self.state.q)
+        return (SetFlanks(self.problem, self.state.contact, self.state.p, moved),)
+
+    def clears(self) -> bool:
+        """By all four flanks offered to every ball."""
+        touched = touched_sides(self.engine, self.problem, self.state.q, self.state.p, self.force)
+        return not np.any(touched & ~self.problem.use)
+
+    def round_off(self) -> float:
+        """By the largest motion and the largest stiffness of a node's flanks, summed."""
+        problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
+        stiff = contact_stiffness(self.force[:, :2], problem.C[:, :2])
+        most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
+        return least_residual(motion, most, self.scale, [problem])
+
+    def solved(self) -> SolvedState:
+        """Reactions: the gradient at the held freedoms."""
+        problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
+        motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
+        if problem.basis is None:
+            self.engine.evaluate(self.given, self.state, Slopes(gradient, np.zeros((len(problem.C), 4, 4))))
+        held = np.where(problem.fixed, gradient, 0.0)
+        return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), self.scale)
+
+    def words(self) -> Words:
+        """As `OneSet.words`."""
+        return Words("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
+
+
+def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: Build | None = None) -> Beam:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
-    nodes = problem.nodes
-    lengths = nodes[1:] - nodes[:-1]
-    s = problem.section
-    sections = np.empty((lengths.size, 4))
-    sections[:] = s.EA, s.EI, s.GJ, s.kGA
-    count, scale = problem.C.shape[0], scale_of(problem)
-    q, d = lifted(nodes, problem.fixed, problem.prescribed)
-    contacts = BeamContacts(
-        problem.node,
-        problem.B,
-        problem.geometry,
-        problem.closure,
-        problem.drawn.ball_radius,
-        problem.drawn.profile,
-        scale.none,
+    lengths, s = np.diff(problem.nodes), problem.section
+    sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
+    count, scale, drawn = problem.C.shape[0], scale_of(problem), problem.drawn
+    state = RowState(
+        *lifted(problem.nodes, problem.fixed, problem.prescribed),
+        np.zeros((count, 2)),
+        np.zeros((count, 4, 5)),
+        np.zeros((0, 2)),
     )
-    state = BeamState(q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
-    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
+    geometry, closure = problem.geometry, problem.closure
+    contacts = BeamContacts(problem.node, problem.B, geometry, closure, drawn.ball_radius, drawn.profile, scale.none)
+    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * problem.nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
-    beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
+    given = BeamSystem(BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts)
     options = options_of(problem, scale, tolerance)
-    return Prepared(problem, engine, beam, contacts, state, options, np.zeros(options.most + 1))
+    build = build or Build(problem.scene, drawn, problem.layout, problem.use, engine)
+    return Beam(engine=engine, given=given, state=state, options=options, problem=problem, build=build)
 
 
-def iterate(prepared: Prepared, start: bool = True) -> Outcome:
-    """Solve from the linear start (or from the present state)."""
-    solve = prepared.engine.start_and_solve if start else prepared.engine.solve_beam
-    outcome: Outcome = solve(prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history)
-    prepared.scale = outcome.scale
-    return outcome
+@dataclass(frozen=True)
+class Build:
+    """What builds a scene's problem, and builds it anew with other sides or lever arms.
 
+    use: the sides (4,); everything, refine: see `solve_static`; known: the specimen's ``distances``, where they have been
+    computed; held: freedoms of the nodes and their values, ``(n, 6)`` each, and which of the first node are pins.
+    """
 
-def round_off_bound(prepared: Prepared, scale: float) -> float:
-    """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`), by the largest
-    motion and the largest stiffness of a node's flanks, summed."""
-    q, force = prepared.state.q, prepared.force
-    problem = prepared.problem
-    motion = float(np.abs(q[:, :3]).max(initial=0.0))
-    stiff = contact_stiffness(force[:, :2], problem.C[:, :2])
-    most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
-    return least_residual(motion, most, scale, [problem])
+    scene: Scene
+    drawn: Specimen
+    layout: BallLayout
+    use: Mask
+    engine: ModuleType
+    everything: bool = False
+    refine: int = 1
+    known: tuple[Array, Array] | None = None
+    held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
+
+    @property
+    def section(self) -> BeamSection | None:
+        """Section of the screw; None: the scene's."""
+        return None
+
+    def problem(self, arms: Array | None = None) -> Problem:
+        """The problem; arms: see `lowfi.statics.problem.build`."""
+        parts = self.scene, self.drawn, self.layout, self.use
+        how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "known": self.known}
+        found = build(*parts, arms=arms, section=self.section, **how)
+        held = self.held
+        return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
+
+    def holding(self, pinned: Problem) -> Self:
+        """The same with the freedoms held that a problem holds."""
+        return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
+
+    def ready(self, problem: Problem) -> OneSet:
+        """A problem, ready for the kernels."""
+        return prepare(problem, self.engine, build=self)
+
+    def touched(self) -> str:
+        """A sentence: the sides that are left out touch."""
+        names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
+        return f"sides {names} touch in the solution without them: solved again with all four"
 
 
 class Solution(NamedTuple):
-    """A problem at the outcome of its solver, its unheld motions, the sides it was built with ``(4,)``, notes on these, and
-    when it was prepared (`time.perf_counter`)."""
+    """A scene at the outcome of its solver, what built it, its unheld motions, notes on its sides, and when it was prepared
+    (`time.perf_counter`)."""
 
-    prepared: Prepared
+    system: OneSet
     outcome: Outcome
+    build: Build
     mechanism: Mechanism
-    use: Mask
     notes: tuple[str, ...]
     prepared_at: float
+
+    def verdict(self) -> Status:
+        """Status sentence."""
+        return verdict(self.outcome, self.system.round_off(), partial(unheld, self.system.problem))
 
 
 class Unheld(NamedTuple):
@@ -198,33 +289,22 @@ class Unheld(NamedTuple):
         return Status("not held", self.mechanism.text)
 
 
-def solve_sides(
-    scene: Scene,
-    drawn: Specimen,
-    layout: BallLayout,
-    kernels: ModuleType,
-    use: Mask,
-    *,
-    everything: bool = False,
-    refine: int = 1,
-    known: tuple[Array, Array] | None = None,
-) -> Solution | Unheld:
-    """Solve with the sides ``use`` (4,), and again with all four where a ball touches the others; known: the specimen's
-    ``distances``, where they have been computed."""
+def solve_sides(build: Build) -> Solution | Unheld:
+    """Solve with the sides that ``build`` has, and again with all four where a ball touches the others."""
     notes: tuple[str, ...] = ()
     while True:
-        problem = build(scene, drawn, layout, use, everything=everything, refine=refine, known=known)
+        problem = build.problem()
         mechanism = free_motions(problem)
         if mechanism.driven:
             return Unheld(problem, mechanism)
-        prepared = prepare(pin(problem, mechanism), kernels)
+        problem = pin(problem, mechanism)
+        system = build.holding(problem).ready(problem)
         prepared_at = perf_counter()
-        outcome = settle(prepared, everything=everything, refine=refine)
-        touched = touched_sides(kernels, prepared.problem, prepared.state.q, prepared.state.p, prepared.force)
-        if (outcome.status == 0 and not np.any(touched & ~use)) or np.array_equal(use, all_sides(scene)):
-            return Solution(prepared, outcome, mechanism, use, notes, prepared_at)
-        notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
-        use = all_sides(scene)
+        system, outcome = settled(system)
+        if np.array_equal(build.use, all_sides(build.scene)) or (outcome.status == 0 and system.clears()):
+            return Solution(system, outcome, build, mechanism, notes, prepared_at)
+        notes = (build.touched(),)
+        build = replace(build, use=all_sides(build.scene))
 
 
 def solve_static(
@@ -248,45 +328,34 @@ def solve_static(
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = distances(scene, drawn)
     use = all_sides(scene) if everything else choose_sides(scene, drawn, known)
-    solved = solve_sides(scene, drawn, layout, kernels, use, everything=everything, refine=refine, known=known)
-    if isinstance(solved, Unheld):
-        return failed_result(solved.problem, "lin", solved.status, perf_counter() - start)
-    prepared, outcome, mechanism, use = solved.prepared, solved.outcome, solved.mechanism, solved.use
-    problem = prepared.problem
-    bound = round_off_bound(prepared, outcome.scale)
-    status = verdict(outcome, bound, partial(unheld, problem))
-    if outcome.status in NO_LOADS:
-        return failed_result(problem, "lin", status, perf_counter() - start)
-    system = "convex energy", problem.unknowns, problem.nodes.size - 1
-    report = report_of(outcome, kernels, (start, solved.prepared_at), system, bound, solved.notes)
-    left_out = describe_left_out(problem, mechanism, everything=everything)
-    result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
-
-    def otherwise() -> Array | None:
-        built = build(scene, drawn, layout, use, everything=everything, refine=refine)
-        other = prepare(pin(built, mechanism, True), kernels)
-        return None if lost(settle(other, profile=False)) else other.force
-
-    result = with_other_pin(result, mechanism, otherwise)
+    build = Build(scene, drawn, layout, use, kernels, everything, refine, known)
+    result = solve_built(build, "lin", start)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member))
     return result
 
 
-def solved_state(prepared: Prepared) -> SolvedState:
-    """State in the kernels' arrays, with the reactions: the gradient at the held freedoms."""
-    problem, (q, _, p, _) = prepared.problem, prepared.state
-    motion, centre, force, normal = (np.array(x) for x in (q, p, prepared.force, prepared.normal))
-    gradient = np.zeros(motion.shape)
-    if problem.basis is None:
-        hessians = np.zeros((force.shape[0], 4, 4))
-        prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, BeamSlopes(gradient, hessians))
-    held = np.where(problem.fixed, gradient, 0.0) if problem.basis is None else gradient
-    return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), prepared.scale)
+def solve_built(build: Build, name: str, start: float) -> StaticResult:
+    """Result of a model, by its name, for what is built; start: when it began (`time.perf_counter`)."""
+    solved = solve_sides(build)
+    if isinstance(solved, Unheld):
+        return failed_result(solved.problem, name, solved.status, perf_counter() - start)
+    system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
+    problem, status = system.problem, solved.verdict()
+    if outcome.status in NO_LOADS:
+        return failed_result(problem, name, status, perf_counter() - start)
+    formulation, unknowns, assumed, also = system.words()
+    size = formulation, unknowns, problem.nodes.size - 1
+    report = report_of(outcome, build.engine, (start, solved.prepared_at), size, system.round_off(), solved.notes)
+    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *also)
+    result = assemble_result(system.solved(), name, status, report, left_out, assumed)
 
+    def otherwise() -> Array | None:
+        again = pin(solved.build.problem(), mechanism, True)
+        other, found = settled(solved.build.holding(again).ready(again), profile=False)
+        return None if lost(found) else other.flanks()[0].contact[..., 0]
 
-def _names(mask: NDArray[np.bool_]) -> list[str]:
-    return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
+    return with_other_pin(result, mechanism, otherwise)
 
 
 def with_other_pin(result: StaticResult, mechanism: Mechanism, otherwise: Callable[[], Array | None]) -> StaticResult:
@@ -325,30 +394,6 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
     return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
 
 
-def settle(prepared: Prepared, *, everything: bool = False, refine: int = 1, profile: bool = True) -> Outcome:
-    """Solve, and follow the contacts (`lowfi.statics.settle.settled`); profile: lever arms on uneven flanks too."""
-
-    def contacts() -> list[Contacts]:
-        return [Contacts(prepared.problem, prepared.state.contact)]
-
-    def flanks() -> list[Flanks]:
-        problem, moved = prepared.problem, np.zeros((prepared.problem.layout.z.size, 4, 2))
-        moved[:, :2] = flank_motions(problem, prepared.state.q)
-        return [Flanks(problem, prepared.state.contact, prepared.state.p, moved)]
-
-    def rebuild(arms: list[Array]) -> Outcome:
-        p = prepared.problem
-        rebuilt = build(p.scene, p.drawn, p.layout, p.use, everything=everything, refine=refine, arms=arms[0])
-        rebuilt = replace(rebuilt, fixed=p.fixed, prescribed=p.prescribed, pins=p.pins)
-        rebuilt.C[:] = p.C
-        prepared.problem = rebuilt
-        prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
-        return iterate(prepared, start=False)
-
-    hertz = prepared.problem.scene.ingredients.hertz
-    return settled(partial(iterate, prepared), contacts, flanks, rebuild if profile else None, hertz)
-
-
 def unheld(problem: Problem) -> Status:
     """Status sentence of a screw that ran away: not held only where a linear program proves it."""
     from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
@@ -369,6 +414,3 @@ def with_discretisation(scene: Scene, result: StaticResult, solve: Callable[...,
     other = solve(scene, refine=2) if scene.ingredients.partition == "nodal" else solve(nodal)
     change = float(np.abs(result.load - other.load).max())
     return replace(result, solver=replace(result.solver, discretisation=change))
-
-
-__all__ = ["BallLayout", "Prepared", "iterate", "prepare", "solve_static"]

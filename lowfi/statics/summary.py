@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.validity import profile_warning, warnings_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Load, Scene
@@ -239,24 +239,22 @@ def assemble_result(
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:
     """Result record of a scene that has no equilibrium: no loads, and the reason."""
-    n = problem.layout.z.size
-    nan = np.full((n, 4), np.nan)
     report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
+    assumed = (*problem.scene.assumed, *model_assumptions(problem.scene))
+    n, layout = problem.layout.z.size, problem.layout
+    shapes = {"load": (4,), "contact_angle": (4,), "contact_point": (4, 3), "force_direction": (4, 3), "centre_shift": (2,)}
+    unknown: dict[str, Any] = {name: np.full((n, *shape), np.nan) for name, shape in shapes.items()}
     return StaticResult(
         model=model,
         status=status,
-        azimuth=problem.layout.azimuth,
-        z=problem.layout.z,
-        load=nan,
-        contact_angle=nan,
-        contact_point=np.full((n, 4, 3), np.nan),
-        force_direction=np.full((n, 4, 3), np.nan),
-        centre_shift=np.full((n, 2), np.nan),
+        azimuth=layout.azimuth,
+        z=layout.z,
         hertz_C=problem.C.copy(),
         centreline_z=np.zeros(0),
         centreline=np.zeros((0, 6)),
         equilibrium=None,
         solver=report,
-        assumed=(*problem.scene.assumed, *model_assumptions(problem.scene)),
+        assumed=assumed,
         left_out=(),
+        **unknown,
     )

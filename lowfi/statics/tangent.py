@@ -13,18 +13,18 @@ takes it between the screw's node and the nut's, and adds its own shaft and bear
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, Backend
-from rollbench.lowfi.statics.again import solved_system
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
+from rollbench.lowfi.statics.elastic import ElasticBuild
 from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.statics.static import Unheld, pick_engine, solve_sides
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
@@ -79,25 +79,26 @@ def tangent_stiffness(
     with one_thread():
         every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
         use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
-        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto", use)
-        if isinstance(system, Problem) or status != "converged":
+        parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
+        solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
+        status = solved.status if isinstance(solved, Unheld) else solved.verdict()
+        if isinstance(solved, Unheld) or status != "converged":
             return Tangent(station, np.full((6, 6), np.nan), status)
         clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
-        held = replace(scene, supports=(clamp,), loads=())
-        rebuild = Rebuild(held, drawn, layout, system.problem.use, None, backend, condensed, system.engine, False)
-        return Tangent(station, _condensed(system, rebuild(), station), status)
+        held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
+        return Tangent(station, _condensed(solved.system, held.ready(held.problem()), station), status)
 
 
-def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
+def _condensed(solved: Any, clamped: Any, station: float) -> Array:
     """K from the balls of the solved system and the bodies of the clamped one."""
     N, d = solved.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
-    ball_rows(solved.contacts, solved.state.contact, rows, counts)
+    ball_rows(solved.given.contacts, solved.state.contact, rows, counts)
     used = np.arange(6)[None, :] < counts[:, None]
     ball = np.repeat(np.arange(N), counts)
     S = np.zeros((ball.size, N, d))
     S[np.arange(ball.size), ball] = rows[used]
-    bodies, by_clamp = clamped.bodies, flanks_by_clamp(clamped.problem, station)
+    bodies, by_clamp = clamped.given.bodies, flanks_by_clamp(clamped.problem, station)
     A = np.eye(ball.size)
     if solved.pair is None:
         screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.problem import Problem, SolvedState, nominal_hertz
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.near import close_pairs

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.statics.records import BeamSlopes
-from rollbench.lowfi.statics.static import iterate, solve_static
+from rollbench.lowfi.statics.records import Slopes
+from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors
 
 pytestmark = pytest.mark.xdist_group("convexity")
@@ -35,7 +35,7 @@ HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 def solution(case):
     """Kernels' arguments, and the state and forces from the usual start."""
     ready = prepared(SCENES[case](), "compiled")
-    assert iterate(ready).residual <= 1e-10
+    assert ready.iterate().residual <= 1e-10
     return ready, [x.copy() for x in ready.state], ready.force.copy()
 
 
@@ -50,7 +50,7 @@ def moved(ready, state, seed, size):
         # the held freedoms of other nodes keep their prescribed values: nodes move, deformations follow
         q[1:] = state[0][1:] + np.where(free[1:], q[0] - state[0][0], 0.0)
         q[1:] += np.where(free[1:], 1e-3 * size * rng.uniform(-1, 1, (q.shape[0] - 1, 6)) * unit, 0.0)
-        lengths = ready.beam.lengths
+        lengths = ready.given.shaft.lengths
         rigid = q[:-1].copy()
         rigid[:, 0] += lengths * q[:-1, 4]
         rigid[:, 1] -= lengths * q[:-1, 3]
@@ -59,8 +59,8 @@ def moved(ready, state, seed, size):
 
 def energy(ready, q, d):
     ready.state.q[:], ready.state.d[:] = q, d
-    out = BeamSlopes(np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4)))
-    return ready.engine.evaluate(ready.beam, ready.contacts, ready.state, out)[0], out.gradient
+    out = Slopes(np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4)))
+    return ready.engine.evaluate(ready.given, ready.state, out)[0], out.gradient
 
 
 @pytest.mark.parametrize("case", SCENES)
@@ -69,7 +69,7 @@ def energy(ready, q, d):
 def test_random_starts_reach_the_same_forces(case, seed, exponent):
     ready, state, forces = solution(case)
     moved(ready, state, seed, 10.0**exponent)
-    outcome = iterate(ready, start=False)
+    outcome = ready.iterate(False)
     assert outcome.status in (0, 1)
     assert outcome.residual <= 1e-10
     assert relative(ready.force, forces) < 1e-8

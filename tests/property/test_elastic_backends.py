@@ -11,8 +11,7 @@ from tests.property.test_invariance import end_for_end
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, held_at
-from rollbench.lowfi.statics.elastic import iterate, solve_elastic
-from rollbench.lowfi.statics.elastic_system import Rebuild, ready
+from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
 from rollbench.lowfi.statics.kernel import elastic as kernel
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.records import BodyState
@@ -64,8 +63,9 @@ def assembled(scene, backend):
     layout = ball_layout(scene)
     drawn, use = specimen(scene, layout), np.ones(4, dtype=bool)
     kernels = jit.kernels(jit.STATICS, compiled=True)
-    problem = Rebuild(scene, drawn, layout, use, None, backend, None, kernels, False).problem()
-    return ready(pin(problem, free_motions(problem)), backend, kernels, layout)
+    made = ElasticBuild(scene, drawn, layout, use, kernels, backend=backend)
+    problem = made.problem()
+    return made.ready(pin(problem, free_motions(problem)))
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -84,13 +84,13 @@ def test_random_scenes_balance(seed, backend):
 @pytest.mark.parametrize("seed", SEEDS[::3])
 def test_any_start_leads_to_the_same_loads(seed, backend):
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert iterate(elastic).residual <= 1e-10
+    assert elastic.iterate().residual <= 1e-10
     forces, scale = elastic.state.contact[..., 0].copy(), elastic.scale
     rng = np.random.default_rng(seed)
     for size in (0.1, 10.0):
         elastic.state.phi[:] += size * scale * rng.normal(size=elastic.state.phi.shape)
-        elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size) / elastic.arms
-        assert iterate(elastic, start=False).residual <= 1e-10
+        elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size) / elastic.given.arms
+        assert elastic.iterate(False).residual <= 1e-10
         assert np.abs(elastic.state.contact[..., 0] - forces).max() < 1e-8 * scale
 
 
@@ -98,12 +98,12 @@ def energy_at(elastic, phi, amplitudes):
     """Energy of bodies, loads and balls, and its slopes by forces and free motions, as the kernels have them."""
     state = BodyState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
-    kernel.place_flanks(elastic.bodies, state, g, v)
-    of_balls, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f)
+    kernel.place_flanks(elastic.given.bodies, state, g, v)
+    of_balls, _ = elastic.engine.evaluate_balls(v, elastic.given.contacts, state, f)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
-    kernel.body_motion(elastic.bodies, excess, by_forces)
-    by_motions = -elastic.flanks.work - np.einsum("nac,na->c", elastic.flanks.R, f)
-    return of_balls + kernel.stored(elastic.bodies, state, g), by_forces, by_motions
+    kernel.body_motion(elastic.given.bodies, excess, by_forces)
+    by_motions = -elastic.given.bodies.work - np.einsum("nac,na->c", elastic.given.bodies.R, f)
+    return of_balls + kernel.stored(elastic.given.bodies, state, g), by_forces, by_motions
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -111,13 +111,13 @@ def energy_at(elastic, phi, amplitudes):
 def test_chords_lie_above_the_energy(seed, backend):
     """Midpoint convexity and the tangent below, along segments from small to far beyond the solution's own forces."""
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert iterate(elastic).residual <= 1e-10
+    assert elastic.iterate().residual <= 1e-10
     phi, amplitudes, scale = elastic.state.phi.copy(), elastic.state.a.copy(), elastic.scale
     rng = np.random.default_rng(seed)
     lowest = energy_at(elastic, phi, amplitudes)[0]
     for size in (1e-2, 0.3, 5.0):
         steps = [(rng.normal(size=phi.shape), rng.normal(size=amplitudes.shape)) for _ in range(2)]
-        ends = [(phi + size * scale * f, amplitudes + 1e-5 * size * a / elastic.arms) for f, a in steps]
+        ends = [(phi + size * scale * f, amplitudes + 1e-5 * size * a / elastic.given.arms) for f, a in steps]
         (low, slope, by_motions), (high, _, _) = (energy_at(elastic, *end) for end in ends)
         middle, _, _ = energy_at(elastic, *(0.5 * (a + b) for a, b in zip(*ends, strict=True)))
         rounding = 1e-11 * (abs(low) + abs(high))

@@ -215,11 +215,11 @@ def test_members_of_an_ensemble_are_single_solutions():
     ]
     ready = [prepared(s, "compiled") for s in scenes]
     geometry, closure, B = (np.stack([getattr(r.problem, name) for r in ready]) for name in ("geometry", "closure", "B"))
-    members = MemberArrays(B, geometry, closure, np.stack([r.contacts.r_ball for r in ready]))
+    members = MemberArrays(B, geometry, closure, np.stack([r.given.contacts.r_ball for r in ready]))
     forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
     first = ready[0]
     found = MemberStates(forces, statuses, residuals, *(np.empty((3, *x.shape)) for x in (first.state.q, first.state.p)))
-    first.engine.ensemble(first.beam, first.contacts, first.state, first.options, members, found)
+    first.engine.ensemble(first.given, first.state, first.options, members, found)
     assert not statuses.any()
     assert residuals.max() <= 1e-10
     for scene, force in zip(scenes, forces, strict=True):

@@ -7,13 +7,11 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.as_source import static as lin
-from rollbench.lowfi.compliance.parts import REFINED
-from rollbench.lowfi.statics.elastic import iterate as iterate_elastic
-from rollbench.lowfi.statics.elastic_system import Rebuild
+from rollbench.lowfi.statics.elastic import ElasticBuild
 from rollbench.lowfi.statics.problem import Problem, build, distances
 from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.selection import choose_sides
-from rollbench.lowfi.statics.static import Prepared, iterate, pick_engine, prepare
+from rollbench.lowfi.statics.static import Beam, pick_engine, prepare
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -35,7 +33,7 @@ class Energy:
         use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn, known)
         problem = build(scene, drawn, layout, use, known=known)
         self.packed = partial(prepare, problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
-        self.prepared: Prepared = self.packed()
+        self.prepared: Beam = self.packed()
         self.begin = [a.copy() for a in self.prepared.state]
         self.unknowns = problem.unknowns
         self.iterations = 0
@@ -47,18 +45,18 @@ class Energy:
 
     def cold(self) -> None:
         """From the nominal state: linear start, then Newton."""
-        self._check(iterate(self.prepared))
+        self._check(self.prepared.iterate())
 
     def warm(self) -> None:
         """From the present state."""
-        self._check(iterate(self.prepared, start=False))
+        self._check(self.prepared.iterate(False))
 
     def change_load(self) -> None:
         """Make the solution the start of the next runs, and change the load by 1 %."""
         self.reset()
         self.cold()
         self.begin = [a.copy() for a in self.prepared.state]
-        self.prepared.beam.load[...] *= WARM_LOAD
+        self.prepared.given.shaft.load[...] *= WARM_LOAD
 
     def _check(self, outcome: Outcome) -> None:
         self.iterations = outcome.iterations
@@ -112,13 +110,14 @@ class Refined:
         drawn = specimen(scene, layout)
         use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
         kernels = pick_engine("compiled", scene.ball_count)
-        self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything)()
+        build = ElasticBuild(scene, drawn, layout, use, kernels, everything)
+        self.elastic = build.ready(build.problem())
         self.unknowns = self.elastic.state.phi.size + self.elastic.state.a.size
         self.iterations = 0
 
     def cold(self) -> None:
         """Linear start, then Newton on the contact forces."""
-        outcome = iterate_elastic(self.elastic)
+        outcome = self.elastic.iterate()
         self.iterations = outcome.iterations
         if not (outcome.status <= 1 and outcome.residual <= 1e-10):
             raise RuntimeError(f"bench: the refined model stopped with residual {outcome.residual:.1e}")

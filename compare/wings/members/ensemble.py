@@ -21,7 +21,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import motion_matrices
-from rollbench.lowfi.statics.static import Engine, Prepared, iterate, pick_engine, pin, prepare, scale_of, solve_static
+from rollbench.lowfi.statics.static import Beam, Engine, pick_engine, pin, prepare, scale_of, solve_static
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
@@ -139,10 +139,10 @@ class _Batch:
         mechanism = free_motions(problem)
         return None if mechanism.driven else pin(problem, mechanism)
 
-    def _system(self, problem: Problem) -> Prepared:
+    def _system(self, problem: Problem) -> Beam:
         """The common system in its solution without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
-        iterate(prepared)
+        prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
@@ -163,18 +163,18 @@ class _Batch:
         with ThreadPoolExecutor(self.threads) as pool:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
-    def _follow(self, prepared: Prepared, near: _Nearness | None, members: NDArray[np.int64]) -> None:
+    def _follow(self, prepared: Beam, near: _Nearness | None, members: NDArray[np.int64]) -> None:
         """Solve members in the compiled kernel."""
         state, k = prepared.state, members.size
         arrays = self._arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
         states = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
-        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, states)
+        prepared.engine.ensemble(prepared.given, state, prepared.options, arrays, states)
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if near is not None:
             shift = states.q.reshape(k, -1) @ near.rows.T
             good &= near.clear(shift, states.p, arrays.geometry, states.force)
-        kept, works = members[good], np.tensordot(states.q, prepared.beam.load, axes=2)
+        kept, works = members[good], np.tensordot(states.q, prepared.given.shaft.load, axes=2)
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
 
@@ -193,7 +193,7 @@ class _Nearness:
     ``MARGIN``. A member in doubt is solved with all four sides.
     """
 
-    def __init__(self, prepared: Prepared, layout: BallLayout) -> None:
+    def __init__(self, prepared: Beam, layout: BallLayout) -> None:
         problem = prepared.problem
         self.use = problem.use
         rows = [_flank_motion(problem, layout, s) for s in range(2)]

@@ -7,30 +7,60 @@ and the beam's section forces, which squeeze the contacts (`lowfi.statics.squeez
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import ModuleType
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
-from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
+from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section
 from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
+from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, solve_assembly
+from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
-from rollbench.lowfi.statics.axis.system import BallSet, System, widened
-from rollbench.lowfi.statics.axis.typical import typical, typical_force
+from rollbench.lowfi.statics.axis.system import BallSet, System, set_flanks, typical, typical_force, widened, with_arms
 from rollbench.lowfi.statics.conformity import oblique_term
+from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, Options
+from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, BodySystem, Options, RowState
 from rollbench.lowfi.statics.response import by_ball, normals_of, positive, typical_axes
-from rollbench.lowfi.statics.shaft import Shaft, flank_motions_by_loads, flank_response, shaft_of
+from rollbench.lowfi.statics.result import AxisResult
+from rollbench.lowfi.statics.settle import SetFlanks, least_residual
+from rollbench.lowfi.statics.shaft import (
+    Shaft,
+    flank_loads,
+    flank_motions_by_loads,
+    flank_response,
+    node_forces,
+    node_motions,
+    shaft_of,
+)
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine
+from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.section import BeamSection
+
+#: Statements that hold for every run of the refined model on several sets.
+ASSUMPTIONS = (
+    "the shaft is a Timoshenko beam between its sets; beyond the beam the screw, nut and balls of a set are elastic for "
+    "that set's own contacts, and feel those of another set by the section forces of the shaft",
+    "housings are rigid; nuts and outer rings are held in them as a scene of one set holds them",
+    *ELASTIC_ASSUMPTIONS,
+)
+#: What a row of rollers leaves out.
+RIGID_RINGS = "elastic rings: cone and cup are rigid beyond the line contacts, whose law holds both to their depth"
+
+#: What an inner ring on a housing leaves out.
+RIGID_INNER = "elastic inner ring: as the housing that it sits on, it is rigid beyond its contacts"
 
 
 @dataclass(frozen=True)
@@ -53,30 +83,91 @@ class Housings:
         return out
 
 
-@dataclass
-class ElasticAxis:
-    """An assembly ready for `lowfi.statics.kernel.elastic.solve_forces`.
+@dataclass(kw_only=True)
+class ElasticSets(Sets):
+    """An assembly of elastic bodies.
 
-    rows (4 N, 6 m): motion of the nut's flanks by the housings, carried (4 N, 6 m): of inner flanks on them; local:
+    on_housings (4 N, 6 m): motion of the nut's flanks by the housings, carried (4 N, 6 m): of inner flanks on them; own:
     compliance of each set's own screw and nut, ball by ball (4 N_s, 4 N_s); assumed: statements on the bodies.
     """
 
-    system: System
+    SOLVER = "solve_forces"
+    given: BodySystem
+    state: BodyState
+    backend: Backend
     whole: Problem
     shaft: Shaft
     housings: Housings
-    rows: Array
+    on_housings: Array
     carried: Array
-    local: list[tuple[Array, Array]]
-    bodies: Bodies
-    contacts: BallContacts
-    state: BodyState
-    springs: Array
-    options: Options
-    arms: Array
-    engine: ModuleType
+    own: list[tuple[Array, Array]]
     assumed: tuple[str, ...]
     squeeze: Squeeze | None
+
+    def flanks(self) -> Sequence[SetFlanks]:
+        """Contacts at the state."""
+        return set_flanks(self.system, self.rows()[0], self.shifts())
+
+    def with_arms(self, arms: Sequence[Array]) -> Self:
+        """As `Prepared.with_arms`."""
+        longer: Any = ready(with_arms(self.system, arms), self.backend, self.engine).at_state(self)
+        return longer  # type: ignore[no-any-return]
+
+    def round_off(self) -> float:
+        """By the largest motions and the stiffest contact."""
+        state, v0 = self.state, self.given.bodies.v0
+        motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
+        return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
+
+    def words(self) -> tuple[str, int, tuple[str, ...]]:
+        """As `Sets.words`."""
+        return CONDENSED, self.state.phi.size + self.state.a.size, self.assumed
+
+    def forces(self) -> Array:
+        """Forces (N, 4, 2) [N] of the balls on their flanks."""
+        contact = self.state.contact
+        return np.asarray(contact[..., 0, None] * contact[..., 1:3])
+
+    def shifts(self) -> Array:
+        """Motions (N, 4, 2) [m] of all flanks."""
+        bodies, forces = self.given.bodies, self.forces()
+        N = len(forces)
+        out = (bodies.v0 + bodies.R @ self.state.a).reshape(N, 4, 2)
+        for G, half in ((bodies.first, slice(2)), (bodies.second, slice(2, 4))):
+            out[:, half] += (G @ forces[:, half].ravel()).reshape(N, 2, 2)
+        return np.asarray(out)
+
+    def rows(self) -> tuple[RowState, Array]:
+        """As `Sets.rows`."""
+        system, shaft = self.system, self.shaft
+        structure, forces = system.structure, self.forces()
+        n, k = structure.nodes.size, shaft.work.size
+        pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
+        q = np.zeros((structure.stations.size, 6))
+        by_flanks = flank_loads(self.whole, pushes, [0, 1])
+        if self.squeeze is not None:
+            by_flanks += self.squeeze.node_loads(pushes.ravel())
+        q[:n] = node_motions(shaft, by_flanks, self.state.a[:k])
+        on_outer = self.on_housings.T @ forces[:, 2:].ravel() + self.carried.T @ forces[:, :2].ravel()
+        h = self.housings
+        outer = h.given + h.solve(on_outer[:, None])[:, 0] + h.motions @ self.state.a[k:]
+        q[n:] = outer.reshape(-1, 6)
+        loads = structure.load.copy()
+        loads[:n] += by_flanks.reshape(-1, 6)
+        loads[n:] += on_outer.reshape(-1, 6)
+        taken = np.concatenate([node_forces(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)])
+        held = np.where(structure.fixed, taken - loads, 0.0)
+        slices = np.zeros((system.slices.drop.size, 2))
+        self.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))
+        if self.squeeze is not None:
+            q[:n] = self.squeeze.with_inside(q[:n], pushes, structure.fixed[:n])
+        state = RowState(q, np.zeros((n - 1, 6)), self.state.inner[:, :2], self.state.contact, slices)
+        return state, held
+
+    def stiffness(self) -> tuple[Sequence[Array], Array | None]:
+        """As `Sets.stiffness`."""
+        S = ball_roots(self)
+        return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
@@ -163,32 +254,23 @@ def own_bodies(
     return (blocks[0], blocks[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
 
-def outer_rows(system: System, rollers: RollerElements) -> Array:
-    """Motion (4 N, 6 m) of the outer flanks of all balls, then of the cups of all rollers, by that of m housings."""
+def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
+    """Motions (4 N, 6 m) of the outer flanks of all balls, then of the cups of all rollers, by those of m housings; and of
+    the inner flanks that housings carry."""
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
-    rows = np.zeros((balls + rollers.count, 2, 2, 6 * m))
+    outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
     for b in system.balls:
-        if b.outer >= 0:
-            j = 6 * (b.outer - n)
-            rows[b.balls, :, :, j : j + 6] = b.of_one_row(slice(2, 4))
+        carrier = -1 if b.of.carrier is None else int(b.problem.node[0, 0])
+        for rows, row, flanks in ((outer, b.outer, slice(2, 4)), (inner, carrier, slice(2))):
+            if row >= 0:
+                rows[b.balls, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.of_one_row(flanks)
     for i in np.flatnonzero(rollers.outer >= 0):
         j = 6 * (int(rollers.outer[i]) - n)
-        rows[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
-    return rows.reshape(4 * (balls + rollers.count), 6 * m)
+        outer[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
+    return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
-def inner_rows(system: System, rollers: RollerElements) -> Array:
-    """Motion (4 N, 6 m) of the inner flanks that m housings carry, by these."""
-    n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
-    rows = np.zeros((balls + rollers.count, 2, 2, 6 * m))
-    for b in system.balls:
-        if b.of.carrier is not None:
-            j = 6 * (int(b.problem.node[0, 0]) - n)
-            rows[b.balls, :, :, j : j + 6] = b.of_one_row(slice(2))
-    return rows.reshape(4 * (balls + rollers.count), 6 * m)
-
-
-def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
+def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
     """Arrays for the kernels.
 
     Some set has balls, and the system has the `section_of` the backend. Raises ValueError for inner rings on housings that
@@ -213,7 +295,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         beam, moved = beam + squeeze.added, moved + squeeze.moved
     forces = [typical_force(system, b) for b in system.balls]
     parts = [own_bodies(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
-    flat, carried = outer_rows(system, rollers), inner_rows(system, rollers)
+    flat, carried = housing_rows(system, rollers)
     if np.any(carried @ housings.solve(carried.T)):
         raise ValueError(
             "an inner ring on a housing that stands on springs: its motion couples inner and outer flanks, which elastic "
@@ -264,21 +346,126 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     notes = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's: cut away",) if cut > 1e-6 else ()
     assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
     arms = np.concatenate([shaft.arms, np.ones(housings.work.size)])
-    return ElasticAxis(
-        system,
-        whole,
-        shaft,
-        housings,
-        flat,
-        carried,
-        [p[0] for p in parts],
-        bodies,
-        contacts,
-        state,
-        np.ascontiguousarray(springs),
-        options,
-        arms,
-        engine,
-        (*assumed, *notes),
-        squeeze,
+    return ElasticSets(
+        engine=engine,
+        given=BodySystem(bodies, contacts, arms, np.ascontiguousarray(springs)),
+        state=state,
+        options=options,
+        system=system,
+        backend=backend,
+        whole=whole,
+        shaft=shaft,
+        housings=housings,
+        on_housings=flat,
+        carried=carried,
+        own=[p[0] for p in parts],
+        assumed=(*assumed, *notes),
+        squeeze=squeeze,
     )
+
+
+def ball_roots(elastic: ElasticSets) -> list[Array]:
+    """Square roots S_i (rows, 8) of the balls' stiffness by the motion of their flanks."""
+    N = elastic.state.contact.shape[0]
+    S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
+    elastic.engine.ball_rows(elastic.given.contacts, elastic.state.contact, S, counts)
+    return [S[i, : counts[i]] for i in range(N)]
+
+
+def spread(S: list[Array]) -> Array:
+    """Square roots of all balls (rows, 8 N)."""
+    out = np.zeros((sum(len(s) for s in S), 8 * len(S)))
+    row = 0
+    for i, s in enumerate(S):
+        out[row : row + len(s), 8 * i : 8 * i + 8] = s
+        row += len(s)
+    return out
+
+
+def both(first: Array, second: Array) -> Array:
+    """Compliance (8 N, 8 N) of all flanks, ball by ball, from that of the screw's and of the nut's (4 N, 4 N)."""
+    N = len(first) // 4
+    out = np.zeros((N, 2, 4, N, 2, 4))
+    out[:, 0, :, :, 0] = first.reshape(N, 4, N, 4)
+    out[:, 1, :, :, 1] = second.reshape(N, 4, N, 4)
+    return out.reshape(8 * N, 8 * N)
+
+
+def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> Array:
+    """Stiffness (6, 6) of a set alone with its own elastic bodies: its inner part moved rigidly, its outer one held."""
+    root = spread(S[b.balls])
+    rows = np.zeros((b.problem.layout.z.size, 8, 6))
+    rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
+    moved = root @ rows.reshape(-1, 6)
+    return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ both(*elastic.own[i]) @ root.T, moved))
+
+
+def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
+    """Tangent stiffness (6, 6) of the whole at the row that is asked about, as `whole_stiffness` of the model lin."""
+    system, structure = elastic.system, elastic.system.structure
+    row = asked_row(system)
+    if row < 0:
+        return None
+    n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)
+    v, work = np.zeros((N, 4, 2, 6)), np.zeros((elastic.state.a.size, 6))
+    unit = np.zeros((6 * (n if row < n else structure.at.size), 6))
+    at = 6 * (row if row < n else row - n)
+    unit[at : at + 6] = np.diag((~structure.fixed[row]).astype(float))
+    if row < n:
+        answer = elastic.shaft.solve(unit)
+        B = elastic.whole.B
+        v[:, :2] = np.einsum("nsak,nskj->nsaj", B, answer[6 * elastic.whole.node[..., None] + np.arange(B.shape[3])])
+        if elastic.squeeze is not None:
+            added, besides = elastic.squeeze.by_loads(unit, answer)
+            v[:, :2] += added.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)
+            answer = answer + besides
+        rigid = np.eye(6)
+        z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pin])
+        rigid[0, 4], rigid[1, 3] = z, -z
+        work[:k] = (rigid @ elastic.shaft.motions).T @ unit[at : at + 6]
+    else:
+        answer = elastic.housings.solve(unit)
+        v[:, 2:] = (elastic.on_housings @ answer).reshape(N, 2, 2, 6)
+        work[k:] = elastic.housings.motions.T @ unit
+    root, load = spread(S), v.reshape(8 * N, 6)
+    SR = root @ elastic.given.bodies.R.reshape(8 * N, -1)
+    matrix = np.block(
+        [
+            [np.eye(len(root)) + root @ both(elastic.given.bodies.first, elastic.given.bodies.second) @ root.T, -SR],
+            [SR.T, np.zeros((SR.shape[1],) * 2)],
+        ]
+    )
+    try:
+        x = np.linalg.solve(matrix, np.concatenate([root @ load, work]))
+    except np.linalg.LinAlgError:
+        return None
+    compliance = answer[at : at + 6] - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
+    return inverse(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)
+
+
+@one_thread()
+def solve_refined(
+    assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
+) -> AxisResult:
+    """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
+
+    Rollers alone leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
+    for inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies that cannot be.
+    """
+    rigid = rigid_rings(assembly)
+    if not assembly.ball_count:
+        result = solve_assembly(assembly, engine=engine, member=member)
+        return replace(result, model=name, left_out=(*result.left_out, *rigid))
+
+    def made_ready(system: System, kernels: ModuleType) -> ElasticSets:
+        return ready(system, backend, kernels)
+
+    again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
+    model = Model(name, ASSUMPTIONS, rigid, made_ready, section_of(assembly, backend), False)
+    return equilibrium(assembly, model, engine, member, again)
+
+
+def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
+    """A sentence each on what rows of rollers and inner rings on housings leave out."""
+    rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
+    return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

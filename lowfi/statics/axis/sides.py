@@ -13,7 +13,7 @@ import numpy as np
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System, motions_of, moved_flanks
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
-from rollbench.lowfi.statics.records import AxisState
+from rollbench.lowfi.statics.records import RowState
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollingSet
@@ -61,12 +61,12 @@ def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) ->
     return USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
 
 
-def clear(system: System, state: AxisState) -> bool:
+def clear(system: System, state: RowState) -> bool:
     """Whether all balls clear the flanks that a set could use and that were left out, at a solution without them."""
     return all(_set_clear(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use))
 
 
-def _set_clear(system: System, b: BallSet, state: AxisState) -> bool:
+def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
     contact = state.contact[b.balls]
     shift = moved_flanks(b, state.q)
     for s in range(2):

@@ -1,11 +1,15 @@
-"""Equilibrium of several rolling sets on one shaft, by the source's model (`lin`): one energy, Newton's method."""
+"""Equilibrium of several rolling sets on one shaft: one energy, Newton's method; by the source's model (`lin`) here, with
+elastic bodies in `lowfi.statics.axis.elastic`."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from types import ModuleType
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -15,30 +19,92 @@ from rollbench.lowfi.statics.axis.proof import unheld
 from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from rollbench.lowfi.statics.axis.system import System, build, placed, set_contacts, set_flanks, with_arms
-from rollbench.lowfi.statics.axis.typical import typical
-from rollbench.lowfi.statics.records import AxisSlopes, AxisState, Options, Outcome
-from rollbench.lowfi.statics.result import AxisResult, SolverReport, Status
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, report_of, settled, verdict
+from rollbench.lowfi.statics.axis.system import System, build, placed, set_flanks, typical, with_arms
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.records import AxisSystem, Options, RowState, Slopes
+from rollbench.lowfi.statics.result import AxisResult, Status
+from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, report_of, settled, verdict
 from rollbench.lowfi.statics.shape import lifted
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine, pick_engine
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.section import BeamSection
 
 #: Motion over the largest pitch radius, and rotation, from which on a linear program says whether contacts hold the loads.
 FAR = 0.1
 
 
-@dataclass
-class Prepared:
-    """A system ready for the kernels: what is held, the state they fill, and their engine."""
+@dataclass(kw_only=True)
+class Sets(Prepared):
+    """An assembly ready for the kernels."""
 
     system: System
-    engine: ModuleType
-    state: AxisState
-    options: Options
-    history: Array
-    scale: float = 0.0
+
+    @property
+    def problems(self) -> Sequence[Problem]:
+        """Of each set of balls."""
+        return [b.problem for b in self.system.balls]
+
+    @abstractmethod
+    def round_off(self) -> float:
+        """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`)."""
+
+    @abstractmethod
+    def words(self) -> tuple[str, int, tuple[str, ...]]:
+        """Formulation, number of unknowns, what is assumed of the bodies."""
+
+    @abstractmethod
+    def rows(self) -> tuple[RowState, Array]:
+        """Motions of all rows with the contacts there, and the forces (r, 6) of what holds them."""
+
+    @abstractmethod
+    def stiffness(self) -> tuple[Sequence[Array], Array | None]:
+        """Stiffness (6, 6) of each set of balls, and of the whole where it is asked for."""
+
+
+@dataclass(kw_only=True)
+class RigidSets(Sets):
+    """Shaft a beam, outer parts rigid."""
+
+    SOLVER = "solve_axis"
+    given: AxisSystem
+    state: RowState
+
+    def flanks(self) -> Sequence[SetFlanks]:
+        """Contacts at the state."""
+        return set_flanks(self.system, self.state)
+
+    def with_arms(self, arms: Sequence[Array]) -> Self:
+        """As `Prepared.with_arms`."""
+        system = with_arms(self.system, arms)
+        return replace(self, system=system, given=self.given._replace(balls=system.contacts))
+
+    def round_off(self) -> float:
+        """By the largest motions and the stiffest contact."""
+        state, v0 = self.state, self.given.balls.v0
+        motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
+        stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
+        return least_residual(motion, stiff, self.scale, self.problems)
+
+    def words(self) -> tuple[str, int, tuple[str, ...]]:
+        """As `Sets.words`."""
+        return "convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ()
+
+    def slopes(self) -> Slopes:
+        """Derivatives of the energy at the state."""
+        out = Slopes(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
+        self.engine.evaluate_axis(self.given, self.state, out)
+        return out
+
+    def rows(self) -> tuple[RowState, Array]:
+        """Held is the gradient at the held freedoms."""
+        return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
+
+    def stiffness(self) -> tuple[Sequence[Array], Array | None]:
+        """As `Sets.stiffness`."""
+        system, hessians = self.system, self.slopes().hessians
+        sets = [set_stiffness(b, system.structure.stations, hessians[b.balls, :4, :4]) for b in system.balls]
+        return sets, whole_stiffness(system, self.engine, self.given, self.state, hessians)
 
 
 def far_off(q: Array, system: System) -> bool:
@@ -46,7 +112,7 @@ def far_off(q: Array, system: System) -> bool:
     return not float((np.abs(q) / np.repeat([system.arm, 1.0], 3)).max()) <= FAR
 
 
-def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
+def prepare(system: System, engine: ModuleType) -> RigidSets:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
     s, n = system.structure, system.structure.nodes.size
     force, stiffness, floor = typical(system)
@@ -54,21 +120,24 @@ def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE)
     q[:n], d = lifted(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
     N, M = system.contacts.r_ball.size, system.slices.drop.size
-    state = AxisState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
+    state = RowState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
     system.contacts = system.contacts._replace(tiny=1e-14 * force)
     furthest = float(system.contacts.r_ball.max(initial=0.0))
-    options = Options(tolerance, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
-    return Prepared(system, engine, state, options, np.zeros(options.most + 1))
+    options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
+    given = AxisSystem(system.axis, system.contacts, system.slices)
+    return RigidSets(engine=engine, given=given, state=state, options=options, system=system)
 
 
-def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the present state."""
-    arrays = prepared.system.axis, prepared.system.contacts, prepared.system.slices
-    if start:
-        prepared.engine.start_axis(*arrays, prepared.state, prepared.options)
-    outcome: Outcome = prepared.engine.solve_axis(*arrays, prepared.state, prepared.options, prepared.history)
-    prepared.scale = outcome.scale
-    return outcome
+class Model(NamedTuple):
+    """How a model solves an assembly: its name, what it assumes and leaves out, what makes a system ready for the kernels;
+    section: of the threaded shaft, None: the scene's; fewer: whether sides that load and offsets open are left out."""
+
+    name: str
+    assumed: tuple[str, ...]
+    left_out: tuple[str, ...]
+    ready: Callable[[System, ModuleType], Sets]
+    section: BeamSection | None
+    fewer: bool
 
 
 def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int = 0) -> AxisResult:
@@ -77,44 +146,48 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     engine: interpreted, compiled, or chosen by size; member: which specimen of random errors. Never raises for a scene
     without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
     """
+    model = Model("lin", AXIS_ASSUMPTIONS, (), prepare, None, True)
+    return equilibrium(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
+
+
+def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, again: partial[AxisResult]) -> AxisResult:
+    """As `solve_assembly`, by a model; again: solves the assembly as it is mounted."""
     start = perf_counter()
-    mounted, notes, unmet = mount(assembly, partial(solve_assembly, engine=engine, member=member))
+
+    def failed(status: Status) -> AxisResult:
+        return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
+
+    mounted, notes, unmet = mount(assembly, again)
     if unmet:
-        return failed_axis(assembly, "lin", unmet, perf_counter() - start)
-    kernels = engine_for(assembly, engine)
-    places = placed(mounted, member)
-    uses = likely_sides(mounted, places)
+        return failed(unmet)
+    kernels, places = engine_for(assembly, engine), placed(mounted, member)
+    uses = likely_sides(mounted, places) if model.fewer else all_sides(mounted)
     while True:
-        system = build(mounted, member, uses, places)
+        system = build(mounted, member, uses, places, model.section)
         loose = loose_motions(system)
         if loose.driven:
-            return failed_axis(assembly, "lin", Status("not held", loose.text), perf_counter() - start)
-        prepared = prepare(pinned(system, loose), kernels)
+            return failed(Status("not held", loose.text))
+        prepared = model.ready(pinned(system, loose), kernels)
         ready = perf_counter()
-        outcome = settle(prepared)
+        prepared, outcome = settled(prepared)
         if complete(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
             break
         uses = all_sides(mounted)
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
-    bound = round_off(prepared, outcome.scale)
-    far = far_off(prepared.state.q, system)
-    status = verdict(outcome, bound, partial(unheld, system), far)
+    bound, (state, held) = prepared.round_off(), prepared.rows()
+    proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
+    status = verdict(outcome, bound, partial(unheld, proven), far_off(state.q, proven))
+    system = prepared.system
     if outcome.status in NO_LOADS:
-        return failed_axis(assembly, "lin", status, perf_counter() - start)
-    size = "convex energy", int(np.count_nonzero(~prepared.system.structure.fixed)), system.structure.nodes.size - 1
+        return failed(status)
+    formulation, unknowns, also = prepared.words()
+    size = formulation, unknowns, system.structure.nodes.size - 1
     report = report_of(outcome, kernels, (start, ready), size, bound, notes)
-    return assemble_axis(prepared.system, prepared.state, _ending(prepared, status, report, loose.text))
-
-
-def _ending(prepared: Prepared, status: Status, report: SolverReport, loose: str) -> Ending:
-    """Reactions and stiffnesses at the state."""
-    system, state = prepared.system, prepared.state
-    out = AxisSlopes(np.zeros(state.q.shape), np.zeros((system.contacts.r_ball.size, 8, 8)))
-    prepared.engine.evaluate_axis(system.axis, system.contacts, system.slices, state, out)
-    held = np.where(system.structure.fixed, out.gradient, 0.0)
-    sets = [set_stiffness(b, system.structure.stations, out.hessians[b.balls, :4, :4]) for b in system.balls]
-    tangent = whole_stiffness(system, prepared.engine, state, out.hessians)
-    return Ending(status, report, loose, held, sets, tangent, "lin", AXIS_ASSUMPTIONS, scale=prepared.scale)
+    assumed, shifts = (*model.assumed, *also), [x.shift for x in prepared.flanks()]
+    sets, whole = prepared.stiffness()
+    solved = status, report, loose.text, held, sets, whole
+    ending = Ending(*solved, model.name, assumed, model.left_out, shifts, outcome.scale)
+    return assemble_axis(system, state, ending)
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
@@ -122,30 +195,3 @@ def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)
     return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))
-
-
-def settle(prepared: Prepared) -> Outcome:
-    """Solve, and follow the contacts (`lowfi.statics.settle.settled`)."""
-
-    def iterated(start: bool) -> Outcome:
-        return iterate(prepared, start=start)
-
-    def rebuild(arms: list[Array]) -> Outcome:
-        prepared.system = with_arms(prepared.system, arms)
-        return iterated(False)
-
-    def contacts() -> list[Contacts]:
-        return set_contacts(prepared.system, prepared.state.contact)
-
-    def flanks() -> list[Flanks]:
-        return set_flanks(prepared.system, prepared.state)
-
-    return settled(iterated, contacts, flanks, rebuild, prepared.system.assembly.ingredients.hertz)
-
-
-def round_off(prepared: Prepared, scale: float) -> float:
-    """Relative residual that double precision cannot get below: see `lowfi.statics.settle.least_residual`."""
-    state = prepared.state
-    motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(prepared.system.contacts.v0).max(initial=0.0))
-    stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-    return least_residual(motion, stiff, scale, [b.problem for b in prepared.system.balls])

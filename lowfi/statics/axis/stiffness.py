@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.axis.system import BallSet, System
-from rollbench.lowfi.statics.records import AxisState
+from rollbench.lowfi.statics.records import AxisSystem, RowState
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -31,7 +31,9 @@ def asked_row(system: System) -> int:
     return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
 
 
-def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessians: Array) -> Array | None:
+def whole_stiffness(
+    system: System, engine: ModuleType, given: AxisSystem, state: RowState, hessians: Array
+) -> Array | None:
     """Stiffness (6, 6) [N/m, N, N m] against wrenches on the row that is asked about, all else free to follow.
 
     Rows and columns of held freedoms are nan. None where the row stands, or where contacts carry too little to be stiff.
@@ -40,16 +42,16 @@ def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessia
     if row < 0:
         return None
     r = system.structure.stations.size
-    size = system.axis.start[-1]
+    size = given.shaft.start[-1]
     base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
-    engine.add_axis(base, system.axis)
-    if not engine.tangent(system.axis, system.contacts, system.slices, state, hessians, base, values, np.zeros(6)):
+    engine.add_axis(base, given.shaft)
+    if not engine.tangent(given, state, hessians, base, values, np.zeros(6)):
         return None
     compliance = np.empty((6, 6))
     for k in range(6):
         load = np.zeros((r, 6))
         load[row, k] = 1.0
-        engine.solve_lines(system.axis, values, load, step)
+        engine.solve_lines(given.shaft, values, load, step)
         compliance[:, k] = step[row]
     return inverse(compliance, ~system.structure.fixed[row], system.arm)
 

@@ -10,12 +10,12 @@ import numpy as np
 from rollbench.lowfi.statics.axis.proof import crossed
 from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, moved_flanks
-from rollbench.lowfi.statics.records import AxisState
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System
+from rollbench.lowfi.statics.problem import SolvedState
+from rollbench.lowfi.statics.records import RowState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_transport
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import (
     BALANCE,
     MODEL_ASSUMPTIONS,
@@ -50,7 +50,7 @@ NOTHING = 10.0 * ACCEPTED
 class Ending:
     """How a solve ended: status, report, words for what was held because nothing resists it; held (r, 6): forces of what
     holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, what it assumes
-    and leaves out; shifts (N, 4, 2): of the flanks of all balls [m], None where they are those of the rows."""
+    and leaves out; shifts (N, 4, 2): of the flanks of each set of balls [m]; scale: largest force met [N]."""
 
     status: Status
     report: SolverReport
@@ -60,17 +60,16 @@ class Ending:
     whole: Array | None
     model: str
     assumed: tuple[str, ...]
-    left_out: tuple[str, ...] = ()
-    shifts: Array | None = None
-    #: Largest force met [N].
-    scale: float = 0.0
+    left_out: tuple[str, ...]
+    shifts: Sequence[Array]
+    scale: float
 
 
-def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
+def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     """Result of a finished solve."""
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
-    by_name = {b.of.name: ball_result(system, b, state, end, K) for b, K in zip(system.balls, end.sets, strict=True)}
+    by_name = {b.of.name: ball_result(system, i, state, end) for i, b in enumerate(system.balls)}
     by_name |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(by_name[s.name] for s in assembly.sets)
     balance = _balance(system, state, end, sets)
@@ -126,16 +125,13 @@ def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> Stat
     return None
 
 
-def ball_result(system: System, b: BallSet, state: AxisState, end: Ending, stiffness: Array) -> SetResult:
-    """Contacts and sums of a set of balls."""
+def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResult:
+    """Contacts and sums of a set of balls, by its number."""
+    b = system.balls[i]
     problem = b.problem
     contact = state.contact[b.balls]
     force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.balls].copy()
-    shifts = None
-    if problem.drawn.profile.shape[1] and end.shifts is not None:
-        shifts = end.shifts[b.balls]
-    elif problem.drawn.profile.shape[1]:
-        shifts = moved_flanks(b, state.q)
+    shifts = end.shifts[i] if problem.drawn.profile.shape[1] else None
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
@@ -145,10 +141,10 @@ def ball_result(system: System, b: BallSet, state: AxisState, end: Ending, stiff
         _sum_at(result.contact_point[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4))
     )
     outer = _outer(b, state, system.structure.stations)
-    return SetResult(b.of, *on_shaft, np.concatenate(back), stiffness, outer, result)
+    return SetResult(b.of, *on_shaft, np.concatenate(back), end.sets[i], outer, result)
 
 
-def roller_result(x: RollerSet, state: AxisState, stations: Array) -> SetResult:
+def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
     """Loads, sums and stiffness of a row of rollers."""
     slices = state.slices[x.slices]
     inner = float(stations[x.arrays.row[0, 0]])
@@ -160,7 +156,7 @@ def roller_result(x: RollerSet, state: AxisState, stations: Array) -> SetResult:
     return SetResult(x.of, wrench[:3], wrench[3:], -wrench, K, outer, None, x.azimuths, loads.sum(axis=1), lines)
 
 
-def _outer(x: BallSet | RollerSet, state: AxisState, stations: Array) -> Array:
+def _outer(x: BallSet | RollerSet, state: RowState, stations: Array) -> Array:
     """Motion (6,) of a set's outer part at its position, with its offset."""
     row = x.outer if isinstance(x, BallSet) else int(x.arrays.row[0, 1])
     moved = rigid_transport(x.of.position - float(stations[row])) @ state.q[row] if row >= 0 else np.zeros(6)
@@ -173,7 +169,7 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 
 
-def _balance(system: System, state: AxisState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
+def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
     """Loads, reactions and the sets' forces on the shaft; moments about the origin."""
     nodes = system.structure.nodes
     applied, contact = wrench_of(system.assembly.loads), np.zeros(6)

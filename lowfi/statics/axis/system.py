@@ -9,20 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers.roller_slices import middles
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.kernel.beam import element_constants
-from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
-from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, AxisState
-from rollbench.lowfi.statics.settle import Contacts, Flanks
+from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry, tightest
+from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, RowState
+from rollbench.lowfi.statics.settle import SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.partition import contact_stations
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.section import BeamSection
 
 Ints = NDArray[np.int64]
@@ -218,17 +219,12 @@ def with_arms(system: System, arms: Sequence[Array]) -> System:
     return replace(system, balls=balls, contacts=_all_balls(balls)._replace(tiny=system.contacts.tiny))
 
 
-def set_contacts(system: System, contact: Array) -> list[Contacts]:
-    """Contacts of each set of balls, of those of all (N, 4, 5)."""
-    return [Contacts(b.problem, contact[b.balls]) for b in system.balls]
-
-
-def set_flanks(system: System, state: AxisState, shifts: Array | None = None) -> list[Flanks]:
+def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> list[SetFlanks]:
     """Contacts, centres and flank motions of each set of balls; shifts (N, 4, 2) [m]: of all flanks, where they are not
     those of the rows."""
     moved = [moved_flanks(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
     contact, centre = state.contact, state.p
-    return [Flanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
+    return [SetFlanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
 
 
 def moved_flanks(b: BallSet, q: Array) -> Array:
@@ -353,3 +349,55 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
         first,
         start,
     )
+
+
+def applied(system: System) -> float:
+    """Loads on shaft and housings [N], moments over the largest pitch radius; what holds a warm shaft does not count."""
+    bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
+    return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.arm for x in bodies))
+
+
+def pair_compliance(b: BallSet) -> float:
+    """C of two opposite contacts in series [m/N^(2/3)]."""
+    return float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
+
+
+def squeeze(b: BallSet) -> float:
+    """Approach [m] of a set's contacts by oversized balls or the shift of its outer part, all else held."""
+    shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
+    return max(tightest(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
+
+
+def mean_share(system: System) -> float:
+    """Share [N] of all loads that a rolling element has."""
+    return applied(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
+
+
+def typical_force(system: System, b: BallSet) -> float:
+    """Force [N] of a typical contact of a set: its mean share of the loads, or what it is squeezed by; a micrometre's where
+    only displacements are given. At least 1e-6 N."""
+    pair = pair_compliance(b)
+    force = max(mean_share(system), float(contact_force(squeeze(b), pair)))
+    if force == 0.0 and np.any(system.structure.prescribed):
+        force = float(contact_force(1e-6, pair))
+    return max(force, 1e-6)
+
+
+def typical(system: System) -> tuple[float, float, float]:
+    """Force [N] of a typical loaded contact, its secant stiffness [N/m], and least force [N] that residuals count by."""
+    load, share = system.structure.load, mean_share(system)
+    stiffness, squeezed = 1.0, 0.0
+    for b in system.balls:
+        pair = pair_compliance(b)
+        squeezed = max(squeezed, float(contact_force(squeeze(b), pair)))
+        if share == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
+            squeezed = float(contact_force(1e-6, pair))
+    force = max(share, squeezed)
+    for b in system.balls:
+        stiffness = max(stiffness, float(np.cbrt(force) / pair_compliance(b)) if force > 0.0 else 1.0)
+    for r in system.rollers:
+        per_length = max(force, 1.0) / r.row.length
+        law = r.arrays
+        stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
+    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
+    return force, stiffness, floor

@@ -11,13 +11,11 @@ from rollbench.lowfi.jit import part_of
 KERNELS = {
     "axis": ("evaluate_axis", "solve_axis", "solve_lines", "tangent"),
     "axis_matrix": ("add_axis",),
-    "axis_start": ("start_axis",),
     "ball": ("settle_ball",),
     "beam": ("assemble_beam",),
-    "elastic": ("solve_forces", "start_forces"),
+    "elastic": ("solve_forces",),
     "elastic_balls": ("ball_rows", "contact_law", "evaluate_balls", "rest"),
-    "members": ("ensemble",),
-    "newton": ("evaluate", "solve_beam", "start_and_solve"),
+    "newton": ("ensemble", "evaluate", "solve_beam"),
     "rollers": ("roller_forces",),
 }
 __all__ = [name for names in KERNELS.values() for name in names]

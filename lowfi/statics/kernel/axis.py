@@ -15,18 +15,28 @@ from rollbench.lowfi.statics.records import (
     Array,
     AxisArrays,
     AxisBalls,
-    AxisRollers,
-    AxisRoom,
-    AxisSlopes,
-    AxisState,
     AxisSystem,
     Options,
     Outcome,
+    RowRoom,
+    RowState,
+    Slopes,
 )
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
-from .ball import FORCE, MX, MZ, USE, flank_hessian, settle_ball
-from .newton import evaluate_beam, finish, furthest, least_force, residual_at, slope_along, unbalanced  # noqa: F401 - for the driver
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, settle_ball
+from .newton import (  # noqa: F401 - some for the driver alone
+    evaluate_beam,
+    finish,
+    furthest,
+    keep,
+    least_force,
+    move,
+    residual_at,
+    shorten_first_step,
+    slope_along,
+    unbalanced,
+)
 from .rollers import roller_forces
 from .skyline import factor, substitute
 
@@ -35,21 +45,12 @@ KEPT = 0.0
 
 
 @kernel
-def evaluate_axis(
-    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, out: AxisSlopes
-) -> tuple[float, float]:
+def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[float, float]:
     """Energy and gradient at the state; fills out; returns energy and the largest force met [N]."""
-    load = axis.load
-    q, d, p, contact, _ = state
+    axis, balls, rollers = given
+    q, _, p, contact, slices = state
     gradient, hessians = out
-    energy, scale = evaluate_beam(axis, q, d, gradient)
-    for i in range(d.shape[0] + 1, q.shape[0]):
-        for k in range(6):
-            gradient[i, k] = -load[i, k]
-            energy -= load[i, k] * q[i, k]
-            if k < 3:
-                scale = max(scale, abs(load[i, k]))
-    energy += spring_forces(axis, q, gradient)
+    energy, scale = evaluate_structure(axis, state, gradient)
     shift, flat, m = np.zeros((4, 2)), gradient.ravel(), balls.B.shape[3]
     for i in range(balls.r_ball.shape[0]):
         ball_shift(balls, q, i, shift)
@@ -64,8 +65,22 @@ def evaluate_axis(
                 fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
                 for k in range(m):
                     flat[6 * row + k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
-    stored, largest = roller_forces(rollers, q, state.slices, gradient)
+    stored, largest = roller_forces(rollers, q, slices, gradient)
     return energy + stored, max(scale, largest)
+
+
+@kernel
+def evaluate_structure(axis: AxisArrays, state: RowState, gradient: Array) -> tuple[float, float]:
+    """Energy of shaft, bodies beside it and springs, and the largest force on them [N]; fills the gradient."""
+    load, q = axis.load, state.q
+    energy, scale = evaluate_beam(axis, q, state.d, gradient)
+    for i in range(state.d.shape[0] + 1, q.shape[0]):
+        for k in range(6):
+            gradient[i, k] = -load[i, k]
+            energy -= load[i, k] * q[i, k]
+            if k < 3:
+                scale = max(scale, abs(load[i, k]))
+    return energy + spring_forces(axis, q, gradient), scale
 
 
 @kernel
@@ -110,52 +125,12 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
 
 
 @kernel
-def balls_reach(balls: AxisBalls, step: Array) -> float:
-    """Largest motion [m] by a step of the rows (r, 6) of a flank that is used, against its opposite."""
-    largest, shift = 0.0, np.zeros((4, 2))
-    for i in range(balls.row.shape[0]):
-        ball_shift(balls, step, i, shift)
-        for s in range(2):
-            if balls.geometry[i, s, USE] != 0.0:
-                o = 3 - s
-                x = shift[s, 0] - balls.v0[i, s, 0] - shift[o, 0] + balls.v0[i, o, 0]
-                z = shift[s, 1] - balls.v0[i, s, 1] - shift[o, 1] + balls.v0[i, o, 1]
-                largest = max(largest, x * x + z * z)
-    return sqrt(largest)
-
-
-@kernel
-def advance_axis(axis: AxisArrays, state: AxisState, q0: Array, d0: Array, step: Array, t: float) -> None:
-    """State at (q0, d0) plus t step, the shaft in element deformations: the strain of the step is taken from the step."""
-    q, d, lengths = state.q, state.d, axis.lengths
-    n = d.shape[0] + 1
-    for k in range(6):
-        q[0, k] = q0[0, k] + t * step[0, k]
-        for i in range(n, q.shape[0]):
-            q[i, k] = q0[i, k] + t * step[i, k]
-    for e in range(d.shape[0]):
-        x = lengths[e]
-        d[e, 0] = d0[e, 0] + t * (step[e + 1, 0] - step[e, 0] - x * step[e, 4])
-        d[e, 1] = d0[e, 1] + t * (step[e + 1, 1] - step[e, 1] + x * step[e, 3])
-        for k in range(2, 6):
-            d[e, k] = d0[e, k] + t * (step[e + 1, k] - step[e, k])
-
-
-@kernel
-def tangent(
-    axis: AxisArrays,
-    balls: AxisBalls,
-    rollers: AxisRollers,
-    state: AxisState,
-    hessians: Array,
-    base: Array,
-    values: Array,
-    shift: Array,
-) -> bool:
+def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
     """Factor (in ``values``) of the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive.
 
     base: stiffness of shaft and springs, of ``add_axis``.
     """
+    axis, balls, rollers = given
     values[:] = base
     add_balls(values, axis, balls, hessians)
     add_rollers(values, axis, rollers, state.slices)
@@ -178,51 +153,78 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 
 @kernel
-def energy_at(given: AxisSystem, state: AxisState, room: AxisRoom) -> tuple[float, float]:
+def energy_at(given: AxisSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
     """``evaluate_axis``, for the driver."""
-    return evaluate_axis(given.shaft, given.balls, given.rollers, state, room.slopes)
+    return evaluate_axis(given, state, room.slopes)
 
 
 @kernel
-def find_step(given: AxisSystem, state: AxisState, options: Options, room: AxisRoom, shift: float, fresh: bool) -> bool:
+def find_step(given: AxisSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
     """Newton's step."""
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm
-    out = room.slopes
-    if not tangent(given.shaft, given.balls, given.rollers, state, out.hessians, room.base, room.values, diagonal):
+    if not tangent(given, state, room.slopes.hessians, room.base, room.matrix, diagonal):
         return False
-    solve_lines(given.shaft, room.values, -out.gradient, room.step)
+    solve_lines(given.shaft, room.matrix, -room.slopes.gradient, room.step)
     return True
 
 
 @kernel
-def reach_of(given: AxisSystem, room: AxisRoom) -> float:
-    """Largest motion [m] by the step of a flank against its opposite."""
-    return balls_reach(given.balls, room.step)
-
-
-@kernel
-def keep(state: AxisState, room: AxisRoom) -> None:
-    """Note where the step begins."""
-    room.q0[:], room.d0[:] = state.q, state.d
-
-
-@kernel
-def move(given: AxisSystem, state: AxisState, room: AxisRoom, t: float) -> None:
-    """State t steps from where the step begins."""
-    advance_axis(given.shaft, state, room.q0, room.d0, room.step, t)
+def reach_of(given: AxisSystem, room: RowRoom) -> float:
+    """Largest motion [m] by the step of a flank that is used, against its opposite."""
+    balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
+    for i in range(balls.row.shape[0]):
+        ball_shift(balls, room.step, i, shift)
+        for s in range(2):
+            if balls.geometry[i, s, USE] != 0.0:
+                o = 3 - s
+                x = shift[s, 0] - balls.v0[i, s, 0] - shift[o, 0] + balls.v0[i, o, 0]
+                z = shift[s, 1] - balls.v0[i, s, 1] - shift[o, 1] + balls.v0[i, o, 1]
+                largest = max(largest, x * x + z * z)
+    return sqrt(largest)
 
 
 minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel
-def solve_axis(
-    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: Options, history: Array
-) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step."""
-    r, size = state.q.shape[0], axis.start[-1]
-    slopes, base = AxisSlopes(np.empty((r, 6)), np.zeros((balls.row.shape[0], 8, 8))), np.zeros(size)
-    add_axis(base, axis)
-    room = AxisRoom(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
-    return minimise(AxisSystem(axis, balls, rollers), state, options, history, room)
+def start_on_springs(given: AxisSystem, state: RowState, options: Options, room: RowRoom) -> None:
+    """Go to the equilibrium on linear springs in place of balls and rollers, where it can be found; see ``newton``."""
+    gradient, hessians = room.slopes
+    hessians[:] = 0.0
+    for i in range(hessians.shape[0]):
+        for a in range(2):
+            spring_of_pair(given.balls.geometry[i], a, options.stiffness, hessians[i])
+    state.slices[:, 0] = 0.0
+    state.slices[:, 1] = options.stiffness
+    evaluate_structure(given.shaft, state, gradient)
+    if find_step(given, state, options, room, 1e-9 * options.stiffness, bool(np.bool_(True))):
+        shorten_first_step(given, state, options, room, reach_of(given, room))
+
+
+@kernel
+def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> None:
+    """Add a spring between flank a and its opposite, along the nominal contact direction, to a ball's Hessian (8, 8)."""
+    b = 3 - a
+    if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
+        return
+    size = max(geometry[a, SIZE], 1e-30)
+    w = np.empty(4)
+    w[0], w[1] = geometry[a, WX] / size, geometry[a, WZ] / size
+    w[2], w[3] = -w[0], -w[1]
+    for i in range(4):
+        row = 2 * a + i if i < 2 else 2 * b + i - 2
+        for j in range(4):
+            out[row, 2 * a + j if j < 2 else 2 * b + j - 2] += stiffness * w[i] * w[j]
+
+
+@kernel
+def solve_axis(given: AxisSystem, state: RowState, options: Options, start: bool) -> Outcome:
+    """Minimise the energy, from the linear start or from the given state."""
+    r, size = state.q.shape[0], given.shaft.start[-1]
+    slopes, base = Slopes(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)
+    add_axis(base, given.shaft)
+    room = RowRoom(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
+    if start:
+        start_on_springs(given, state, options, room)
+    return minimise(given, state, options, room)

@@ -9,7 +9,7 @@ The shift is proportional to the residual, so it vanishes at the solution and co
 from typing import Any
 
 from rollbench.lowfi.jit import kernel, system_of
-from rollbench.lowfi.statics.records import Array, Options, Outcome, Progress
+from rollbench.lowfi.statics.records import Options, Outcome, Progress
 
 from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
 from .status import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SHIFTS, SINGULAR
@@ -44,20 +44,19 @@ def search(given: Any, state: Any, room: Any, energy: float, slope: float, limit
 
 
 @kernel
-def minimise(given: Any, state: Any, options: Options, history: Array, room: Any) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step."""
+def minimise(given: Any, state: Any, options: Options, room: Any) -> Outcome:
+    """Minimise the energy from the given state."""
     tolerance, floor = options.tolerance, least_force(given, state, options)
     energy, scale = energy_at(given, state, room)
     if floor == 0.0:
         floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
     scale = max(scale, floor)
     residual = residual_at(given, state, options, room, scale)
-    history[0] = residual
     evaluations, amount, iteration, status, fresh = 1, 1e-3, 0, ITERATIONS, True
     progress = Progress(residual, energy, 0, 0)
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         return Outcome(CONVERGED, iteration, evaluations, residual, energy, scale)
-    for iteration in range(1, options.most + 1):
+    for iteration in range(1, options.most + 1):  # noqa: B007 - told at the end
         solved = False
         for _ in range(SHIFTS):
             shift = amount * options.stiffness * min(1.0, residual)
@@ -83,7 +82,6 @@ def minimise(given: Any, state: Any, options: Options, history: Array, room: Any
             evaluations += used
         scale = max(scale, floor)
         residual = residual_at(given, state, options, room, scale)
-        history[iteration] = residual
         amount = max(1e-3, amount * 0.1)
         if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
             status = CONVERGED

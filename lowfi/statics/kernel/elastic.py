@@ -13,7 +13,6 @@ import numpy as np
 from rollbench.lowfi.jit import driver_of, kernel
 from rollbench.lowfi.statics.records import (
     Array,
-    BallContacts,
     BallRows,
     Bodies,
     BodyRoom,
@@ -45,62 +44,10 @@ def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Ar
 
 
 @kernel
-def newton_forces(
-    bodies: Bodies, contacts: BallContacts, state: BodyState, f: Array, hold: float, rows: BallRows, out: ForceStep
-) -> bool:
-    """Step of forces and free motions, written to ``out``; False where the matrix is not positive.
-
-    hold [N/m]: stiffness that keeps free motions from running away where no contact holds them.
-    """
-    R, counts, starts = bodies.R, rows.counts, rows.starts
-    dphi, dv, da = out
-    ball_rows(contacts, state.contact, rows.S, counts)
-    starts[1:] = np.cumsum(counts)[:-1]
-    dphi[:] = f - state.phi
-    body_motion(bodies, dphi, dv)
-    u = np.empty(starts[-1] + counts[-1])
-    apply_rows(rows, dv, u)
-    target = bodies.work.copy()
-    for c in range(R.shape[2]):
-        target[c] += np.sum(R[:, :, c] * f)
-    if not solve_rows(bodies, rows, target, hold, u, da):
-        return False
-    forces_of_rows(rows, u, dphi)
-    body_motion(bodies, dphi, dv)
-    add_free(R, da, dv)
-    return True
-
-
-@kernel
 def add_free(R: Array, a: Array, out: Array) -> None:
     """Add R a, the motions of the flanks by free motions a (k,), to ``out`` (N, d)."""
     for c in range(a.shape[0]):
         out += a[c] * R[:, :, c]
-
-
-@kernel
-def mismatch(bodies: Bodies, phi: Array, f: Array, arms: Array, scale: float) -> float:
-    """Largest difference of assumed and true flank forces, and unbalanced load on a free motion, over ``scale`` [N]."""
-    worst = float(np.max(np.abs(f - phi)))
-    for c in range(arms.shape[0]):
-        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * f)) * arms[c])
-    return worst / scale if scale > 0.0 else worst
-
-
-@kernel
-def slope_of(bodies: Bodies, f: Array, g: Array, step: ForceStep) -> float:
-    """Directional derivative of the energy at forces f of the balls and body motions g = G phi."""
-    return float(np.sum(step.dphi * g) - np.sum(f * step.dv) - np.sum(bodies.work * step.da))
-
-
-@kernel
-def shift_state(
-    bodies: Bodies, state: BodyState, begin: SearchStart, step: ForceStep, t: float, g: Array, v: Array
-) -> None:
-    """State, body motions g and flank motions v at ``begin`` plus t times the step."""
-    state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
-    v[:], g[:] = begin.v + t * step.dv, begin.g + t * step.dv
-    add_free(bodies.R, -t * step.da, g)
 
 
 @kernel
@@ -140,20 +87,43 @@ def energy_at(given: BodySystem, state: BodyState, room: BodyRoom) -> tuple[floa
 
 @kernel
 def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, shift: float, fresh: bool) -> bool:
-    """Newton's step."""
-    return newton_forces(given.bodies, given.contacts, state, room.f, shift, room.rows, room.step)
+    """Newton's step of forces and free motions; shift [N/m]: stiffness that keeps free motions from running away where no
+    contact holds them."""
+    bodies, rows, f = given.bodies, room.rows, room.f
+    R, counts, starts = bodies.R, rows.counts, rows.starts
+    dphi, dv, da = room.step
+    ball_rows(given.contacts, state.contact, rows.S, counts)
+    starts[1:] = np.cumsum(counts)[:-1]
+    dphi[:] = f - state.phi
+    body_motion(bodies, dphi, dv)
+    u = np.empty(starts[-1] + counts[-1])
+    apply_rows(rows, dv, u)
+    target = bodies.work.copy()
+    for c in range(R.shape[2]):
+        target[c] += np.sum(R[:, :, c] * f)
+    if not solve_rows(bodies, rows, target, shift, u, da):
+        return False
+    forces_of_rows(rows, u, dphi)
+    body_motion(bodies, dphi, dv)
+    add_free(R, da, dv)
+    return True
 
 
 @kernel
 def residual_at(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, scale: float) -> float:
-    """``mismatch``, for the driver."""
-    return mismatch(given.bodies, state.phi, room.f, given.arms, scale)
+    """Largest difference of assumed and true flank forces, and unbalanced load on a free motion, over ``scale`` [N]."""
+    bodies, arms = given.bodies, given.arms
+    worst = float(np.max(np.abs(room.f - state.phi)))
+    for c in range(arms.shape[0]):
+        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * room.f)) * arms[c])
+    return worst / scale if scale > 0.0 else worst
 
 
 @kernel
 def slope_along(given: BodySystem, state: BodyState, room: BodyRoom) -> float:
     """Slope of the energy along the step."""
-    return slope_of(given.bodies, room.f, room.g, room.step)
+    step = room.step
+    return float(np.sum(step.dphi * room.g) - np.sum(room.f * step.dv) - np.sum(given.bodies.work * step.da))
 
 
 @kernel
@@ -170,8 +140,11 @@ def keep(state: BodyState, room: BodyRoom) -> None:
 
 @kernel
 def move(given: BodySystem, state: BodyState, room: BodyRoom, t: float) -> None:
-    """State t steps from where the step begins."""
-    shift_state(given.bodies, state, room.begin, room.step, t, room.g, room.v)
+    """State t steps from where the step begins, with the motions of bodies and flanks there."""
+    begin, step = room.begin, room.step
+    state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
+    room.v[:], room.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
+    add_free(given.bodies.R, -t * step.da, room.g)
 
 
 @kernel
@@ -197,10 +170,8 @@ minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel
-def solve_forces(
-    bodies: Bodies, contacts: BallContacts, state: BodyState, options: Options, arms: Array, history: Array
-) -> Outcome:
-    """Minimise the energy from the given forces; arms (k,): see `lowfi.statics.shaft`; history: residual per step."""
+def solve_forces(given: BodySystem, state: BodyState, options: Options, start: bool) -> Outcome:
+    """Minimise the energy, from the linear start or from the given forces."""
     balls, d = state.phi.shape
     width, shape = 2 if d == 2 else 6, state.phi.shape
     counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
@@ -208,31 +179,31 @@ def solve_forces(
     step = ForceStep(np.empty(shape), np.empty(shape), np.zeros(state.a.shape[0]))
     begin = SearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
     room = BodyRoom(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
-    place_flanks(bodies, state, room.g, room.v)
-    return minimise(BodySystem(bodies, contacts, arms), state, options, history, room)
+    if start:
+        start_on_springs(given, state, options, room)
+    place_flanks(given.bodies, state, room.g, room.v)
+    return minimise(given, state, options, room)
 
 
 @kernel
-def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: Options) -> bool:
-    """Start of the iteration: the bodies on one linear spring between opposite flanks in place of two contacts.
+def start_on_springs(given: BodySystem, state: BodyState, options: Options, room: BodyRoom) -> None:
+    """Go to the equilibrium of the bodies on one linear spring between opposite flanks in place of two contacts, where it
+    can be found.
 
-    springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a. No flank goes
-    further from its opposite than ``options.furthest``, as in ``newton.linear_start``, unless the loads alone carry it
+    No flank goes further from its opposite than ``options.furthest``, as in ``newton``, unless the loads alone carry it
     there: a shaft that only contacts hold is far away without their forces.
     """
-    phi, amplitude = state.phi, state.a
+    bodies, springs, v = given.bodies, given.springs, room.v
     balls, width = springs.shape[0], springs.shape[1]
     rows = BallRows(springs, np.full(balls, width, dtype=np.int64), width * np.arange(balls))
     u = np.empty(width * balls)
     apply_rows(rows, bodies.v0, u)
-    if not solve_rows(bodies, rows, bodies.work, 1e-9 * options.stiffness, u, amplitude):
-        return False
-    phi[:, :] = 0.0
-    forces_of_rows(rows, u, phi)
-    g, v = np.empty(phi.shape), np.empty(phi.shape)
-    place_flanks(bodies, state, g, v)
+    if not solve_rows(bodies, rows, bodies.work, 1e-9 * options.stiffness, u, state.a):
+        return
+    state.phi[:, :] = 0.0
+    forces_of_rows(rows, u, state.phi)
+    place_flanks(bodies, state, room.g, v)
     if apart(v) > options.furthest and apart(bodies.v0) <= options.furthest:
-        reach = max(apart(v - bodies.v0), options.furthest)
-        phi *= options.furthest / reach
-        amplitude *= options.furthest / reach
-    return True
+        shorter = options.furthest / max(apart(v - bodies.v0), options.furthest)
+        state.phi[:] *= shorter
+        state.a[:] *= shorter

@@ -1,4 +1,4 @@
-"""Regularised Newton with line search on the convex energy of screw and balls (seed audit; Lin 2.23-2.25).
+"""Regularised Newton with line search on the convex energy of a screw and its balls (seed audit; Lin 2.23-2.25).
 
 E(q) = beam(q) - f q + sum over balls of min over the centre of the contact energies. One unknown motion (6) per node;
 banded Cholesky, so the cost is linear in the number of balls.
@@ -15,15 +15,15 @@ from rollbench.lowfi.statics.records import (
     AxisArrays,
     BeamArrays,
     BeamContacts,
-    BeamRoom,
-    BeamSlopes,
-    BeamState,
     BeamSystem,
+    MemberArrays,
+    MemberStates,
     Options,
     Outcome,
     RowRoom,
     Rows,
     RowState,
+    Slopes,
 )
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, ball_mismatch, flank_hessian, settle_ball
@@ -85,13 +85,14 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
 
 
 @kernel
-def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: BeamSlopes) -> tuple[float, float]:
+def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, float]:
     """Energy and gradient at the state; fills out; returns energy and scale.
 
     The scale [N] is the largest force met: applied, in an element, or of a contact.
     """
+    beam, contacts = given
     node, B, geometry, closure, r_ball, profile, tiny = contacts
-    q, d, p, contact = state
+    q, d, p, contact, _ = state
     gradient, hessians = out
     energy, scale = evaluate_beam(beam, q, d, gradient)
     shift = np.zeros((4, 2))
@@ -185,10 +186,13 @@ def hold(band: Array, i: int) -> None:
 
 
 @kernel
-def advance(q: Array, d: Array, lengths: Array, q0: Array, d0: Array, step: Array, t: float) -> None:
-    """State at q0 + t step, in element deformations: the strain of the step is taken from the step alone."""
+def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Array, step: Array, t: float) -> None:
+    """State at (q0, d0) plus t step, the shaft in element deformations: the strain of the step is taken from the step."""
+    q, d, lengths = state.q, state.d, shaft.lengths
     for k in range(6):
-        q[0, k] = q0[k] + t * step[0, k]
+        q[0, k] = q0[0, k] + t * step[0, k]
+        for i in range(d.shape[0] + 1, q.shape[0]):
+            q[i, k] = q0[i, k] + t * step[i, k]
     for e in range(d.shape[0]):
         x = lengths[e]
         d[e, 0] = d0[e, 0] + t * (step[e + 1, 0] - step[e, 0] - x * step[e, 4])
@@ -198,25 +202,32 @@ def advance(q: Array, d: Array, lengths: Array, q0: Array, d0: Array, step: Arra
 
 
 @kernel
-def energy_at(given: BeamSystem, state: BeamState, room: BeamRoom) -> tuple[float, float]:
+def energy_at(given: BeamSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
     """``evaluate``, for the driver."""
-    return evaluate(given.shaft, given.contacts, state, room.slopes)
+    return evaluate(given, state, room.slopes)
 
 
 @kernel
-def find_step(given: BeamSystem, state: BeamState, options: Options, room: BeamRoom, shift: float, fresh: bool) -> bool:
+def find_step(given: BeamSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
     """Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
-    beam, band, step = given.shaft, room.band, room.step
+    beam, band = given.shaft, room.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
         assemble(band, beam, given.contacts, room.slopes.hessians, max(shift, least), options.arm)
         if not factor_band(band):
             return False
+    step_down(given, room)
+    return True
+
+
+@kernel
+def step_down(given: BeamSystem, room: RowRoom) -> None:
+    """Step against the gradient by the factor in the room."""
+    fixed, gradient, step = given.shaft.fixed, room.slopes.gradient, room.step
     for i in range(step.shape[0]):
         for k in range(6):
-            step[i, k] = 0.0 if beam.fixed[i, k] else -room.slopes.gradient[i, k]
-    substitute_band(band, step.ravel())
-    return True
+            step[i, k] = 0.0 if fixed[i, k] else -gradient[i, k]
+    substitute_band(room.matrix, step.ravel())
 
 
 @kernel
@@ -242,21 +253,30 @@ def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
 
 
 @kernel
-def reach_of(given: BeamSystem, room: BeamRoom) -> float:
+def reach_of(given: BeamSystem, room: RowRoom) -> float:
     """Largest motion [m] of a flank by the step."""
-    return flank_reach(given.contacts, room.step.ravel())
+    contacts, motion = given.contacts, room.step.ravel()
+    m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
+    for i in range(contacts.node.shape[0]):
+        if m == 6:
+            flank_shift(contacts, motion, i, 6, shift)
+        else:
+            flank_shift(contacts, motion, i, m, shift)
+        for s in range(2):
+            largest = max(largest, shift[s, 0] ** 2 + shift[s, 1] ** 2)
+    return sqrt(largest)
 
 
 @kernel
-def keep(state: BeamState, room: BeamRoom) -> None:
+def keep(state: RowState, room: RowRoom) -> None:
     """Note where the step begins."""
-    room.q0[:], room.d0[:] = state.q[0], state.d
+    room.q0[:], room.d0[:] = state.q, state.d
 
 
 @kernel
-def move(given: BeamSystem, state: BeamState, room: BeamRoom, t: float) -> None:
+def move(given: Rows, state: RowState, room: RowRoom, t: float) -> None:
     """State t steps from where the step begins."""
-    advance(state.q, state.d, given.shaft.lengths, room.q0, room.d0, room.step, t)
+    advance(given.shaft, state, room.q0, room.d0, room.step, t)
 
 
 @kernel
@@ -296,90 +316,75 @@ minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel
-def room_for(state: BeamState, half_band: int) -> BeamRoom:
-    """Room for an iteration."""
-    n = state.q.shape[0]
-    slopes = BeamSlopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
-    return BeamRoom(slopes, np.empty((6 * n, half_band + 1)), np.empty((n, 6)), np.empty(6), np.empty(state.d.shape))
+def start_on_springs(given: BeamSystem, state: RowState, options: Options, room: RowRoom) -> None:
+    """Go to the equilibrium of the screw on linear springs in place of contacts, where it can be found.
 
-
-@kernel
-def solve_beam(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: Options, history: Array) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step."""
-    room = room_for(state, beam.band.shape[1] - 1)
-    return minimise(BeamSystem(beam, contacts), state, options, history, room)
-
-
-@kernel
-def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: Options, band: Array) -> bool:
-    """Start of the iteration: equilibrium of the screw on linear springs in place of contacts; band (6 n, half bandwidth +
-    1): room.
-
-    Overwrites the motions and element deformations of ``state``; False (untouched) where they cannot be found. No flank
-    goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn first, as
-    those of a contact angle near zero under an axial load.
+    No flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
+    first, as those of a contact angle near zero under an axial load.
     """
-    lengths, fixed, load = beam.lengths, beam.fixed, beam.load
-    geometry, limit = contacts.geometry, options.furthest
-    q, d = state.q, state.d
-    stiffness, arm = options.stiffness, options.arm
-    n, count = q.shape[0], contacts.node.shape[0]
-    hessians = np.zeros((count, 4, 4))
-    step = np.zeros((n, 6))
-    f = np.empty(6)
-    for i in range(n):
-        for k in range(6):
-            step[i, k] = load[i, k]
-    for e in range(lengths.shape[0]):
-        c = beam.constants[e]
-        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
-        for k in range(6):
-            step[e, k] += f[k]
-            step[e + 1, k] -= f[k]
-        step[e, 3] -= lengths[e] * f[1]
-        step[e, 4] += lengths[e] * f[0]
-    for i in range(count):
+    geometry, hessians, stiffness = given.contacts.geometry, room.slopes.hessians, options.stiffness
+    evaluate_beam(given.shaft, state.q, state.d, room.slopes.gradient)
+    hessians[:] = 0.0
+    for i in range(geometry.shape[0]):
         for s in range(2):
             if geometry[i, s, USE] != 0.0:
-                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
+                wx, wz, own = geometry[i, s, WX], geometry[i, s, WZ], hessians[i, 2 * s : 2 * s + 2, 2 * s : 2 * s + 2]
                 size = max(geometry[i, s, SIZE], 1e-30)
-                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
-                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
-                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
-                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
-    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
-    for i in range(n):
-        for k in range(6):
-            if fixed[i, k]:
-                step[i, k] = 0.0
-    if not factor_band(band):
-        return False
-    substitute_band(band, step.ravel())
-    reach = flank_reach(contacts, step.ravel())
-    advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
-    return True
+                own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
+                own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
+    assemble(room.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
+    if factor_band(room.matrix):
+        step_down(given, room)
+        shorten_first_step(given, state, options, room, reach_of(given, room))
 
 
 @kernel
-def start_and_solve(
-    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: Options, history: Array
-) -> Outcome:
-    """Linear start, then Newton: one call, because handing over the arrays takes as long as evaluating the contacts."""
-    room = room_for(state, beam.band.shape[1] - 1)
-    linear_start(beam, contacts, state, options, room.band)
-    return minimise(BeamSystem(beam, contacts), state, options, history, room)
+def shorten_first_step(given: Rows, state: RowState, options: Options, room: RowRoom, reach: float) -> None:
+    """Go along the step, or as far as no flank goes further than ``options.furthest``; reach [m]: of the whole step."""
+    keep(state, room)
+    move(given, state, room, 1.0 if reach <= options.furthest else options.furthest / reach)
 
 
 @kernel
-def flank_reach(contacts: BeamContacts, motion: Array) -> float:
-    """Largest displacement [m] of a flank by the nodal motions (6 n,)."""
-    m, geometry = contacts.B.shape[3], contacts.geometry
-    largest, shift = 0.0, np.zeros((4, 2))
-    for i in range(geometry.shape[0]):
-        if m == 6:
-            flank_shift(contacts, motion, i, 6, shift)
-        else:
-            flank_shift(contacts, motion, i, m, shift)
-        for s in range(2):
-            largest = max(largest, shift[s, 0] ** 2 + shift[s, 1] ** 2)
-    return sqrt(largest)
+def room_for(given: BeamSystem, state: RowState) -> RowRoom:
+    """Room for an iteration."""
+    n, band = state.q.shape[0], given.shaft.band
+    slopes = Slopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
+    return RowRoom(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
+
+
+@kernel
+def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool) -> Outcome:
+    """Minimise the energy, from the linear start or from the given state."""
+    room = room_for(given, state)
+    if start:
+        start_on_springs(given, state, options, room)
+    return minimise(given, state, options, room)
+
+
+@kernel
+def ensemble(given: BeamSystem, begin: RowState, options: Options, members: MemberArrays, out: MemberStates) -> None:
+    """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
+
+    Every member begins where ``begin`` is, the solution of ``given``, which stays as it is, so that calls may run side by
+    side; fills ``out``.
+    """
+    contacts = given.contacts
+    state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
+    room, shared = room_for(given, state), members.B.shape[0] == 1
+    for m in range(members.r_ball.shape[0]):
+        of_member = BeamContacts(
+            contacts.node,
+            members.B[0 if shared else m],
+            members.geometry[m],
+            members.closure[m],
+            members.r_ball[m],
+            contacts.profile,
+            contacts.tiny,
+        )
+        for to, start in ((state.q, begin.q), (state.d, begin.d), (state.p, begin.p)):
+            to[:] = start
+        outcome = minimise(BeamSystem(given.shaft, of_member), state, options, room)
+        out.status[m], out.residual[m] = outcome.status, outcome.residual
+        out.q[m], out.p[m] = state.q, state.p
+        out.force[m] = state.contact[:, :, FORCE]

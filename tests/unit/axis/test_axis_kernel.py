@@ -11,10 +11,10 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers.line_contact import LineLaw
 from rollbench.lowfi.statics.axis import sides
-from rollbench.lowfi.statics.axis.solve import iterate, prepare
+from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, moved_flanks, tapered
-from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
-from rollbench.lowfi.statics.records import AxisSlopes
+from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, newton, rollers, skyline
+from rollbench.lowfi.statics.records import Slopes
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
 from rollbench.meshes.parts import Load
 
@@ -34,7 +34,7 @@ def mixed():
 def ready(request):
     parts = MODELS[request.param].of_assembly(mixed())
     prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=False))
-    iterate(prepared)
+    prepared.iterate()
     rng = np.random.default_rng(1)
     prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
     n, lengths = prepared.system.structure.nodes.size, prepared.system.axis.lengths
@@ -47,11 +47,11 @@ def ready(request):
 
 def evaluated(prepared, step=None, t=0.0):
     s, state = prepared.system, prepared.state
-    out = AxisSlopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
+    out = Slopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
     q, d = state.q.copy(), state.d.copy()
     if step is not None:
-        axis.advance_axis(s.axis, state, q, d, step, t)
-    energy, _ = axis.evaluate_axis(s.axis, s.contacts, s.slices, state, out)
+        newton.advance(s.axis, state, q, d, step, t)
+    energy, _ = axis.evaluate_axis(prepared.given, state, out)
     state.q[:], state.d[:] = q, d
     return energy, out
 
@@ -157,7 +157,7 @@ def test_compiled_kernels_find_the_same():
     found = []
     for compiled in (False, True):
         prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=compiled))
-        outcome = iterate(prepared)
+        outcome = prepared.iterate()
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
     assert relative(found[1], found[0]) < 1e-11

@@ -11,9 +11,8 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi.compliance.parts import LADDER, geometry_only, smooth_body
 from rollbench.lowfi.statics import kernel
 from rollbench.lowfi.statics.axis import elastic
-from rollbench.lowfi.statics.axis.refined import solve_refined
-from rollbench.lowfi.statics.axis.system import build
-from rollbench.lowfi.statics.axis.typical import typical, typical_force
+from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.statics.axis.system import build, typical, typical_force
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.axis import Housing, RollingSet
 from rollbench.meshes.parts import FREEDOMS, Load, SideErrors, Support

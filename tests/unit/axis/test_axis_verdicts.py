@@ -12,7 +12,7 @@ from tests.shipped_texts import own_text
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve, summary
-from rollbench.lowfi.statics.axis.refined import solve_refined
+from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.axis.system import build
 from rollbench.lowfi.statics.elastic import solve_elastic

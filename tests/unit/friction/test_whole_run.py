@@ -12,7 +12,6 @@ from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
-from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.run import run_cell
@@ -22,9 +21,9 @@ from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics import again
 from rollbench.lowfi.statics.again import beam_loads, elastic_loads
-from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
 from rollbench.lowfi.statics.selection import choose_sides
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.static import pick_engine, solve_sides, solve_static
 from rollbench.meshes.errors import draw, specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
@@ -210,7 +209,7 @@ def test_loads_again_leave_out_what_cannot_touch(oversize, pair):
     drawn = specimen(scene, layout)
     drawn.ball_radius[2] -= 30e-6
     use = choose_sides(scene, drawn)
-    few = again.solved_system(scene, drawn, layout, REFINED, None, "auto", use)[0]
+    few = solve_sides(ElasticBuild(scene, drawn, layout, use, pick_engine("auto", 6))).system
     assert (few.pair is not None) is pair
     for loads in (elastic_loads, beam_loads):
         found = loads(scene, drawn, layout)

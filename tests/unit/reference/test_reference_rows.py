@@ -21,7 +21,7 @@ from rollbench.comparison.reference.store import save, shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.mesh_study.figure import study_figure
 from rollbench.comparison.wings.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
-from rollbench.lowfi.statics import elastic_system, problem
+from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
 
@@ -48,14 +48,14 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
     already. (All other scenes pass in the gate's own test.)"""
     monkeypatch.setattr(gate, "UNSEEN", ())
     assert [row.name for row in gate.reference_rows(Study(), 7.0) if not row.passed] == []
-    right, stiff = elastic_system.grooved_section, problem.hertz_C
+    right, stiff = elastic.grooved_section, problem.hertz_C
 
     def soft(geometry, screw):
         s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
     for module, name, off in (
-        (elastic_system, "grooved_section", soft),
+        (elastic, "grooved_section", soft),
         (problem, "hertz_C", lambda *parts: 0.8 * stiff(*parts)),
     ):
         with monkeypatch.context() as patch:

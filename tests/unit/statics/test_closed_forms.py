@@ -4,6 +4,7 @@ In a ball's section, rigidly moved by v, the interference of a diagonal pair is 
 plus twice the ball's error, and the pair shares it as springs C F^(2/3) in series along that line.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.statics.problem import drawn_hertz
 from rollbench.lowfi.statics.static import solve_static
@@ -251,6 +253,17 @@ def test_torque_that_balances_the_axial_force_does_not_drive_the_helix():
     assert relative(result.load, held.load) < 1e-7  # the torque the pin takes now twists another part of the shaft
     # sections that stay plane along a helix resist a little by themselves: what the pin takes
     assert abs(result.equilibrium.reaction_moment[2]) < 1e-3 * abs(torque)
+
+
+@pytest.mark.parametrize("model", ["lin", "lin-cell"])
+def test_loads_with_another_pin_are_those_of_a_support_in_its_place(model):
+    """Both pins at once, which the elastic models took for the other one, change loads by all they are."""
+    scene, options = small_screw(12, 2.0, fixed=()), Options(everything=True, discretisation=False)
+    torque = -1000.0 * scene.track.lead / (2 * np.pi)
+    scene = replace(scene, loads=(Load(0.05, (0.0, 0.0, 1000.0), (0.0, 0.0, torque)),))
+    free, held = (run_model(replace(scene, supports=x), model, options) for x in ((), (Support(0.0, (("uz", 0.0),)),)))
+    told = re.search(r"held by rz .* held by uz instead, loads change by up to ([\d.e+]+) N", free.solver.notes[0])
+    assert float(told[1]) == pytest.approx(np.abs(held.load - free.load).max(), rel=0.05)
 
 
 @pytest.mark.parametrize("screw", ["rigid", "beam"])

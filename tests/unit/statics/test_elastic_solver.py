@@ -13,8 +13,7 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
 from rollbench.lowfi.statics import elastic_system as model
-from rollbench.lowfi.statics.elastic import contacts_of, flank_shifts, iterate, solve_elastic
-from rollbench.lowfi.statics.elastic_system import Rebuild, ready
+from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
 from rollbench.lowfi.statics.kernel import elastic_balls
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build
@@ -51,14 +50,14 @@ def assembled(scene, backend=REFINED, use=ALL, engine=None):
     layout = ball_layout(scene)
     drawn = specimen(scene, layout)
     engine = engine or jit.kernels(jit.STATICS, compiled=False)
-    rebuild = Rebuild(scene, drawn, layout, np.array(use), None, backend, None, engine, False)
-    problem = rebuild.problem()
-    return ready(pin(problem, free_motions(problem)), backend, engine, layout)
+    made = ElasticBuild(scene, drawn, layout, np.array(use), engine, backend=backend)
+    problem = made.problem()
+    return made.ready(pin(problem, free_motions(problem)))
 
 
 def motions(elastic, phi, amplitudes):
     """v0 + G phi + R a by whole matrices."""
-    flanks = elastic.flanks
+    flanks = elastic.given.bodies
     v = flanks.v0 + flanks.R @ amplitudes
     if flanks.second.size == 0:
         return v + (flanks.first @ phi.ravel()).reshape(v.shape)
@@ -70,7 +69,7 @@ def motions(elastic, phi, amplitudes):
 def balls(elastic, v):
     """Energy and forces of all balls at motions v, states left as they are."""
     f, state = np.empty_like(v), BodyState(*(x.copy() for x in elastic.state))
-    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f)
+    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.given.contacts, state, f)
     return energy, f, state
 
 
@@ -84,21 +83,21 @@ def test_solution_is_stationary_and_balanced(case, backend):
     assert result.equilibrium.force_residual < 1e-9
     assert result.equilibrium.moment_residual < 1e-9
     elastic = assembled(scene, LADDER[backend])
-    assert iterate(elastic).residual <= 1e-10
+    assert elastic.iterate().residual <= 1e-10
     phi, amplitudes = elastic.state.phi, elastic.state.a
     _, f, _ = balls(elastic, motions(elastic, phi, amplitudes))
     assert np.abs(f - phi).max() < 1e-10 * elastic.scale
-    unbalanced = np.einsum("nac,na->c", elastic.flanks.R, f) + elastic.flanks.work
-    assert np.abs(unbalanced * elastic.arms).max(initial=0.0) < 1e-10 * elastic.scale
+    unbalanced = np.einsum("nac,na->c", elastic.given.bodies.R, f) + elastic.given.bodies.work
+    assert np.abs(unbalanced * elastic.given.arms).max(initial=0.0) < 1e-10 * elastic.scale
 
 
 @pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "uneven flanks", "clearance"])
 def test_forces_are_the_gradient_of_the_energy(case):
     """-dE/dv by central differences of the balls' energy, away from the solution."""
     elastic = assembled(SCENES[case]())
-    iterate(elastic)
+    elastic.iterate()
     rng = np.random.default_rng(2)
-    v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.flanks.v0.shape)
+    v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.given.bodies.v0.shape)
     _, f, _ = balls(elastic, v)
     step = 2e-9
     for i, a in ((0, 0), (1, 1), (2, 2), (3, 6), (4, 7), (5, 4)):
@@ -158,11 +157,11 @@ def test_pair_form_is_the_four_flank_form(sides, backend):
     four = assembled(scene, LADDER[backend])
     assert (pair.pair, four.pair) == (sides, None)
     for one in (pair, four):
-        assert iterate(one).status == 0
-    contacts = [contacts_of(one)[1][..., 0] for one in (pair, four)]
+        assert one.iterate().status == 0
+    contacts = [one.flanks()[0].contact[..., 0] for one in (pair, four)]
     assert relative(*contacts) < 1e-9
     assert (contacts[0][:, sides] > 0.0).all()
-    moved = [flank_shifts(one)[:, sides] for one in (pair, four)]
+    moved = [one.shifts()[:, sides] for one in (pair, four)]
     assert relative(*moved) < 1e-9
     assert moved[1][:, 1].any() == (backend in ("lin-nut", "refined"))
 
@@ -270,11 +269,11 @@ def energy_hessians(elastic, v, step=3e-9):
 @pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "lin-combined", "uneven flanks"])
 def test_flank_rows_square_to_the_hessian(case):
     elastic = assembled(SCENES[case]())
-    iterate(elastic)
+    elastic.iterate()
     v = motions(elastic, elastic.state.phi, elastic.state.a)
     _, _, state = balls(elastic, v)
     S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.contacts, state.contact, S, counts)
+    elastic_balls.ball_rows(elastic.given.contacts, state.contact, S, counts)
     worst = 0.0
     for i, H in enumerate(energy_hessians(elastic, v)):
         rows = S[i, : counts[i]]
@@ -286,10 +285,10 @@ def test_flank_rows_square_to_the_hessian(case):
 
 def test_pair_rows_square_to_the_hessian():
     elastic = assembled(catalogue.scene("lin-case1"), use=(True, False, False, True))
-    iterate(elastic)
+    elastic.iterate()
     v = motions(elastic, elastic.state.phi, elastic.state.a)
     S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.contacts, balls(elastic, v)[2].contact, S, counts)
+    elastic_balls.ball_rows(elastic.given.contacts, balls(elastic, v)[2].contact, S, counts)
     for i, H in enumerate(energy_hessians(elastic, v)):
         assert np.abs(S[i].T @ S[i] - H).max() < 1e-6 * np.abs(H).max()
 

@@ -9,7 +9,7 @@ from tests.helpers import small_screw
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.records import MemberArrays, MemberStates
-from rollbench.lowfi.statics.static import iterate, prepare
+from rollbench.lowfi.statics.static import prepare
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, SideErrors
@@ -28,7 +28,7 @@ def ready(sigma, use, oversize, sides):
     scene = replace(small_screw(9, force=(0.0, 30.0, 1500.0)), errors=Errors(balls=BallErrors(oversize=oversize)))
     layout = ball_layout(scene)
     prepared = prepare(build(scene, specimen(scene, layout), layout, use), jit.kernels(jit.STATICS, compiled=True))
-    iterate(prepared)
+    prepared.iterate()
     prepared.options = prepared.options._replace(tolerance=1e-11)
     errors = Errors(balls=BallErrors(oversize=oversize, sigma=sigma), seed=3, **(sides or {}))
     return prepared, replace(scene, errors=errors), layout
@@ -39,7 +39,7 @@ def one_by_one(prepared, scene, layout, count):
     found = []
     for m in range(count):
         single = prepare(build(scene, specimen(scene, layout, m), layout, prepared.problem.use), prepared.engine)
-        assert iterate(single).status == 0
+        assert single.iterate().status == 0
         found.append(single)
     return found
 
@@ -53,7 +53,7 @@ def test_specimens_are_solved_from_the_start_of_all(sigma, use, oversize, sides)
     count = 6
     singles = one_by_one(prepared, scene, layout, count)
     arrays = MemberArrays(
-        *(np.stack([getattr(s.contacts, n) for s in singles]) for n in ("B", "geometry", "closure", "r_ball"))
+        *(np.stack([getattr(s.given.contacts, n) for s in singles]) for n in ("B", "geometry", "closure", "r_ball"))
     )
     q, p = prepared.state.q, prepared.state.p
     found = MemberStates(
@@ -62,7 +62,7 @@ def test_specimens_are_solved_from_the_start_of_all(sigma, use, oversize, sides)
         np.empty(count),
         *(np.empty((count, *x.shape)) for x in (q, p)),
     )
-    prepared.engine.ensemble(prepared.beam, prepared.contacts, prepared.state, prepared.options, arrays, found)
+    prepared.engine.ensemble(prepared.given, prepared.state, prepared.options, arrays, found)
     assert not found.status.any()
     for m, single in enumerate(singles):
         np.testing.assert_allclose(found.force[m], single.force, rtol=0, atol=1e-9 * single.force.max())

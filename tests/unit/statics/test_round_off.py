@@ -9,7 +9,7 @@ from tests.axes import one_set
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
 
 from rollbench.lowfi.hertz import contact_stiffness
-from rollbench.lowfi.statics.axis.refined import solve_refined
+from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz

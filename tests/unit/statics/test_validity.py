@@ -10,8 +10,7 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.problem import build, nominal_curvatures, nominal_hertz
-from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.problem import SolvedState, build, nominal_curvatures, nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings, tilt_warning, warnings_of
 from rollbench.lowfi.warned import Warned, above
