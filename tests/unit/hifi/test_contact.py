@@ -51,6 +51,13 @@ def patches(rng, sizes=(7, 5, 9), ranks=(2, 3, 2)):
     return coupled([spd(rng, n) for n in sizes], modes, spd(rng, sum(ranks), 5.0) / 3.0)
 
 
+def pressed(seed):
+    """Random numbers, a random coupled compliance, gaps, one free body's directions and its load."""
+    rng = np.random.default_rng(seed)
+    low = patches(rng)
+    return rng, low, GAP * rng.normal(size=21), sparse.csr_matrix(np.ones((21, 1))), np.array([500.0])
+
+
 def dense(C):
     """The whole matrix of a compliance."""
     U = block_diag(*C.modes)
@@ -145,9 +152,7 @@ def test_newtons_step_is_that_of_the_whole_equations(feeble, monkeypatch):
 
 def test_a_solution_leaves_the_state_that_it_started_from():
     """Two solutions may go on from one."""
-    rng = np.random.default_rng(13)
-    low = patches(rng)
-    gap, N, f = GAP * rng.normal(size=21), sparse.csr_matrix(np.ones((21, 1))), np.array([500.0])
+    rng, low, gap, N, f = pressed(13)
     state = solve_balls(low, gap, N, f)[1]
     kept, w = list(state.balls), state.w.copy()
     moved = solve_balls(low, gap + GAP * rng.normal(size=21), N, f, start=state)[1]
@@ -157,9 +162,7 @@ def test_a_solution_leaves_the_state_that_it_started_from():
 
 
 def test_answer_does_not_depend_on_where_it_starts():
-    rng = np.random.default_rng(11)
-    low = patches(rng)
-    gap, N, f = GAP * rng.normal(size=21), sparse.csr_matrix(np.ones((21, 1))), np.array([500.0])
+    _, low, gap, N, f = pressed(11)
     cold, state = solve_balls(low, gap, N, f)
     warm, _ = solve_balls(low, gap, N, f, start=state)
     other, _ = solve_balls(low, gap, N, f, start=State(0.3 * state.w, 2.0 * state.y))

@@ -11,7 +11,7 @@ E, NU = 210e9, 0.28
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
 POINT = {
     (0, 0): lambda x, y, g, n: ((1 - n) / np.hypot(x, y) + n * x * x / np.hypot(x, y) ** 3) / (2 * np.pi * g),
-    (1, 1): lambda x, y, g, n: ((1 - n) / np.hypot(x, y) + n * y * y / np.hypot(x, y) ** 3) / (2 * np.pi * g),
+    (1, 1): lambda x, y, g, n: POINT[0, 0](y, x, g, n),
     (0, 1): lambda x, y, g, n: n * x * y / np.hypot(x, y) ** 3 / (2 * np.pi * g),
     (2, 2): lambda x, y, g, n: (1 - n) / np.hypot(x, y) / (2 * np.pi * g),
 }

@@ -45,26 +45,27 @@ def test_steps_that_make_no_sense_are_refused(bad):
         run_from_rest(linear_pair(), *bad, GRID)
 
 
+def cell_of(n, inner, motions, pull, push):
+    """One ball with contacts along these directions, without gaps."""
+    count = len(n)
+    return Cell(
+        n[None], 6e-4, np.zeros((1, count)), np.full((1, count), 1e-7), inner, motions, np.zeros((1, 2)), pull, push
+    )
+
+
 def test_loads_of_two_opposite_contacts_share_a_force():
     """Contacts at 45 deg under a force along one diagonal: F = force, directions unturned."""
     n = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * np.sqrt(0.5)
     pull = 100.0 * np.array([-np.sqrt(0.5), -np.sqrt(0.5)])
     inner = np.array([False, False, True, True])
-    zero = np.zeros((1, 2))
-    cell = Cell(n[None], 6e-4, np.zeros((1, 4)), np.full((1, 4), 1e-7), inner, np.eye(2)[None], zero, pull, zero)
-    found = cell_loads(cell)
+    found = cell_loads(cell_of(n, inner, np.eye(2)[None], pull, np.zeros((1, 2))))
     assert found.converged
     assert found.force[0] == pytest.approx([100.0, 0.0, 100.0, 0.0], rel=1e-6, abs=1e-3)
 
 
 def test_a_cell_that_nothing_holds_does_not_converge():
-    n = np.array([[[0.0, 1.0]]])
-    zero = np.zeros((1, 2))
-    cell = Cell(
-        n, 6e-4, np.zeros((1, 1)), np.full((1, 1), 1e-7), np.array([False]), np.zeros((1, 2, 0)), zero, np.zeros(0), -zero
-    )
-    found = cell_loads(Cell(**(cell.__dict__ | {"push": np.array([[0.0, -5.0]])})))
-    assert not found.converged
+    n, push = np.array([[0.0, 1.0]]), np.array([[0.0, -5.0]])
+    assert not cell_loads(cell_of(n, np.array([False]), np.zeros((1, 2, 0)), np.zeros(0), push)).converged
 
 
 def test_a_pushed_ball_rolls_on_towards_the_creepage_of_steady_rolling() -> None:
