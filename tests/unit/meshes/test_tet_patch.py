@@ -57,10 +57,11 @@ def mesh(kind="plain"):
 OWN = ["plain", "straight", "turned"]
 
 
-def edges_of(cells):
-    """Every edge once."""
-    pairs = np.concatenate([cells[:, pair] for pair in combinations(range(4), 2)])
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+def edges_of(m):
+    """Every edge of a box once, and its length [m]."""
+    pairs = np.concatenate([m.tets[:, pair] for pair in combinations(range(4), 2)])
+    edges = np.unique(np.sort(pairs, axis=1), axis=0)
+    return edges, np.linalg.norm(np.diff(m.xi[edges] * SCALE, axis=1)[:, 0], axis=1)
 
 
 def area(points, triangles):
@@ -88,8 +89,7 @@ def test_box_is_filled(kind):
 def test_edges_grow_out_of_the_body_of_influence():
     m = mesh()
     x = m.xi * SCALE
-    edges = edges_of(m.tets)
-    length = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
+    edges, length = edges_of(m)
     middle = np.abs(x[edges].mean(axis=1)) - INFLUENCE
     away = np.linalg.norm(np.maximum(middle, 0.0), axis=1)
     wanted = np.minimum(0.5e-3, 0.08e-3 + 0.2 * away)
@@ -105,9 +105,7 @@ def test_edges_grow_out_of_the_body_of_influence():
 
 
 def test_edges_do_not_grow_beyond_the_far_one():
-    m = build_tets(replace(BOX, far=0.11e-3, growth=1.0))
-    edges = edges_of(m.tets)
-    length = np.linalg.norm((m.xi[edges[:, 0]] - m.xi[edges[:, 1]]) * SCALE, axis=1)
+    _, length = edges_of(build_tets(replace(BOX, far=0.11e-3, growth=1.0)))
     assert length.mean() == pytest.approx(1.1 * 0.11e-3, rel=0.05)
 
 
@@ -154,14 +152,10 @@ def test_faces_divide_the_socket_s_triangles(kind):
     assert (found == 1.0).all()
 
 
-def test_mesh_repeats_itself():
+def test_meshes_repeat_themselves_that_of_the_source_s_box_too():
     again = build_tets(BOX)
-    assert np.array_equal(again.xi, mesh().xi)
-    assert np.array_equal(again.tets, mesh().tets)
-    assert np.array_equal(again.contact, mesh().contact)
-
-
-def test_box_of_the_source():
+    for name in ("xi", "tets", "contact"):
+        assert np.array_equal(getattr(again, name), getattr(mesh(), name))
     box = source_box((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15))
     assert box.influence == pytest.approx((0.5e-3, 0.18e-3, 0.18e-3))
     assert box.fine == 0.08e-3
@@ -190,9 +184,10 @@ def test_split_cells_fill_the_same_volume():
     np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
     bent = distorted(points, 0.05)
     parts = split_second_order(bent, cells)
-    assert (signed_volumes(bent, parts) > 0.0).all()
-    assert signed_volumes(bent, parts).sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
-    assert signed_volumes(bent, parts).sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
+    volumes = signed_volumes(bent, parts)
+    assert (volumes > 0.0).all()
+    assert volumes.sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
+    assert volumes.sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
 
 
 def test_split_cells_conform():
