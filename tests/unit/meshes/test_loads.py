@@ -49,11 +49,8 @@ def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name,
     assert np.count_nonzero(load) == loaded
     assert mean_load(load, contacts) == pytest.approx(load.sum() / contacts, rel=1e-12)
     said = loads_json(load, contacts)
-    assert (said["mean_N"], said["contacts_in_mean"], said["loaded_contacts"]) == (
-        mean_load(load, contacts),
-        contacts,
-        loaded,
-    )
+    expected = {"mean_N": mean_load(load, contacts), "contacts_in_mean": contacts, "loaded_contacts": loaded}
+    assert {name: said[name] for name in expected} == expected
     value = load + load.max() * (load == load.max())
     assert load_error(value, load, contacts).max_percent == pytest.approx(100.0 * load.max() * contacts / load.sum())
 
