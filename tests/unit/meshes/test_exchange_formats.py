@@ -72,11 +72,9 @@ def curved(gmsh, name: str) -> tuple[np.ndarray, np.ndarray]:
 def ordered(points: np.ndarray, cells: np.ndarray, turned: bool = False) -> None:
     """Assert that cells are ordered as Abaqus' and VTK's manuals draw them; turned: seen in a mirror, as MED's."""
     x = points[cells]
-    third = 2 if cells.shape[1] in (4, 10) else 3
-    fourth = 3 if cells.shape[1] in (4, 10) else 4
+    third, fourth, corners = (2, 3, 4) if cells.shape[1] in (4, 10) else (3, 4, 8)
     det = np.linalg.det(x[:, [1, third, fourth]] - x[:, :1])
-    assert np.all(-det > 0.0) if turned else np.all(det > 0.0)
-    corners = 4 if third == 2 else 8
+    assert np.all((-det if turned else det) > 0.0)
     if corners == 8:  # a parallelepiped: 2 is beyond 0 on the first face, 5, 6, 7 are above 1, 2, 3
         np.testing.assert_allclose(x[:, 2], x[:, 1] + x[:, 3] - x[:, 0], atol=1e-12)
         np.testing.assert_allclose(x[:, 5:8] - x[:, 1:4], x[:, 4:5] - x[:, :1] + np.zeros((1, 3, 1)), atol=1e-12)

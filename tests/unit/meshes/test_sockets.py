@@ -31,6 +31,7 @@ from rollbench.meshes.sockets import (
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 ALL = (0, 1, 2, 3)
+LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 
 
 def fitted(case, sides=ALL, **changes):
@@ -217,21 +218,26 @@ def test_sockets_are_as_wide_as_their_contacts_need(reach):
 
 
 @pytest.mark.parametrize(
-    ("changes", "match"),
+    ("case", "half", "changes", "match"),
     [
-        ({}, r"of side SL: it reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm \(27\.6 deg\).*edge.*deepen the groove"),
-        ({"land_screw": 15.6e-3}, r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower"),
+        (
+            LIN,
+            1.6e-3,
+            {},
+            r"of side SL: it reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm \(27\.6 deg\).*edge.*deepen the groove",
+        ),
+        (
+            LIN,
+            1.6e-3,
+            {"land_screw": 15.6e-3},
+            r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower",
+        ),
+        (FLAT, 1e-3, {}, r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"),
     ],
 )
-def test_contacts_beyond_the_edge_are_refused_with_both_numbers(changes, match):
+def test_contacts_beyond_edge_or_apex_are_refused_with_both_numbers(case, half, changes, match):
     with pytest.raises(ValueError, match=match):
-        fitted(scene("lin-case1"), need=(1.6e-3, 0.1e-3), **changes)
-
-
-def test_contacts_beyond_the_apex_are_refused_with_both_numbers():
-    case = small_screw(4, beta=np.radians(20.0))
-    with pytest.raises(ValueError, match=r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"):
-        fitted(case, need=(1e-3, 0.1e-3))
+        fitted(case, need=(half, 0.1e-3), **changes)
 
 
 def test_long_contacts_get_long_sockets_or_are_refused():

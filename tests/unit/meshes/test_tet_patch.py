@@ -9,8 +9,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
+from tests.patch_meshes import socket
 
-from rollbench.meshes.sockets import SocketMesh
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
@@ -20,38 +20,9 @@ SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
 INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCALE
 
 
-def second_order(corners, quads, turn):
-    """Socket of two second-order triangles for each quadrangle, along one diagonal or the other."""
-    nodes = [tuple(c) for c in corners]
-    triangles = []
-    for a, b, c, d in quads:
-        for tri in ((a, b, c), (a, c, d)) if not turn else ((b, c, d), (b, d, a)):
-            row = list(tri)
-            for i, j in ((0, 1), (1, 2), (2, 0)):
-                middle = tuple(0.5 * (np.array(nodes[tri[i]]) + np.array(nodes[tri[j]])))
-                if middle not in nodes:
-                    nodes.append(middle)
-                row.append(nodes.index(middle))
-            triangles.append(row)
-    return SocketMesh(np.array(nodes), np.array(triangles), np.zeros(len(triangles), dtype=np.int64), {})
-
-
-@cache
-def socket(turn=False):
-    """Five faces in two by two quadrangles."""
-    axes = np.array([-1.0, 0.0, 1.0]), np.array([0.0, 0.5, 1.0]), np.array([-1.0, 0.0, 1.0])
-    corners = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    number = np.arange(27).reshape(3, 3, 3)
-    quads = []
-    for face in (number[0], number[2], number[:, 2], number[:, :, 0], number[:, :, 2]):
-        for i in range(2):
-            quads += [(face[i, j], face[i + 1, j], face[i + 1, j + 1], face[i, j + 1]) for j in range(2)]
-    return second_order(corners, quads, turn)
-
-
 @cache
 def mesh(kind="plain"):
-    return build_tets(BOX, None if kind == "plain" else socket(kind == "turned"))
+    return build_tets(BOX, None if kind == "plain" else socket(turned=kind == "turned"))
 
 
 OWN = ["plain", "straight", "turned"]
@@ -136,7 +107,7 @@ def test_contact_nodes_do_not_depend_on_the_diagonals_of_the_socket():
 
 @pytest.mark.parametrize("kind", ["straight", "turned"])
 def test_faces_divide_the_socket_s_triangles(kind):
-    m, s = mesh(kind), socket(kind == "turned")
+    m, s = mesh(kind), socket(turned=kind == "turned")
     faces = boundary_faces(m.tets, "P1")
     faces = faces[(m.xi[faces, 1] > 1e-12).any(axis=1)]
     sub = s.xi[s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)]
