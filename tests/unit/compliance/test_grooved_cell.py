@@ -65,7 +65,7 @@ def between(section, soft, stiff):
     assert np.all(of_section(section.section) < high)
 
 
-def test_between_root_and_land():
+def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
     assert ROOT < section.radii[0] < LAND
@@ -75,9 +75,6 @@ def test_between_root_and_land():
     for name, radius in zip(("EA", "EI", "GJ"), section.radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
-
-
-def test_nut_between_root_and_land():
     flank = flank_of(geometry_only(SCENE), False)
     section = cell_section(flank.map, flank.land, flank.far, False, STEEL)
     root = float(groove_line(flank.map, flank.land, False, 17)[0][0])

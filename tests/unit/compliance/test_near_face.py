@@ -114,22 +114,19 @@ def test_a_lip_tilts_and_the_contact_leaves_it():
 
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
 def test_both_faces_are_told_apart(name):
-    """A nut turned end for end has the same compliance, its balls and flanks turned with it."""
+    """A nut turned end for end has the same compliance, its balls and flanks turned with it; a grooved body is its own
+    mirror image."""
     parts = scene(name)
+    grid, cuts = faces.grooved_grid(flank_of(geometry_only(parts), False), faces.BESIDE_FACE.mesh)
+    assert cuts[-1] == len(grid.z) - 1
+    assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
+    assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
     here = grooved_part(parts, ball_layout(parts), False, REFINED)
     other = replace(parts, solid=replace(parts.solid, nut_held="right face"))
     turned = grooved_part(other, ball_layout(other), False, REFINED)
     shape, sign = (2, ball_layout(parts).z.size, 2), np.array([1.0, -1.0])
     back = turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1] * sign * sign[:, None, None, None]
     assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
-
-
-@pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
-def test_a_grooved_body_is_its_own_mirror_image(name):
-    grid, cuts = faces.grooved_grid(flank_of(geometry_only(scene(name)), False), faces.BESIDE_FACE.mesh)
-    assert cuts[-1] == len(grid.z) - 1
-    assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
-    assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
 
 
 def test_the_free_face_is_the_other_one():

@@ -92,17 +92,12 @@ def body(request):
 
 @pytest.mark.parametrize("lead", [0.0, 5e-3, 20e-3])
 @pytest.mark.parametrize("hand", ["right", "left"])
-def test_roll_inverts_unroll(lead, hand):
-    m = GrooveMap.of(small_screw(2, lead=lead, hand=hand))
-    x3, z3 = np.meshgrid(np.linspace(-4e-3, 4e-3, 17), np.linspace(-4e-3, 4e-3, 17))
-    r, zeta, _ = m.unroll(x3, z3)
-    np.testing.assert_allclose(m.roll(r, zeta), (x3, z3), atol=1e-16)
-
-
-@pytest.mark.parametrize("hand", ["right", "left"])
-def test_unrolled_points_are_the_section_frames_points(hand):
-    case = small_screw(4, hand=hand)
+def test_unrolled_points_are_the_section_frames_points_and_roll_brings_them_back(lead, hand):
+    case = small_screw(4, lead=lead, hand=hand)
     m, layout = GrooveMap.of(case), ball_layout(case)
+    x3, z3 = np.meshgrid(np.linspace(-4e-3, 4e-3, 17), np.linspace(-4e-3, 4e-3, 17))
+    r, zeta, psi = m.unroll(x3, z3)
+    np.testing.assert_allclose(m.roll(r, zeta), (x3, z3), atol=1e-16)
     x3, z3 = np.array([-2e-3, 1e-3, 3e-3]), np.array([2.5e-3, -1e-3, 0.4e-3])
     r, zeta, psi = m.unroll(x3, z3)
     for k in range(4):
@@ -333,14 +328,14 @@ def test_other_algorithms_and_sizes_are_tried(monkeypatch):
 
 
 def test_turning_an_edge_keeps_the_face():
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    face = Face("land", np.arange(10, 14), square, np.array([[0, 1, 2], [0, 2, 3]]), None)
+    square, halves = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), [[0, 1, 2], [0, 2, 3]]
+    face = Face("land", np.arange(10, 14), square, np.array(halves), None)
     assert face.turn(0, 1)
     assert {frozenset(t) for t in face.tris.tolist()} == {frozenset((11, 12, 13)), frozenset((10, 11, 13))}
     square[1] = [-0.5, -0.6]  # the quadrangle is not convex
-    arrow = Face("land", np.arange(4), square, np.array([[0, 1, 2], [0, 2, 3]]), None)
+    arrow = Face("land", np.arange(4), square, np.array(halves), None)
     assert not arrow.turn(0, 1)
-    assert arrow.local.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert arrow.local.tolist() == halves
 
 
 def test_flat_cells_on_a_bent_face_are_left_out():
@@ -377,9 +372,6 @@ def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
     for k, socket in enumerate(spec.sockets):
         points = seen[0][k * len(raised) : (k + 1) * len(raised)]
         np.testing.assert_allclose(points, socket_points(m, spec.size, socket, raised), atol=1e-15)
-
-
-# --- balls -----------------------------------------------------------------------------------------------------------
 
 
 def test_each_attempt_at_a_mesh_differs_from_the_one_before():

@@ -24,13 +24,10 @@ def test_what_a_scene_does_not_give_is_assumed_and_said():
     assert len(d.assumed) == 1  # flat faces and a groove that runs through: nothing else
 
 
-def test_a_bearing_on_a_stiff_shaft():
+def test_a_bearing_on_a_stiff_shaft_and_a_stretch_that_ends_where_the_screw_does():
     d = dimensions(catalogue.scene("bearing-9"))
     assert (d.nut_held, d.screw_held, d.shaft, d.hole) == ("outer surface", "bore", 0.0, 25e-3)
     assert "bore" in " ".join(d.assumed)
-
-
-def test_the_stretch_ends_where_the_screw_does():
     scene = catalogue.scene("lin-case1")
     short = replace(scene, nut=replace(scene.nut, position=30e-3))
     assert dimensions(short).ends(short)[0] == 0.0

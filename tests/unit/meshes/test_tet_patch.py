@@ -147,10 +147,16 @@ def test_boxes_that_cannot_be_meshed_are_refused():
             build_tets(BOX, torn)
 
 
-def test_split_cells_fill_the_same_volume():
+def test_split_cells_fill_the_same_volume_and_conform():
+    """Their faces on the surface are the four triangles of every second-order face; inside, each is shared by two."""
     points, cells = cube("P2", 2)
     parts = split_second_order(points, cells)
     assert parts.shape == (8 * len(cells), 4)
+    assert np.array_equal(np.unique(parts), np.unique(cells))
+    outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    assert {frozenset(t) for t in boundary_faces(parts, "P1")} == {frozenset(t) for t in outside}
+    _, count = np.unique(np.sort(parts[:, face_nodes("P1")].reshape(-1, 3), axis=1), axis=0, return_counts=True)
+    assert set(count) == {1, 2}
     volumes = signed_volumes(points, parts)
     np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
     bent = distorted(points, 0.05)
@@ -159,17 +165,6 @@ def test_split_cells_fill_the_same_volume():
     assert (volumes > 0.0).all()
     assert volumes.sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
     assert volumes.sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
-
-
-def test_split_cells_conform():
-    """Their faces on the surface are the four triangles of every second-order face; inside, each is shared by two."""
-    points, cells = cube("P2", 2)
-    parts = split_second_order(points, cells)
-    assert np.array_equal(np.unique(parts), np.unique(cells))
-    outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
-    assert {frozenset(t) for t in boundary_faces(parts, "P1")} == {frozenset(t) for t in outside}
-    _, count = np.unique(np.sort(parts[:, face_nodes("P1")].reshape(-1, 3), axis=1), axis=0, return_counts=True)
-    assert set(count) == {1, 2}
 
 
 CORNERS = np.array([[1.0, 1, 1], [-1, 1, -1], [1, -1, -1], [-1, -1, 1]])
