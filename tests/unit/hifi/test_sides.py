@@ -33,7 +33,7 @@ def flanks(_one_submodel):
 
 
 def condensed(wanted, settings):
-    """Map, meshes and condensed sides of the two balls, the first of each body or all."""
+    """Map and meshes of the two balls, and the condensed sides: all four, or the first of those that are wanted."""
     scene = two_balls()
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
     meshes = mesh_parts(scene, m, layout, dims, wanted, settings)
