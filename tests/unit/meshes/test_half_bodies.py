@@ -84,8 +84,8 @@ def test_a_helix_and_a_ring_without_bore_are_not_halved():
 
 @pytest.mark.parametrize("side", range(4))
 def test_points_of_a_ball_lie_on_it_as_far_from_its_contact_as_asked(side):
-    m, flat = MAP, np.array([[0.0, 0.0], [4e-4, 0.0], [0.0, -7e-4], [3e-4, 5e-4]])
-    points = whole_bodies.sphere_points(m, side, 2.778e-3, flat)
+    flat = np.array([[0.0, 0.0], [4e-4, 0.0], [0.0, -7e-4], [3e-4, 5e-4]])
+    points = whole_bodies.sphere_points(MAP, side, 2.778e-3, flat)
     assert np.linalg.norm(points, axis=1) == pytest.approx(2.778e-3, rel=1e-14)
     away = np.arccos(points @ points[0] / 2.778e-3**2)
     assert np.tan(away) * 2.778e-3 == pytest.approx(np.linalg.norm(flat, axis=1), rel=1e-6, abs=1e-9)

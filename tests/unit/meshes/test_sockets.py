@@ -129,10 +129,8 @@ def test_faces_bulge_out_of_the_box_and_are_convex_beyond_their_first_row(cuts):
 def test_socket_coordinates_invert_socket_points(side):
     case = small_screw(6, hand="left", phase=0.2)
     m = GrooveMap.of(case)
-    layout = ball_layout(case)
     xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
-    for phi, z in zip(layout.azimuth, layout.z, strict=True):
-        socket = (float(phi), float(z), side)
+    for socket in sockets_of(case, (side,)):
         x = socket_points(m, SIZE, socket, xi)
         found = socket_coordinates(m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1]))
         np.testing.assert_allclose(found, xi, atol=1e-11)
@@ -150,7 +148,8 @@ def test_middle_of_a_socket_is_the_nominal_contact_point(side):
 
 
 def test_gaps_follow_each_start_over_all_turns():
-    case = replace(small_screw(2, lead=20e-3), track=replace(small_screw(2).track, starts=2))
+    case = small_screw(2)
+    case = replace(case, track=replace(case.track, starts=2))
     gaps, pairs = gaps_of(with_balls(case, [-4.0, 0.5, 0.9, 7.0]))
     np.testing.assert_allclose(sorted(gaps), sorted(2 * [4.5, 0.4, 6.1]), atol=1e-9)
     assert {tuple(p) for p in pairs[np.abs(gaps - 0.4) < 1e-9]} == {(1, 2), (5, 6)}
@@ -258,8 +257,7 @@ def test_sockets_beside_the_next_turn_stay_as_wide_as_their_contacts():
 
 def test_narrow_beside_the_apex():
     case = small_screw(4, beta=np.radians(18.0))
-    m = GrooveMap.of(case)
-    size = fitted(case, (0,))
+    m, size = GrooveMap.of(case), fitted(case, (0,))
     apex, _ = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
     assert m.beta - (1.0 + rules.BESIDE) * size.gamma == pytest.approx(apex)
 
@@ -285,8 +283,7 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
 @pytest.mark.parametrize(("sides", "change"), [((0,), {"bore_screw": 12.6e-3}), ((3,), {"outer_nut": 20.4e-3})])
 def test_shallow_over_a_thin_wall(sides, change):
     case = scene("lin-case1")
-    m = GrooveMap.of(case)
-    size = fitted(case, sides, **change)
+    m, size = GrooveMap.of(case), fitted(case, sides, **change)
     assert shares(case, size)[0] == 1.0
     assert rules.LEAST < shares(case, size)[1] < 0.95
     assert wall_left(m, size, sides[0], next(iter(change.values()))) == pytest.approx(rules.UNDER * size.depth, rel=1e-6)
@@ -305,8 +302,7 @@ def test_short_between_close_balls(hand):
 
 def test_small_beside_a_flat_end():
     case = scene("bearing-9")
-    m = GrooveMap.of(case)
-    size = fitted(case)
+    m, size = GrooveMap.of(case), fitted(case)
     found = shares(case, size)
     assert found == pytest.approx((found[0],) * 3)
     assert rules.LEAST < found[0] < 0.95
@@ -317,8 +313,7 @@ def test_small_beside_a_flat_end():
 @pytest.mark.parametrize(("sides", "lead"), [((0, 3), 4.1e-3), (ALL, 5.2e-3)])
 def test_small_beside_the_next_turn(sides, lead):
     case = with_lead(lead)
-    m = GrooveMap.of(case)
-    size = fitted(case, sides)
+    m, size = GrooveMap.of(case), fitted(case, sides)
     assert rules.LEAST < shares(case, size)[0] < 0.95
     left = min(turn_left(m, size, tuple(s for s in sides if (s < 2) == screw)) for screw in (True, False))
     assert left == pytest.approx(rules.AWAY * m.ball, rel=1e-6)

@@ -100,8 +100,7 @@ def test_derivatives_and_curvatures_are_those_of_the_independent_surface(side, s
 def test_torus_limit(beta):
     """Zero lead: -1/r_G across; along, the normal curvature of a circle of latitude of the torus."""
     scene, _, drawn, _ = setup(lead=0.0, beta=beta)
-    gamma = np.full(6, beta)
-    radius, ball = scene.track.pitch_radius, scene.balls.radius
+    gamma, radius, ball = np.full(6, beta), scene.track.pitch_radius, scene.balls.radius
     for side, groove, sign in ((0, 3.254e-3, 1), (1, 3.254e-3, 1), (2, 3.3e-3, -1), (3, 3.3e-3, -1)):
         along = sign * np.cos(beta) / (radius - sign * ball * np.cos(beta))
         found = principal_curvatures(scene, drawn, side, gamma)
