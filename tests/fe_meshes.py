@@ -159,6 +159,13 @@ def volume_of(body):
     return one(space(body.mesh))
 
 
+def area_of(points, faces):
+    """Area of second-order triangles (f, 6), each as four flat ones."""
+    a = [points[faces[:, k]] for k in range(6)]
+    pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
+    return sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
+
+
 def outer_faces(cells):
     """Corner triples and midside nodes of faces ``(f, 6)`` that only one cell has, and how often any face occurs."""
     mid = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (2, 3): 8, (1, 3): 9}

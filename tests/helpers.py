@@ -142,18 +142,23 @@ def solid_sizes(scene, *, hole=None):
     return outer, bore, 2.0 * R - outer, scene.nut.outer_diameter / 2.0, (middle - half, middle + half)
 
 
+def sockets_of(scene, sides):
+    """Azimuth, station and side of every socket of a body."""
+    layout = ball_layout(scene)
+    return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in sides)
+
+
 def body_specs(scene, sides, *, fine=1.6e-3, coarse=8e-3, beyond=20e-3, size=None, hole=None):
     """Screw and nut with fitted sockets; fine, coarse for balls of 2.778 mm radius; beyond: shaft beside the nut [m]."""
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     outer, bore, land, outside, ends = solid_sizes(scene, hole=hole)
     size = size or fitted_socket(m, layout, sides, outer, bore, land, outside, ends)
-    places = list(zip(layout.azimuth.tolist(), layout.z.tolist(), strict=True))
     scale = m.ball / 2.778e-3
     beyond = beyond if m.rg else 0.0
     reach = max(ends[0] - beyond, 0.0), min(ends[1] + beyond, scene.screw.length)
 
     def spec(radii, z, screw):
-        sockets = tuple((phi, zz, s) for phi, zz in places for s in sides if (s < 2) == screw)
+        sockets = sockets_of(scene, [s for s in sides if (s < 2) == screw])
         return BodySpec(*radii, *z, screw, sockets, size, scale * fine, scale * coarse)
 
     return {"screw": spec((bore, outer), reach, True), "nut": spec((land, outside), ends, False)}

@@ -33,19 +33,20 @@ def lines(b_over_h, growth=1.7):
 
 @cache
 def holed_cube():
-    """Unit cube of second-order tetrahedra without a block under its upper face: mesh, nodes of the block's five faces, and
-    these as a socket with gamma along x, azimuth along y."""
+    """Unit cube of second-order tetrahedra without a block under its upper face, its floor named: mesh, nodes of the
+    block's five faces, and these as a socket with gamma along x, azimuth along y."""
     points, cells = cube("P2", 4)
     local = (points - [0.5, 0.5, 1.0]) / [0.25, 0.25, -0.5]
     xi = np.column_stack([local[:, 0], local[:, 2], local[:, 1]])
     inside = (np.abs(xi - [0.0, 0.5, 0.0]) < np.array([1.0, 0.5, 1.0]) + 1e-9).all(axis=1)
-    cells = cells[~inside[cells].all(axis=1)]
+    used, cells = np.unique(cells[~inside[cells].all(axis=1)], return_inverse=True)
+    points, xi, inside, cells = points[used], xi[used], inside[used], cells.reshape(-1, 10)
     faces = boundary_faces(cells, "P2")
-    faces = faces[inside[faces].all(axis=1)]
-    nodes, triangles = np.unique(faces, return_inverse=True)
+    floor = faces[(points[faces][..., 2] < 1e-9).all(axis=1)]
+    nodes, triangles = np.unique(faces[inside[faces].all(axis=1)], return_inverse=True)
     triangles = triangles.reshape(-1, 6)
     assert len(triangles) == 5 * 8
-    mesh, number = mesh_of(points, cells, "P2")
+    mesh, number = mesh_of(points, cells, "P2", {"floor": floor})
     return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
 
 

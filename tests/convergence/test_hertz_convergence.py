@@ -17,14 +17,9 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 def errors(run):
     """Relative size of the errors of approach, worse semi-axis, pole pressure."""
-    e = run.exact
-    return np.abs(
-        [
-            run.approach / e.approach - 1.0,
-            max(run.semi_x / e.semi_x - 1.0, run.semi_y / e.semi_y - 1.0, key=abs),
-            run.pole_pressure / e.pole_pressure - 1.0,
-        ]
-    )
+    names = ("approach", "semi_x", "semi_y", "pole_pressure")
+    approach, *semi, pole = (abs(getattr(run, name) / getattr(run.exact, name) - 1.0) for name in names)
+    return np.array([approach, max(semi), pole])
 
 
 @pytest.mark.parametrize("name", JOBS)

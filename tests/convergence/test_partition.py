@@ -22,44 +22,24 @@ def nodal(case):
     return solved(catalogue.scene(case), everything=True).load
 
 
-@cache
-def uniform_errors(case):
-    """Largest change of a load over the largest load, one per element length of the nut's part."""
-    scene = catalogue.scene(case)
-    return np.array(
-        [
-            relative(
-                solved(with_ingredients(scene, partition="uniform", element_length=h), engine="compiled").load, nodal(case)
-            )
-            for h in LENGTHS
-        ]
-    )
-
-
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("refine", [2, 5])
-def test_nodal_partition_is_exact(case, refine):
+def test_nodal_partition_is_exact_and_says_so(case):
     """Loaded at its nodes only, the Timoshenko element is exact: splitting it changes nothing but round-off."""
-    assert relative(solved(catalogue.scene(case), refine=refine).load, nodal(case)) < 1e-9
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_reported_discretisation_error_of_the_nodal_partition(case):
+    for refine in (2, 5):
+        assert relative(solved(catalogue.scene(case), refine=refine).load, nodal(case)) < 1e-9
     result = solved(catalogue.scene(case), discretisation=True)
     assert result.solver.discretisation < 1e-9 * result.load.max()
 
 
 @pytest.mark.parametrize("case", [pytest.param(CASES[0], marks=pytest.mark.compiles(20)), *CASES[1:]])
-def test_uniform_partition_converges_monotonically(case):
-    errors = uniform_errors(case)
+def test_uniform_partition_converges_monotonically_and_in_first_order_or_more(case, record_property):
+    """Forces inside an element are moved to its ends: the compliance misses a kink."""
+    scene, errors = catalogue.scene(case), []
+    for h in LENGTHS:
+        uniform = with_ingredients(scene, partition="uniform", element_length=h)
+        errors.append(relative(solved(uniform, engine="compiled").load, nodal(case)))
     assert np.all(np.diff(errors) < 0.0), errors
     assert errors[-1] < 1e-3
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_order_of_the_uniform_partition(case, record_property):
-    """Forces inside an element are moved to its ends: the compliance misses a kink, an error of first order or more."""
-    errors = uniform_errors(case)
     order = np.polyfit(np.log(LENGTHS), np.log(errors), 1)[0]
     record_property("order", round(float(order), 3))
     assert 0.8 < order < 2.5, order

@@ -14,31 +14,25 @@ SCENE = small_screw(6, 1.2, force=(150.0, 0.0, 400.0))
 PARTS = np.array([0.07, 0.19, 0.31, 0.44, 0.57, 0.69, 0.81, 0.93])
 
 
-def loads_at(scene, by, **how):
+def loads_at(by, **how):
     """Contact forces (N, 4) where all balls have travelled by an angle [rad] in the nut."""
-    start, track = ball_layout(scene), scene.track
+    start, track = ball_layout(SCENE), SCENE.track
     azimuth, station = start.azimuth + by, start.z + reduced_lead(track) * by
-    layout, radius = layout_at(track, azimuth, station), np.full(start.z.size, scene.balls.radius)
-    found = elastic_loads(scene, draw(scene).at(scene, azimuth, azimuth, station, radius), layout, **how)
+    layout, radius = layout_at(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
+    found = elastic_loads(SCENE, draw(SCENE).at(SCENE, azimuth, azimuth, station, radius), layout, **how)
     assert found.converged
     return found.load
 
 
-def window_errors(scene, widths, parts=PARTS):
-    """Largest difference of a load as a part of the mean load, for windows of these widths [rad] on one stretch."""
-    places = parts * max(widths)
-    exact = [loads_at(scene, by) for by in places]
-    mean = np.mean([load[load > 0.0].mean() for load in exact])
-    travelling = [Travelling(width) for width in widths]
-    each = [
-        [np.abs(loads_at(scene, by, whole=t) - e).max() for by, e in zip(places, exact, strict=True)] for t in travelling
-    ]
-    return np.max(each, axis=1) / mean
-
-
 @pytest.mark.slow
 def test_loads_between_the_places_of_a_window_are_those_of_the_places():
-    """They fall with the width, and are 1e-7 of the mean load at the width that runs take."""
-    wide, usual, narrow = window_errors(SCENE, [2.0 * WINDOW, WINDOW, 0.5 * WINDOW])
+    """Differences on one stretch fall with the width, and are 1e-7 of the mean load at the width that runs take."""
+    widths = 2.0 * WINDOW, WINDOW, 0.5 * WINDOW
+    places = PARTS * widths[0]
+    exact = np.array([loads_at(by) for by in places])
+    mean = np.mean([load[load > 0.0].mean() for load in exact])
+    windows = [Travelling(width) for width in widths]
+    found = np.array([[loads_at(by, whole=t) for by in places] for t in windows])
+    wide, usual, narrow = np.abs(found - exact).max(axis=(1, 2, 3)) / mean
     assert 0.0 < narrow < usual / 4.0 < wide / 12.0
     assert usual < 2e-7

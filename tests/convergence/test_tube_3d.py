@@ -70,17 +70,8 @@ def solid(counts):
 @cache
 def kernel(harmonics=2.6, size=1.0):
     """Compliance (3 c, 3 c) of the Fourier kernel, with a scene's choice of harmonics and mesh at 1."""
-    tube = Tube(
-        BORE,
-        OUTER,
-        (0.0, LENGTH),
-        "low",
-        BORE,
-        WIDTH,
-        int(np.ceil(harmonics * BORE / WIDTH)),
-        (1.25 * WIDTH * size, 0.6 * WIDTH * size),
-        STEEL,
-    )
+    count, mesh = int(np.ceil(harmonics * BORE / WIDTH)), (1.25 * WIDTH * size, 0.6 * WIDTH * size)
+    tube = Tube(BORE, OUTER, (0.0, LENGTH), "low", BORE, WIDTH, count, mesh, STEEL)
     found = tube_compliance(tube, (0.0, LENGTH))
     unit = np.eye(3)
     axes = np.concatenate([np.tile(unit[[0, 1]], (Z.size, 1, 1)), np.tile(unit[[2, 0]], (Z.size, 1, 1))])

@@ -67,18 +67,22 @@ def test_own_slope_of_a_ball():
     assert other - one == pytest.approx(own_slope(3e-3, material) * np.log(2.0), rel=1e-9)
 
 
+def nominal_of(flank):
+    """The nominal direction of its contacts."""
+    m = flank.map
+    return m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+
+
 def test_normals_of_the_groove_are_those_of_its_arc(flank):
-    grid = flank.grid()
+    grid, nominal = flank.grid(), nominal_of(flank)
     line = grid.shape[1] - 1
     normals, share = flank_normals(grid, line), normal_load(flank, grid, 0.05e-3, flank.contact()[1])
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, rel=1e-12)
     _, zeta = flank.contact()
     nearest = np.abs(grid.z[:, line] - zeta).argmin()
-    m = flank.map
-    nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     assert abs(normals[nearest] @ nominal) > 0.98
     assert share.sum(axis=0) == pytest.approx(nominal, abs=0.02)
-    wide = normal_load(flank, grid, NARROW * m.ball, flank.contact()[1])
+    wide = normal_load(flank, grid, NARROW * flank.map.ball, flank.contact()[1])
     assert np.linalg.norm(wide.sum(axis=0)) < np.linalg.norm(share.sum(axis=0))  # pressure at an angle carries less
 
 
@@ -88,10 +92,8 @@ def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     grid = flank.grid()
     line = grid.shape[1] - 1
     load = normal_load(flank, grid, width, flank.contact()[1])
-    m = flank.map
-    nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     fixed = np.zeros((*grid.shape, 3))
-    fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal
+    fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal_of(flank)
     change = own_motion(flank, grid, equal_loads(flank, grid, width), width)
     change -= own_motion(flank, grid, (fixed, fixed), width)
     expected = -(1 - 2 * NU) / (8 * np.pi * flank.material.shear_modulus * 3.254e-3)

@@ -42,6 +42,22 @@ def tube(elements, rows, length, bore=BORE, outer=OUTER):
     return Body(tube_grid(np.linspace(bore, outer, elements + 1), np.linspace(0.0, length, rows + 1)), E, NU)
 
 
+def nothing(body, kind=float):
+    """Zeros (rows, columns, 3) at the nodes of a body."""
+    return np.zeros((*body.grid.shape, 3), dtype=kind)
+
+
+def scattered(rng, low, high, count):
+    """Contacts all around between two stations, with random axes."""
+    z, t = rng.uniform(low, high, count), rng.uniform(-np.pi, np.pi, count)
+    return Points(t, z, axes_of(rng, count))
+
+
+def axes_of(rng, count):
+    """Two random directions at right angles for every contact."""
+    return np.linalg.qr(rng.normal(size=(count, 3, 3)))[0][:, :2]
+
+
 def solve(body, n, held, force):
     """Motions (rows, columns, 3) by generalised forces of that shape."""
     free = ~held.ravel()
@@ -80,7 +96,7 @@ def plane_ring(n, elements, column, bore=BORE, outer=OUTER):
     """Radial and tangential motion over the pressure cos(n t) on the bore (column 0) or outside (-1), plane strain."""
     body = tube(elements, 1, 5e-3, bore, outer)
     r, z = body.grid.r[0], body.grid.z[:, 0]
-    held, force = np.zeros((*body.grid.shape, 3), dtype=bool), np.zeros((*body.grid.shape, 3))
+    held, force = nothing(body, bool), nothing(body)
     held[..., 2] = True
     held[..., 1] = n == 0
     force[:, column, 0] = (1.0 if column == 0 else -1.0) * factor_c(n) * r[column] * simpson(z)
@@ -92,13 +108,9 @@ def michell(n, a, b, inside):
     kappa = 3.0 - 4.0 * NU
 
     def stress(r):
-        normal = [
-            n * (1 - n) * r ** (n - 2),
-            -n * (n + 1) * r ** (-n - 2),
-            (2 - n) * (1 + n) * r**n,
-            (2 + n) * (1 - n) * r**-n,
-        ]
-        shear = [(n - 1) * r ** (n - 2), -(n + 1) * r ** (-n - 2), (n + 1) * r**n, (1 - n) * r**-n]
+        low, high = r ** (n - 2), r ** (-n - 2)
+        normal = [n * (1 - n) * low, -n * (n + 1) * high, (2 - n) * (1 + n) * r**n, (2 + n) * (1 - n) * r**-n]
+        shear = [(n - 1) * low, -(n + 1) * high, (n + 1) * r**n, (1 - n) * r**-n]
         return [normal, [n * x for x in shear]]
 
     unit = 1e-2  # lengths in cm, or the powers of r leave nothing of the digits
@@ -125,7 +137,7 @@ def test_torsion_is_exact():
     body = tube(2, 3, 30e-3)
     r, z = body.grid.r, body.grid.z
     polar = 0.5 * np.pi * (OUTER**4 - BORE**4)
-    held, force = np.zeros((*body.grid.shape, 3), dtype=bool), np.zeros((*body.grid.shape, 3))
+    held, force = nothing(body, bool), nothing(body)
     held[0] = True
     held[..., (0, 2)] = True
     force[-1, :, 1] = end_motions(body, 0)[1].reshape(-1, 3)[:, 1]  # shares in the mean of u_t r over the polar moment
@@ -136,10 +148,8 @@ def test_torsion_is_exact():
 @pytest.mark.parametrize("n", [2, 3, 6])
 def test_ring_under_a_wave_of_pressure(n, column):
     """Michell's solution; errors fall with the fourth power of the element size."""
-    errors = []
-    for elements in (4, 8):
-        r, q = plane_ring(n, elements, column)
-        errors.append(relative(q[:, :2], michell(n, BORE, OUTER, column == 0)(r)))
+    exact = michell(n, BORE, OUTER, column == 0)
+    errors = [relative(q[:, :2], exact(r)) for r, q in (plane_ring(n, elements, column) for elements in (4, 8))]
     assert errors[1] < 1e-4
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.25)
 
@@ -162,10 +172,10 @@ def test_cantilever_tube_is_timoshenkos():
     give EI by their tilt and kGA by what their shift adds to it."""
     length, first, last = 0.2, 60e-3, 120e-3
     body = tube(3, 50, length)
-    held = np.zeros((*body.grid.shape, 3), dtype=bool)
+    held = nothing(body, bool)
     held[-1] = True
     means = end_motions(body, 1)
-    force, moment = (np.zeros((*body.grid.shape, 3)) for _ in range(2))
+    force, moment = nothing(body), nothing(body)
     force[0], moment[0] = means.reshape(2, -1, 3)
     z = body.grid.z[:, 0]
     i, j = (int(abs(z - at).argmin()) for at in (first, last))
@@ -222,8 +232,7 @@ def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
     low, high = body.ends
     zone = (0.5 * (low + high) - 10e-3, 0.5 * (low + high) + 10e-3)
     found = tube_compliance(body, zone)
-    z, t = rng.uniform(zone[0] + 2e-3, zone[1] - 2e-3, 5), rng.uniform(-np.pi, np.pi, 5)
-    points = Points(t, z, np.linalg.qr(rng.normal(size=(5, 3, 3)))[0][:, :2])
+    points = scattered(rng, zone[0] + 2e-3, zone[1] - 2e-3, 5)
     weights, k = patch_weights(found.z, points.z, body.width), found.z.size
     expected = np.zeros((10, 10))
     for n, line in enumerate(found.line):
@@ -242,7 +251,7 @@ def test_both_sets_of_a_harmonic_are_the_motions_in_space():
     x = np.column_stack([np.zeros((5, 2)), rng.uniform(5e-3, 25e-3, 5)])
     angle = rng.uniform(-np.pi, np.pi, 5)
     x[:, 0], x[:, 1] = OUTER * np.cos(angle), OUTER * np.sin(angle)
-    axes = np.linalg.qr(rng.normal(size=(5, 3, 3)))[0][:, :2]
+    axes = axes_of(rng, 5)
     points = points_of(x, axes)
     z = body.grid.z[:, 0]
     weights = BarycentricInterpolator(z, np.eye(z.size))(x[:, 2])
@@ -264,20 +273,10 @@ BIG = 50e-3
 @cache
 def own_compliance(width, harmonics=2.6, size=1.0):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
-    shaft = Tube(
-        10e-3,
-        BIG,
-        (-40e-3, 40e-3),
-        "both",
-        BIG,
-        width,
-        int(np.ceil(harmonics * BIG / width)),
-        (1.25 * width * size, 0.6 * width * size),
-        STEEL,
-    )
-    zone = (-5.0 * width, 5.0 * width)
+    count, mesh = int(np.ceil(harmonics * BIG / width)), (1.25 * width * size, 0.6 * width * size)
+    shaft = Tube(10e-3, BIG, (-40e-3, 40e-3), "both", BIG, width, count, mesh, STEEL)
     points = Points(np.array([0.4]), np.zeros(1), np.array([[[1.0, 0, 0], [0, 0, 1.0]]]))
-    return contact_compliance(tube_compliance(shaft, zone), points)[0, 0]
+    return contact_compliance(tube_compliance(shaft, (-5.0 * width, 5.0 * width)), points)[0, 0]
 
 
 def test_half_space_limit():
@@ -301,32 +300,21 @@ def test_patch_converges_with_mesh_and_harmonics():
     assert own_compliance(width, harmonics=4.0) == pytest.approx(base, rel=1e-4, abs=0.0)
 
 
-@pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])
-def test_compliance_is_symmetric_and_positive(screw):
-    scene = catalogue.scene("lin-case1")
-    x, axes = contact_frames(scene, ball_layout(scene), screw)
-    found = contact_compliance(smooth_compliance(geometry_only(scene), screw, REFINED), points_of(x, axes))
-    assert np.array_equal(found, found.T)
-    values = np.linalg.eigvalsh(found)
-    assert values[0] > -1e-12 * values[-1]
-
-
 def test_held_faces_mirror():
     body = smooth_body(geometry_only(catalogue.scene("lin-case1")), False, REFINED)
     low = replace(body, ends=(0.0, 54e-3), held="low", harmonics=6)
-    rng = np.random.default_rng(0)
-    z, t = rng.uniform(8e-3, 46e-3, 6), rng.uniform(-np.pi, np.pi, 6)
-    axes = np.linalg.qr(rng.normal(size=(6, 3, 3)))[0][:, :2]
-    one = contact_compliance(tube_compliance(low, (5e-3, 49e-3)), Points(t, z, axes))
-    turned = Points(t, 54e-3 - z, axes * np.array([1.0, 1.0, -1.0]))
-    other = contact_compliance(tube_compliance(replace(low, held="high"), (5e-3, 49e-3)), turned)
+    points = scattered(np.random.default_rng(0), 8e-3, 46e-3, 6)
+    turned = Points(points.azimuth, 54e-3 - points.z, points.axes * np.array([1.0, 1.0, -1.0]))
+    one, other, both = (
+        contact_compliance(tube_compliance(replace(low, held=held), (5e-3, 49e-3)), at)
+        for held, at in (("low", points), ("high", turned), ("both", points))
+    )
     assert relative(other, one) < 1e-9
-    both = contact_compliance(tube_compliance(replace(low, held="both"), (5e-3, 49e-3)), Points(t, z, axes))
     assert np.linalg.eigvalsh(one - both)[0] > -1e-12 * abs(one).max()
 
 
 @pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])
-def test_contacts_of_a_scene_converge(screw):
+def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converges(screw):
     scene = catalogue.scene("lin-case1")
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, ball_layout(scene), screw)
@@ -335,6 +323,9 @@ def test_contacts_of_a_scene_converge(screw):
         return contact_compliance(smooth_compliance(geometry, screw, replace(REFINED, **changes)), points_of(x, axes))
 
     base = compliance()
+    assert np.array_equal(base, base.T)
+    values = np.linalg.eigvalsh(base)
+    assert values[0] > -1e-12 * values[-1]
     assert relative(compliance(harmonics=1.5), base) < 5e-5
     errors = [relative(compliance(mesh=mesh), compliance(mesh=2.0)) for mesh in (1.0, 1.5)]
     assert errors[0] < 2e-3
@@ -342,13 +333,11 @@ def test_contacts_of_a_scene_converge(screw):
 
 
 def test_turning_all_contacts_changes_nothing():
-    rng = np.random.default_rng(5)
     body = replace(smooth_body(geometry_only(catalogue.scene("lin-case1")), False, REFINED), harmonics=5)
     found = tube_compliance(body, (body.ends[0], body.ends[1]))
-    z, t = rng.uniform(body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4), rng.uniform(-np.pi, np.pi, 4)
-    axes = np.linalg.qr(rng.normal(size=(4, 3, 3)))[0][:, :2]
-    turned = contact_compliance(found, Points(t + 1.234, z, axes))
-    assert relative(turned, contact_compliance(found, Points(t, z, axes))) < 1e-12
+    points = scattered(np.random.default_rng(5), body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4)
+    turned, here = (contact_compliance(found, Points(points.azimuth + by, points.z, points.axes)) for by in (1.234, 0.0))
+    assert relative(turned, here) < 1e-12
 
 
 def test_line_compliance_is_that_of_the_whole_body():
@@ -357,7 +346,7 @@ def test_line_compliance_is_that_of_the_whole_body():
     columns, count = body.grid.shape[1], body.grid.r.size
     springs = (3e7, 4e4, 5e7, 6e4)
     for held_end, own_springs in ((True, ()), (False, springs)):
-        held = np.zeros((*body.grid.shape, 3), dtype=bool)
+        held = nothing(body, bool)
         held[0] = held_end
         found = line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
         watched = (3 * (np.arange(2, 7) * columns + columns - 1)[:, None] + np.arange(3)).ravel()
@@ -382,13 +371,14 @@ def test_line_compliance_is_that_of_the_whole_body():
 def test_a_load_that_reaches_no_further_is_left_out_and_nothing_else(monkeypatch):
     """A long tube, harmonic by harmonic, with every load taken along to its far end, and without those that vanish."""
     body = tube(3, 60, 0.6)
-    held = np.zeros((*body.grid.shape, 3), dtype=bool)
+    held = nothing(body, bool)
     held[0] = True
     harmonics = (0, 1, 8)
-    sums = line_compliance(body, harmonics, held.ravel(), 6, (0, 121))
+    given = body, harmonics, held.ravel(), 6, (0, 121)
+    sums = line_compliance(*given)
     cut = [S.whole() for S in sums]
     monkeypatch.setattr(fourier, "NONE_LEFT", -1.0)
-    reached = [S.whole() for S in line_compliance(body, harmonics, held.ravel(), 6, (0, 121))]
+    reached = [S.whole() for S in line_compliance(*given)]
     for n, short, whole in zip(harmonics, cut, reached, strict=True):
         assert abs(short - whole).max() < 1e-15 * abs(whole).max()
         assert (short[:45, -45:] == 0.0).all() == (n == 8)
@@ -404,7 +394,7 @@ def far_apart(width, held):
     z = np.array([0.15, 0.15, 0.25])
     t = np.array([0.3, 0.3 + np.pi, -1.0])
     x = np.column_stack([15e-3 * np.cos(t), 15e-3 * np.sin(t), z])
-    axes = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3, 3)))[0][:, :2]
+    axes = axes_of(np.random.default_rng(8), 3)
     found = contact_compliance(tube_compliance(shaft, (0.14, 0.26)), points_of(x, axes))
     beam = clamped(motion_rows(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL))
     if held == "section":
@@ -413,11 +403,9 @@ def far_apart(width, held):
 
 
 def test_shaft_is_a_beam_far_from_its_end():
-    """What `spring_compliance` and `clamped` stand for; a clamped face holds more than a beam's end does."""
+    """What `spring_compliance` and `clamped` stand for; a clamped face holds more than a beam's end does. The patch's width
+    does not touch the beam."""
     on_springs = relative(*far_apart(0.5e-3, "section"))
     assert on_springs < 4e-3
     assert on_springs < relative(*far_apart(0.5e-3, "low")) < 0.02
-
-
-def test_patch_width_does_not_touch_the_beam():
     assert relative(*far_apart(2.5e-3, "section")) < 3e-3

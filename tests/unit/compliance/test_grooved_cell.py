@@ -26,6 +26,15 @@ def constants(grid):
     return np.array([stiffness_of(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
 
 
+def of_screw(m=MAP, land=LAND, bore=0.0):
+    return cell_section(m, land, bore, True, STEEL)
+
+
+def changed(**track):
+    """Map of the scene with another track."""
+    return GrooveMap.of(replace(SCENE, track=replace(SCENE.track, **track)))
+
+
 def of_section(section):
     return np.array([getattr(section, name) for name in KINDS.values()])
 
@@ -49,28 +58,27 @@ def test_refinement(screw):
     np.testing.assert_allclose(of_section(section), found[1], rtol=1e-12)
 
 
-def test_between_root_and_land():
-    section = cell_section(MAP, LAND, 0.0, True, STEEL)
-    low, high = (of_section(tube_section(2 * r, 0.0, STEEL)) for r in (ROOT, LAND))
+def between(section, soft, stiff):
+    """Assert that a section is stiffer than one tube (its diameters) and softer than another."""
+    low, high = (of_section(tube_section(*diameters, STEEL)) for diameters in (soft, stiff))
     assert np.all(low < of_section(section.section))
     assert np.all(of_section(section.section) < high)
+
+
+def test_screw_and_nut_between_root_and_land():
+    section = of_screw()
+    between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
     assert ROOT < section.radii[0] < LAND
     volume = smooth_radius(flank_of(geometry_only(SCENE), True), 2)
     assert all(ROOT < r < volume for r in section.radii)
     assert of_section(section.section)[0] < screw_section(SCENE).EA
-    for k, radius in enumerate(section.radii):
-        name = ("EA", "EI", "GJ")[k]
+    for name, radius in zip(("EA", "EI", "GJ"), section.radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
-
-
-def test_nut_between_root_and_land():
     flank = flank_of(geometry_only(SCENE), False)
     section = cell_section(flank.map, flank.land, flank.far, False, STEEL)
     root = float(groove_line(flank.map, flank.land, False, 17)[0][0])
-    low, high = (of_section(tube_section(2 * flank.far, 2 * r, STEEL)) for r in (root, flank.land))
-    assert np.all(low < of_section(section.section))
-    assert np.all(of_section(section.section) < high)
+    between(section, (2 * flank.far, 2 * root), (2 * flank.far, 2 * flank.land))
     assert all(flank.land < r < root for r in section.radii)
 
 
@@ -79,8 +87,7 @@ def test_nothing_is_left_out_of_a_shallow_groove():
     gaps = []
     for depth in (0.4e-3, 0.1e-3):
         land = ROOT + depth
-        section = cell_section(MAP, land, 0.0, True, STEEL)
-        gaps.append(1.0 - of_section(section.section) / of_section(tube_section(2 * land, 0.0, STEEL)))
+        gaps.append(1.0 - of_section(of_screw(land=land).section) / of_section(tube_section(2 * land, 0.0, STEEL)))
     assert np.all(gaps[0] < 0.02)
     assert np.all(gaps[1] > 0.0)
     assert np.all(gaps[1] < 0.3 * gaps[0])
@@ -96,29 +103,28 @@ def test_scale():
         balls=replace(balls, radius=2 * balls.radius),
         nut=replace(SCENE.nut, groove_radius=2 * SCENE.nut.groove_radius),
     )
-    one = cell_section(MAP, LAND, 0.0, True, STEEL).section
-    two = cell_section(GrooveMap.of(big), 2 * LAND, 0.0, True, STEEL).section
+    one, two = of_screw().section, of_screw(GrooveMap.of(big), 2 * LAND).section
     for name, power in (("EA", 2), ("kGA", 2), ("EI", 4), ("GJ", 4)):
         assert getattr(two, name) == pytest.approx(2**power * getattr(one, name), rel=1e-9)
 
 
 def test_impossible_dimensions():
-    with pytest.raises(ValueError, match="without lead"):
-        cell_section(GrooveMap.of(replace(SCENE, track=replace(SCENE.track, lead=0.0))), LAND, 0.0, True, STEEL)
-    with pytest.raises(ValueError, match="overlap"):
-        cell_section(GrooveMap.of(replace(SCENE, track=replace(SCENE.track, starts=4))), LAND, 0.0, True, STEEL)
-    for land in (ROOT - 1e-4, 25e-3):
-        with pytest.raises(ValueError, match="does not cut"):
-            cell_section(MAP, land, 0.0, True, STEEL)
-    with pytest.raises(ValueError, match="inside out"):
-        cell_section(MAP, LAND, 15.5e-3, True, STEEL)
+    for given, why in (
+        ({"m": changed(lead=0.0)}, "without lead"),
+        ({"m": changed(starts=4)}, "overlap"),
+        ({"land": ROOT - 1e-4}, "does not cut"),
+        ({"land": 25e-3}, "does not cut"),
+        ({"bore": 15.5e-3}, "inside out"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            of_screw(**given)
 
 
 def test_the_helix_changes_half_a_per_cent():
     """The ring groove in place of the helix, against a section on its helix by other elements."""
     stiffness, EI = helical_stiffness(MAP, LAND, 0.0, STEEL)
     yielding = np.linalg.inv(stiffness)
-    section = cell_section(MAP, LAND, 0.0, True, STEEL).section
+    section = of_screw().section
     wanted = np.array([1.0 / yielding[0, 0], EI, 1.0 / yielding[1, 1]])
     np.testing.assert_allclose([section.EA, section.EI, section.GJ], wanted, rtol=0.01)
     assert wanted[2] > section.GJ

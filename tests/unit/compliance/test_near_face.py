@@ -60,11 +60,16 @@ def whole(parts):
     return 1e9 * np.einsum("sa,siatjb,tb->sitj", normal, G.reshape(2, count, 2, 2, count, 2), normal)
 
 
+def own(parts, flank):
+    """Own compliance [um/kN] of the nut's contacts of its left or right flank."""
+    return np.einsum("ii->i", whole(parts)[flank, :, flank])
+
+
 def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     """3D own compliance of case 1's nut (level 4): the last two right contacts, 2.05 and 2.50 ball radii from the free
     face towards which they are pressed, move 1.756 and 1.352 um/kN more than a middle one; a held face takes motion."""
     parts, flank, _ = case
-    compliance = np.einsum("ii->i", whole(scene("lin-case1"))[1, :, 1])
+    compliance = own(scene("lin-case1"), 1)
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
     found = kept_near_face(parts, False, REFINED)
     distance = np.array([2.05, 2.50]) * flank.map.ball + found.beside
@@ -109,26 +114,19 @@ def test_a_lip_tilts_and_the_contact_leaves_it():
 
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
 def test_both_faces_are_told_apart(name):
-    """A nut turned end for end has the same compliance, its balls and flanks turned with it."""
+    """A nut turned end for end has the same compliance, its balls and flanks turned with it; a grooved body is its own
+    mirror image."""
     parts = scene(name)
-    here = grooved_part(parts, ball_layout(parts), False, REFINED)
-    other = replace(parts, solid=replace(parts.solid, nut_held="right face"))
-    turned = grooved_part(other, ball_layout(other), False, REFINED)
-    shape = (2, ball_layout(parts).z.size, 2)
-    back = (
-        turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1]
-        * np.array([1.0, -1.0])
-        * np.array([1.0, -1.0])[:, None, None, None]
-    )
-    assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
-
-
-@pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
-def test_a_grooved_body_is_its_own_mirror_image(name):
-    grid, cuts = faces.grooved_grid(flank_of(geometry_only(scene(name)), False), faces.BESIDE_FACE.mesh)
+    grid, cuts = faces.grooved_grid(flank_of(geometry_only(parts), False), faces.BESIDE_FACE.mesh)
     assert cuts[-1] == len(grid.z) - 1
     assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
     assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
+    here = grooved_part(parts, ball_layout(parts), False, REFINED)
+    other = replace(parts, solid=replace(parts.solid, nut_held="right face"))
+    turned = grooved_part(other, ball_layout(other), False, REFINED)
+    shape, sign = (2, ball_layout(parts).z.size, 2), np.array([1.0, -1.0])
+    back = turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1] * sign * sign[:, None, None, None]
+    assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
 
 
 def test_the_free_face_is_the_other_one():
@@ -192,11 +190,11 @@ def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     """Own compliance of a nut 32x10 held at both faces, its first ball 1.03 radii from one: 3D (free mesh twice as fine as
     level 1, 20 modes) has 1.63 um/kN less than at a middle ball, 1.80 on level 1; a patch of 0.18 radii 1.10."""
     parts = scene_file.loads(scene_text(SEED, 2), "drawn.toml")
-    compliance = np.einsum("ii->i", whole(parts)[0, :, 0])
+    compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))
     forget()
-    finer = np.einsum("ii->i", whole(parts)[0, :, 0])
+    finer = own(parts, 0)
     forget()
     assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)
 

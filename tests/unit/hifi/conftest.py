@@ -13,6 +13,14 @@ def small_cache(tmp_path_factory):
     return Cache(tmp_path_factory.mktemp("cache"))
 
 
+@pytest.fixture(scope="module")
+def _one_submodel():
+    """One mesh of each submodel: a mean over several changes no field and no balance."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(submodel, "REALISATIONS", 1)
+        yield
+
+
 @pytest.fixture(scope="session")
 def small(small_cache):
     with pytest.MonkeyPatch.context() as patch:

@@ -21,6 +21,8 @@ SCENE = catalogue.scene("lin-case1")
 RIGHT = replace(GrooveMap.of(SCENE), phase=0.7)
 HANDS = {"right": RIGHT, "left": replace(RIGHT, rg=-RIGHT.rg), "two starts": replace(RIGHT, starts=2)}
 UNIT = np.array([RIGHT.R] * 3 + [1.0] * 3)
+SIZE = np.outer(UNIT, UNIT)
+LEAD = 2.0 * np.pi * abs(RIGHT.rg)
 #: Flexibility of a metre along the groove: what sways (x towards the groove), and its mean over a lead.
 SECTION = ShaftSection(1.5e8, 9e3, 7e3, 5e7)
 MEAN = np.diag([1 / SECTION.kGA] * 2 + [1 / SECTION.EA] + [1 / SECTION.EI] * 2 + [1 / SECTION.GJ])
@@ -41,7 +43,7 @@ def cut_end():
     """What a rigid section does besides, any symmetric matrix."""
     rng = np.random.default_rng(1)
     A = rng.normal(size=(6, 6))
-    return -np.outer(UNIT, UNIT) * (A + A.T) * 0.02 * RIGHT.R / SECTION.EI
+    return -SIZE * (A + A.T) * 0.02 * RIGHT.R / SECTION.EI
 
 
 def between(m, near, far, a, b):
@@ -60,34 +62,36 @@ def shaft(m, length):
     return between(m, low, high, high, high)
 
 
-def known(m):
-    """E of the swaying shaft: found from three lengths."""
-    lead = 2 * np.pi * abs(m.rg)
-    return cut_flexibility(m, [(k * lead, shaft(m, k * lead)) for k in (2, 4, 2.25)], MEAN)
+def known(m, leads=(2, 4, 2.25), beam=0.0 * MEAN):
+    """E of the swaying shaft: found from so many lengths; beam: what is added to each metre."""
+    lengths = [k * LEAD for k in leads]
+    return cut_flexibility(m, [(x, shaft(m, x) + uniform_cantilever(x, beam)) for x in lengths], MEAN)
 
 
 @pytest.mark.parametrize("hand", HANDS)
 def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
     m = HANDS[hand]
-    E, lead = known(m), 2 * np.pi * abs(m.rg)
-    for length in (1.8 * lead, 2.5 * lead, 5.1 * lead):
+    E = known(m)
+    for length in (1.8 * LEAD, 2.5 * LEAD, 5.1 * LEAD):
         T, half = transport(length), length / 2
         ends = T @ at_low(E, m, m.z0 - half) @ T.T + at_high(E, m, m.z0 + half)
         wanted = shaft(m, length) - uniform_cantilever(length, MEAN)
-        np.testing.assert_allclose(ends / np.outer(UNIT, UNIT), wanted / np.outer(UNIT, UNIT), atol=1e-11)
+        np.testing.assert_allclose(ends / SIZE, wanted / SIZE, atol=1e-11)
         assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
 
 
-def test_two_whole_lengths_leave_the_cut_open():
-    lead = 2 * np.pi * RIGHT.rg
-    two = cut_flexibility(RIGHT, [(k * lead, shaft(RIGHT, k * lead)) for k in (2, 4)], MEAN)
-    assert np.abs((two - known(RIGHT)) / np.outer(UNIT, UNIT)).max() > 1e-8
+def test_two_whole_lengths_leave_the_cut_open_and_what_couples_alike_in_all_directions_is_no_cut() -> None:
+    """A shear force that bends and a moment that shears every metre alike about both axes leave the cuts as they were."""
+    assert np.abs((known(RIGHT, (2, 4)) - known(RIGHT)) / SIZE).max() > 1e-8
+    alike = np.zeros((6, 6))
+    for i in (0, 1):
+        alike[i, i + 3] = alike[i + 3, i] = 0.3 * RIGHT.R / SECTION.EI
+    np.testing.assert_allclose(known(RIGHT, beam=alike) / SIZE, known(RIGHT) / SIZE, rtol=0, atol=1e-11)
 
 
 def stretch(m, low, high):
     """The swaying shaft as the 3D stretch of a screw; every contact has the six motions of its section as modes."""
-    contacts = [0.37, 0.4, 0.42]
-    places = [*contacts, high, 0.4]
+    places = [0.37, 0.4, 0.42, high, 0.4]
     F = np.block([[between(m, low, high, a, b) for b in places] for a in places])
     B = np.concatenate([transport(z - low) for z in places])
     return Stretch(F, B, low, (high,), (0.4,), (low, high), 18)
@@ -103,8 +107,7 @@ def test_a_longer_stretch_answers_like_the_shorter_one_between_beams(hand, ends)
 
     def answers(low, high):
         found = mount(without_cuts(stretch(m, low, high), E, m, (0.0, 0.8)), scene, SECTION)
-        size = np.tile(UNIT, 3)
-        return found.G / np.outer(size, size), found.loads / size
+        return found.G / np.tile(SIZE, (3, 3)), found.loads / np.tile(UNIT, 3)
 
     for one, other, left in zip(answers(0.35, 0.45), answers(*ends), (1e-9, 1e-8), strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=left * np.abs(one).max())
@@ -150,11 +153,10 @@ def test_a_homogenised_shaft_lies_between_root_and_lands(meshed):
 
 def test_a_hollow_shaft_shears_as_a_tube(meshed):
     """Cowper's limits: solid, and a thin wall. The section's wall ends at its bore."""
-    young, poisson = 210e9, 0.3
-    shear = young / (2.0 * (1.0 + poisson))
-    solid, thin = (round_section(20e-3, young, poisson, bore) for bore in (0.0, 19.99e-3))
-    assert solid.kGA == pytest.approx(6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson) * solid.EA / young * shear, rel=1e-12)
-    assert thin.kGA == pytest.approx(2.0 * (1.0 + poisson) / (4.0 + 3.0 * poisson) * thin.EA / young * shear, rel=1e-5)
+    nu = 0.3
+    for bore, kappa, close in ((0.0, 6.0 / (7.0 + 6.0 * nu), 1e-12), (19.99e-3, 2.0 / (4.0 + 3.0 * nu), 1e-5)):
+        plain = round_section(20e-3, 210e9, nu, bore)
+        assert plain.kGA == pytest.approx(0.5 * kappa * plain.EA, rel=close)  # G = E / (2 (1 + nu)), kappa / (1 + nu)
     found, steel = meshed[0], SCENE.screw.material
     assert found.section.kGA == tube(found.radii[1], 4e-3, steel).kGA < 0.83 * tube(found.radii[1], 0.0, steel).kGA
 
@@ -170,22 +172,11 @@ def test_a_meshed_shaft_is_beam_and_cuts(meshed):
     uniform = np.diag([1 / found.section.kGA] * 2 + [mesh[2, 2]] + [0.5 * (mesh[3, 3] + mesh[4, 4])] * 2 + [mesh[5, 5]])
     uniform[2, 5] = uniform[5, 2] = mesh[2, 5]
     length = 2.5 * 20e-3
-    T, scale = transport(length), np.outer(UNIT, UNIT)
-    F = flexibility(length) / scale
-    stake = F - uniform_cantilever(length, uniform) / scale
-    left = stake - (T @ at_low(found.cut, m, m.z0 - length / 2) @ T.T + at_high(found.cut, m, m.z0 + length / 2)) / scale
+    T = transport(length)
+    F = flexibility(length) / SIZE
+    stake = F - uniform_cantilever(length, uniform) / SIZE
+    left = stake - (T @ at_low(found.cut, m, m.z0 - length / 2) @ T.T + at_high(found.cut, m, m.z0 + length / 2)) / SIZE
     assert np.linalg.norm(stake) > 0.02 * np.linalg.norm(F)
     assert np.linalg.norm(left) < 2.5e-3 * np.linalg.norm(F)
     assert np.hypot(*stake[3:5, 2]) > 0.045 * F[2, 2]
     assert np.hypot(*left[3:5, 2]) < 0.06 * np.hypot(*stake[3:5, 2])
-
-
-def test_what_couples_shear_with_turning_alike_in_all_directions_is_no_cut() -> None:
-    """A shear force bends and a moment shears every metre alike about both axes: the cuts stay as they were."""
-    lead, alike = 2 * np.pi * RIGHT.rg, np.zeros((6, 6))
-    for i in (0, 1):
-        alike[i, i + 3] = alike[i + 3, i] = 0.3 * RIGHT.R / SECTION.EI
-    lengths = [k * lead for k in (2, 4, 2.25)]
-    coupled = [(length, shaft(RIGHT, length) + uniform_cantilever(length, alike)) for length in lengths]
-    size = np.outer(UNIT, UNIT)
-    np.testing.assert_allclose(cut_flexibility(RIGHT, coupled, MEAN) / size, known(RIGHT) / size, rtol=0, atol=1e-11)

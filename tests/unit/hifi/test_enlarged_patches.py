@@ -28,23 +28,13 @@ class Ended:
     status: str
     load: np.ndarray
     contact_angle: np.ndarray
-
-    @property
-    def answers(self):
-        return self.status == "converged"
+    answers: bool
 
 
 def prepared(scene=CASE, **changes):
     """What `enlarged` reads of a set-up."""
-    settings = replace(settings_of([scene], 1), **changes)
-    return SimpleNamespace(
-        scene=scene,
-        map=GrooveMap.of(scene),
-        layout=ball_layout(scene),
-        dims=dimensions(scene),
-        sides=(0, 3),
-        settings=settings,
-    )
+    parts = {"map": GrooveMap.of(scene), "layout": ball_layout(scene), "dims": dimensions(scene)}
+    return SimpleNamespace(scene=scene, **parts, sides=(0, 3), settings=replace(settings_of([scene], 1), **changes))
 
 
 def zone(settings, setup=None):
@@ -55,11 +45,6 @@ def zone(settings, setup=None):
     widths = (width, size.phi * setup.map.R)
     shares = patch_lines(settings, widths, size.depth)[1]
     return shares[0] * widths[0], shares[1] * widths[1]
-
-
-def room(settings):
-    """Half width [m] of the contact zone across the groove."""
-    return zone(settings)[0]
 
 
 def found(factor):
@@ -123,7 +108,8 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
 
     def solved(*_):
         load, angle = found(1.0)
-        return Ended(AT_RIM if len(reaches) <= rim else "converged", load, angle)
+        status = AT_RIM if len(reaches) <= rim else "converged"
+        return Ended(status, load, angle, status == "converged")
 
     monkeypatch.setattr("rollbench.hifi.setup.prepare", prepare)
     monkeypatch.setattr(computing, "_solved", solved)
@@ -146,5 +132,5 @@ def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
     setup = prepared(reach=(1.45e-3, 0.2e-3))
     larger, _ = enlarged(setup, [found(1.0)], 2)
     assert larger is not None
-    assert room(setup.settings) < room(larger)
+    assert zone(setup.settings)[0] < zone(larger)[0]
     assert 1.54e-3 < larger.reach[0] < 1.58e-3

@@ -8,25 +8,10 @@ from scipy.linalg import block_diag
 from tests.fe_meshes import cube
 from tests.helpers import relative, small_screw
 
-from rollbench.hifi.bodies import submodel
+from rollbench.hifi import fields as recovered
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.hifi.fields import (
-    ball_fields,
-    ball_patch,
-    coarse_field,
-    contact_forces,
-    contact_pressure,
-    groove_patch,
-    groove_patch_field,
-    hertz_von_mises,
-    nodal_stress,
-    nut_displacement,
-    pressed_ball,
-    screw_displacement,
-    von_mises,
-)
 from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings, rounded
@@ -42,44 +27,29 @@ pytestmark = [pytest.mark.xdist_group("recovered fields"), pytest.mark.slow]
 SIDES = (0, 3)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_submodel():
-    """One mesh of each submodel: a mean over several changes no field."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(submodel, "REALISATIONS", 1)
-        yield
-
-
 @pytest.fixture(scope="module")
-def case(tmp_path_factory):
+def case(_one_submodel, tmp_path_factory):
     """Two balls in a short nut. Cells are between those of mesh levels 1 and 2: the largest pressure of hats on 1.7 cells
     across a short semi-axis, as on level 1, is 10 to 17 % too large by where the contact falls between them."""
     scene = small_screw(2, 0.2, force=(0.0, 0.0, 330.0), load_at=0.0)
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     expected = expected_contacts(scene)
-    settings = Settings(
-        b_over_h=2.1,
-        semi=rounded(expected.semi()),
-        reach=rounded(expected.reach()),
-        fine=4e-3,
-        coarse=10e-3,
-        ball_fine=1e-3,
-        ball_coarse=1.6e-3,
-        modes=20,
-        growth=2.0,
-        own_cuts=(2, 2, 2),
-        own_sizes=(2.4e-3, 10e-3),
-        own_ball_sizes=(1.2e-3, 2e-3),
-    )
+    semi, reach = rounded(expected.semi()), rounded(expected.reach())
+    sizes = {"fine": 4e-3, "coarse": 10e-3, "ball_fine": 1e-3, "ball_coarse": 1.6e-3}
+    own = {"own_cuts": (2, 2, 2), "own_sizes": (2.4e-3, 10e-3), "own_ball_sizes": (1.2e-3, 2e-3)}
+    settings = Settings(b_over_h=2.1, semi=semi, reach=reach, modes=20, growth=2.0, **sizes, **own)
     cache = Cache(tmp_path_factory.mktemp("cache"))
     setup = prepare(scene, SIDES, settings, cache=cache)
     meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, SIDES, settings, cache)
     result = solve_reference(setup, scene)
     assert result.contact.converged
-    forces = contact_forces(setup, result)
-    u = {0: screw_displacement(setup, meshes.screw, forces), 3: nut_displacement(setup, meshes.nut, forces)}
-    fields = {s: groove_patch_field(setup, meshes, u[s], 0, s, forces) for s in SIDES}
-    return setup, meshes, result, forces, u, fields, ball_fields(setup, meshes, 0, forces)
+    forces = recovered.contact_forces(setup, result)
+    u = {
+        0: recovered.screw_displacement(setup, meshes.screw, forces),
+        3: recovered.nut_displacement(setup, meshes.nut, forces),
+    }
+    fields = {s: recovered.groove_patch_field(setup, meshes, u[s], 0, s, forces) for s in SIDES}
+    return setup, meshes, result, forces, u, fields, recovered.ball_fields(setup, meshes, 0, forces)
 
 
 class TestStress:
@@ -92,33 +62,35 @@ class TestStress:
         lam, mu = 210e9 * 0.28 / (1.28 * 0.44), 210e9 / 2.56
         exact = 2.0 * mu * strain + lam * np.trace(strain) * np.eye(3)
         mesh, _ = mesh_of(points, cells, kind)
-        found = nodal_stress(mesh, points_of(mesh) @ slope.T, steel)
+        found = recovered.nodal_stress(mesh, points_of(mesh) @ slope.T, steel)
         assert relative(found, exact[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]) < 1e-10
 
     def test_nodes_of_no_cell_have_none(self):
         mesh, _ = mesh_of(*cube("P2", 2), "P2")
         u, steel = np.random.default_rng(0).random((mesh.doflocs.shape[1], 3)), Material(1.0, 0.3)
         some = np.array([3, 4])
-        found = nodal_stress(mesh, u, steel, some)
+        found = recovered.nodal_stress(mesh, u, steel, some)
         nodes = np.unique(mesh.dofs.element_dofs[:, some])
         assert np.array_equal(np.flatnonzero(np.isfinite(found).all(axis=1)), nodes)
         alone, number = mesh_of(points_of(mesh), cells_of(mesh)[some], "P2")
-        again = nodal_stress(alone, u[number.argsort()[-len(nodes) :]], steel)
+        again = recovered.nodal_stress(alone, u[number.argsort()[-len(nodes) :]], steel)
         np.testing.assert_allclose(again[number[nodes]], found[nodes], rtol=1e-9, atol=1e-9)
 
     def test_von_mises(self):
-        assert von_mises(np.array([5.0, 5.0, 5.0, 0.0, 0.0, 0.0])) == 0.0
-        assert von_mises(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0])) == pytest.approx(2.0 * np.sqrt(3.0))
+        assert recovered.von_mises(np.array([5.0, 5.0, 5.0, 0.0, 0.0, 0.0])) == 0.0
+        assert recovered.von_mises(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0])) == pytest.approx(2.0 * np.sqrt(3.0))
 
     def test_below_a_hertz_contact(self):
         """Johnson, Contact Mechanics (1985), 4.2: a sphere; nearly a line contact, 0.558 p0 at 0.704 b."""
         sphere = hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
-        assert hertz_von_mises(sphere, np.array([0.481 * sphere.semi_x]), 0.3)[0] == pytest.approx(
-            0.620 * sphere.pole_pressure, rel=2e-3
-        )
         line = hertz(100.0, 1.0, 5e-3, 210e9, 0.3)
-        z = np.array([0.704 * line.semi_y])
-        assert hertz_von_mises(line, z, 0.3)[0] == pytest.approx(0.558 * line.pole_pressure, rel=0.01)
+        for h, depth, share, close in (
+            (sphere, 0.481 * sphere.semi_x, 0.620, 2e-3),
+            (line, 0.704 * line.semi_y, 0.558, 0.01),
+        ):
+            assert recovered.hertz_von_mises(h, np.array([depth]), 0.3)[0] == pytest.approx(
+                share * h.pole_pressure, rel=close
+            )
 
 
 class TestRecovered:
@@ -128,7 +100,7 @@ class TestRecovered:
         change what the body adds little."""
         setup, meshes, _, forces, u, fields, _ = case
         patch, body = setup.patches[side].groove, meshes.screw if side < 2 else meshes.nut
-        mesh, steel = groove_patch(setup, meshes, side), setup.scene.screw.material
+        mesh, steel = recovered.groove_patch(setup, meshes, side), setup.scene.screw.material
         fine = condense_patch(mesh, patch.normals, steel.youngs_modulus, steel.poissons_ratio)
         nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact], patch.normals)
         found = mean_weights(mesh.weights) @ nodal
@@ -149,22 +121,26 @@ class TestRecovered:
         body = V @ (response.G @ (V.T @ np.concatenate([forces[s][0] for s in SIDES])))
         found, patches = [], []
         for s in SIDES:
-            mesh, normals = ball_patch(setup, meshes, s), setup.patches[s].ball.normals
+            mesh, normals = recovered.ball_patch(setup, meshes, s), setup.patches[s].ball.normals
             fine = condense_patch(mesh, normals, steel.youngs_modulus, steel.poissons_ratio)
             nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact], normals)
             found.append(mean_weights(mesh.weights) @ nodal)
             patches.append(fine.A @ forces[s][0])
         assert relative(np.concatenate(found), np.concatenate(patches) + body) < 2e-3
 
-    def test_screw_loaded_beyond_its_low_end_is_refused(self, case):
+    def test_what_has_no_field_is_refused(self, case):
         setup, meshes, _, forces, _, _, _ = case
         beyond = small_screw(2, 0.2, load_at=0.19)
         with pytest.raises(ValueError, match="held or loaded at 190 mm"):
-            screw_displacement(setup, meshes.screw, forces, beyond)
+            recovered.screw_displacement(setup, meshes.screw, forces, beyond)
+        with pytest.raises(ValueError, match="without load"):
+            recovered.contact_pressure(setup.scene, setup.map, 0, setup.patches[0].groove, 0.0 * forces[0][0])
+        with pytest.raises(ValueError, match="ball 1 carries no load"):
+            recovered.pressed_ball(setup.scene, setup.settings, 0, np.zeros(4), np.zeros(4))
 
     def test_stress_fades_away_from_the_contact(self, case):
         setup, meshes, _, _, u, fields, _ = case
-        coarse = coarse_field(setup, meshes.screw, u[0], 0, setup.scene.screw.material, 6e-3)
+        coarse = recovered.coarse_field(setup, meshes.screw, u[0], 0, setup.scene.screw.material, 6e-3)
         assert 0.0 < coarse.von_mises.max() < 0.2 * fields[0].von_mises.max()
 
 
@@ -172,23 +148,18 @@ class TestPressure:
     @pytest.mark.parametrize("side", SIDES)
     def test_adds_up_to_the_load_and_is_near_hertz(self, case, side):
         setup, _, result, forces, _, _, _ = case
-        found = contact_pressure(setup.scene, setup.map, side, setup.patches[side].groove, forces[side][0])
+        found = recovered.contact_pressure(setup.scene, setup.map, side, setup.patches[side].groove, forces[side][0])
         assert found.pressure @ found.areas == pytest.approx(forces[side][0].sum(), rel=1e-12)
         assert found.load == pytest.approx(result.load[0, side], rel=1e-4)
         assert found.load == pytest.approx(found.pressure @ found.areas, rel=0.02)  # normals turn over the ellipse
         assert found.pressure.max() == pytest.approx(found.hertz.pole_pressure, rel=0.10)
 
-    def test_without_load_is_refused(self, case):
-        setup, _, _, forces, _, _, _ = case
-        with pytest.raises(ValueError, match="without load"):
-            contact_pressure(setup.scene, setup.map, 0, setup.patches[0].groove, 0.0 * forces[0][0])
-
     def test_largest_stress_below_the_contact_is_near_hertz(self, case):
         setup, _, _, forces, _, fields, ball = case
         for s in SIDES:
-            h = contact_pressure(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0]).hertz
+            h = recovered.contact_pressure(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0]).hertz
             depth = np.linspace(0.2, 1.6, 57) * min(h.semi_x, h.semi_y)
-            expected = float(hertz_von_mises(h, depth, 0.28).max())
+            expected = float(recovered.hertz_von_mises(h, depth, 0.28).max())
             assert 0.55 * h.pole_pressure < expected < 0.65 * h.pole_pressure
             for piece in (fields[s], ball[s]):
                 assert piece.von_mises.max() == pytest.approx(expected, rel=0.10)
@@ -204,14 +175,9 @@ class TestPressure:
         """On cells that grow faster outside the contact zone, of fewer modes."""
         setup, _, result, forces, _, _, _ = case
         settings = replace(setup.settings, growth=2.5, ball_fine=1.2e-3, modes=12, ball_modes=12)
-        found = pressed_ball(setup.scene, settings, 0, result.load[0], result.contact_angle[0])
+        found = recovered.pressed_ball(setup.scene, settings, 0, result.load[0], result.contact_angle[0])
         assert sorted(found) == list(SIDES)
         for s in SIDES:
-            whole = contact_pressure(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0])
+            whole = recovered.contact_pressure(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0])
             assert found[s].load == pytest.approx(whole.load, rel=1e-4)
             assert found[s].pressure.max() == pytest.approx(whole.pressure.max(), rel=0.05)
-
-    def test_a_ball_without_load_is_refused(self, case):
-        setup = case[0]
-        with pytest.raises(ValueError, match="ball 1 carries no load"):
-            pressed_ball(setup.scene, setup.settings, 0, np.zeros(4), np.zeros(4))

@@ -14,22 +14,21 @@ from rollbench.hifi.elements.assembly import CurvedMap, assemble, faces, nodal_a
 from rollbench.hifi.elements.forms import elasticity, hooke, share
 from rollbench.hifi.elements.pressures import ElementHexHats, contact_weights
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import faces_of, freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
+from rollbench.meshes.fem import freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
 
 E, NU = 210e9, 0.28
 LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)
 LINEAR = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.1, 0.6, 0.9]])
+STRAIN = 0.5 * (LINEAR + LINEAR.T)
+STRESS = LAM * np.trace(STRAIN) * np.eye(3) + 2.0 * MU * STRAIN
 
 
 def straight(kind):
     """The cube, its surface "all" and its six sides named."""
     points, cells = cube(kind, 2)
     faces = boundary_faces(cells, kind)
-    named = {"all": faces}
-    for axis in range(3):
-        for side in (0.0, 1.0):
-            named[f"{axis} {side:g}"] = faces[np.all(np.abs(points[faces][:, :, axis] - side) < 1e-12, axis=1)]
-    return mesh_of(points, cells, kind, named)[0]
+    on = {f"{k} {x}": np.all(np.abs(points[faces][:, :, k] - x) < 1e-12, axis=1) for k in range(3) for x in (0, 1)}
+    return mesh_of(points, cells, kind, {"all": faces} | {name: faces[rows] for name, rows in on.items()})[0]
 
 
 @pytest.fixture(params=KINDS)
@@ -38,36 +37,26 @@ def curved(request):
     return moved(mesh, distorted(points_of(mesh)))
 
 
-def test_fast_assembly_of_a_form_without_symmetry(curved):
-    """Any form in the gradients, its coefficients without a symmetry."""
+def test_fast_assembly_is_scikit_fems_own_and_elasticity_hookes_law(curved, monkeypatch):
+    """Of any form in the gradients, its coefficients without a symmetry; the stiffness is symmetric and sorted, also in
+    chunks of cells."""
     c = np.random.default_rng(0).standard_normal((3, 3, 3, 3))
-    form = BilinearForm(lambda u, v, _: np.einsum("ikjl,ik...,jl...->...", c, grad(u), grad(v)))
-    theirs = form.assemble(space(curved))
-    assert abs(assemble(form, curved) - theirs).max() < 1e-12 * abs(theirs).max()
+    form = elasticity(E, NU)
+    K = assemble(form, curved)
 
-
-def test_fast_assembly_is_scikit_fems_own_and_elasticity_hookes_law(curved):
     def energy(u, v, _):
         strain = sym_grad(u)
         return ddot(LAM * eye(trace(strain), 3) + 2.0 * MU * strain, sym_grad(v))
 
-    form = elasticity(E, NU)
-    ours = assemble(form, curved)
-    for theirs in (form.assemble(space(curved)), BilinearForm(energy).assemble(space(curved))):
-        assert abs(ours - theirs).max() < 1e-12 * abs(theirs).max()
-
-
-def test_stiffness_is_symmetric_and_sorted(curved):
-    K = assemble(elasticity(E, NU), curved)
+    unlike = BilinearForm(lambda u, v, _: np.einsum("ikjl,ik...,jl...->...", c, grad(u), grad(v)))
+    for ours, theirs in ((K, form), (K, BilinearForm(energy)), (assemble(unlike, curved), unlike)):
+        expected = theirs.assemble(space(curved))
+        assert abs(ours - expected).max() < 1e-12 * abs(expected).max()
     assert K.shape == (curved.doflocs.size,) * 2
     assert abs(K - K.T).max() < 1e-15 * abs(K).max()
     assert K.copy().has_sorted_indices
-
-
-def test_chunks_of_cells_change_nothing(curved, monkeypatch):
-    whole = assemble(elasticity(E, NU), curved)
     monkeypatch.setattr(assembly, "CHUNK_BYTES", 1.0)
-    assert abs(whole - assemble(elasticity(E, NU), curved)).max() < 1e-14 * abs(whole).max()
+    assert abs(K - assemble(form, curved)).max() < 1e-14 * abs(K).max()
 
 
 def test_forms_that_the_fast_assembly_cannot_evaluate_are_refused(curved):
@@ -122,11 +111,9 @@ def test_patch_test_on_curved_cells(curved):
     u[loose] = spsolve(K[loose][:, loose].tocsc(), -K[loose][:, held] @ u[held])
     np.testing.assert_allclose(u, exact, atol=1e-12 * abs(exact).max())
     strain = sym_grad(space(curved).interpolate(u))
-    s = 0.5 * (LINEAR + LINEAR.T)
-    np.testing.assert_allclose(strain, np.broadcast_to(s[:, :, None, None], strain.shape), atol=1e-14)
+    np.testing.assert_allclose(strain, np.broadcast_to(STRAIN[:, :, None, None], strain.shape), atol=1e-14)
     stress = hooke(E, NU)(strain)
-    sigma = LAM * np.trace(s) * np.eye(3) + 2.0 * MU * s
-    np.testing.assert_allclose(stress, np.broadcast_to(sigma[:, :, None, None], stress.shape), rtol=1e-9)
+    np.testing.assert_allclose(stress, np.broadcast_to(STRESS[:, :, None, None], stress.shape), rtol=1e-9)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -134,19 +121,14 @@ def test_traction_of_a_constant_stress_is_the_nodal_force(kind):
     """K u = int N sigma n dA for a linear displacement: volume and face integrals agree on flat faces."""
     mesh = straight(kind)
     reaction = assemble(elasticity(E, NU), mesh) @ (points_of(mesh) @ LINEAR.T).ravel()
-    s = 0.5 * (LINEAR + LINEAR.T)
-    sigma = LAM * np.trace(s) * np.eye(3) + 2.0 * MU * s
-    vector = space(mesh).elem
-    total = sum(
-        force(sign * sigma[axis]).assemble(faces(mesh, f"{axis} {side:g}", element=vector))
-        for axis in range(3)
-        for side, sign in ((0.0, -1.0), (1.0, 1.0))
-    )
+    vector, sides = space(mesh).elem, [(k, x) for k in range(3) for x in (0, 1)]
+    total = sum(force((2 * x - 1) * STRESS[k]).assemble(faces(mesh, f"{k} {x}", element=vector)) for k, x in sides)
     np.testing.assert_allclose(total, reaction, atol=1e-12 * abs(reaction).max())
 
 
 def test_loads_and_areas_have_the_right_resultants(curved):
-    """Volume by the divergence theorem, moment of a field of forces, tractions by the nodal areas."""
+    """Volume by the divergence theorem, moment of a field of forces, tractions by the nodal areas, rigid motions as body
+    forces."""
     basis, surface = space(curved, quadrature=None, intorder=6), faces(curved, "all", element=space(curved).elem)
     volume = force(np.array([1.0, 0.0, 0.0])).assemble(basis).reshape(-1, 3)[:, 0].sum()
     around = Functional(lambda w: dot(w.x, w.n) / 3.0).assemble(surface)
@@ -160,13 +142,10 @@ def test_loads_and_areas_have_the_right_resultants(curved):
     assert areas.sum() == pytest.approx(6.0, rel=0.1)
     assert np.abs(np.delete(areas, nodes_on(curved, "all"))).max(initial=0.0) < 1e-15
 
-
-def test_body_forces_that_are_rigid_motions(curved):
     def motion(k):
         return lambda x: rigid_modes(x.reshape(3, -1).T)[:, k].reshape(-1, 3).T.reshape(x.shape)
 
-    basis = space(curved)
-    wanted = np.array([force(motion(k)).assemble(basis) for k in range(6)])
+    wanted = np.array([force(motion(k)).assemble(space(curved)) for k in range(6)])
     np.testing.assert_allclose(rigid_loads(curved), wanted, atol=1e-14 * np.abs(wanted).max())
 
 
@@ -183,31 +162,18 @@ def test_area_of_a_sphere_converges_with_the_fourth_power(kind):
     assert np.log2(errors[0] / errors[1]) > 3.7
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_faces_come_back_in_order(kind):
-    """Corners in a ring, every middle between its neighbours."""
-    mesh = straight(kind)
-    x = points_of(mesh)[faces_of(mesh, "2 1")]
-    corners = 3 if kind[0] == "P" else 4
-    np.testing.assert_allclose(x[..., 2], 1.0)
-    if kind[1] == "2":
-        ring = x[:, :corners]
-        middles = 0.5 * (ring + np.roll(ring, -1, axis=1))
-        np.testing.assert_allclose(x[:, corners : 2 * corners], middles, atol=1e-15)
-
-
 def test_bad_input_is_refused():
     points, cells = cube("Q1", 1)
     with pytest.raises(ValueError, match="inside out"):
         assemble(elasticity(E, NU), mesh_of(points * [1.0, 1.0, -1.0], cells, "Q1")[0])
-    with pytest.raises(ValueError, match=r"needs \(m, 10\)"):
-        mesh_of(points, cells, "P2")
-    with pytest.raises(ValueError, match="'T3' is unknown"):
-        mesh_of(points, cells, "T3")
-    with pytest.raises(ValueError, match="'none' is empty"):
-        mesh_of(points, cells, "Q1", {"none": np.zeros((0, 4), dtype=int)})
-    with pytest.raises(ValueError, match="'skew' lost: 1 of 1"):
-        mesh_of(points, cells, "Q1", {"skew": np.array([[0, 1, 7, 6]])})
+    for kind, named, why in (
+        ("P2", {}, r"needs \(m, 10\)"),
+        ("T3", {}, "'T3' is unknown"),
+        ("Q1", {"none": np.zeros((0, 4), dtype=int)}, "boundary 'none' is empty"),
+        ("Q1", {"skew": np.array([[0, 1, 7, 6]])}, "boundary 'skew' lost: 1 of 1 faces belong to no cell"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            mesh_of(points, cells, kind, named)
     for young, poisson in ((1e-9, 0.3), (E, 0.5 - 1e-9), (E, -1.0 + 1e-9)):
         elasticity(young, poisson)
     for young, poisson in ((-1.0, 0.3), (0.0, 0.3), (E, 0.5), (E, -1.0), (np.nan, 0.3)):
@@ -224,18 +190,20 @@ def test_tensor_grids_of_both_hands(kind):
     np.testing.assert_allclose(np.unique(points_of(left), axis=0), np.unique(points_of(right), axis=0))
 
 
+def with_contact(mesh):
+    """The mesh with its top named."""
+    return mesh.with_boundaries({"contact": mesh.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
+
+
 def contact(kind):
     """A curved block whose top is the contact, and the contact's nodes."""
     if kind == "Q2":
         grid = tensor_grid(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.1]), np.array([0.0, 1.0]), "Q2")
     else:
-        tets = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)])
-        grid = tets.oriented()
-    mesh = grid.with_boundaries({"contact": grid.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
-    x = points_of(mesh)
-    return moved(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes_on(
-        mesh, "contact"
-    )
+        grid = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)]).oriented()
+    mesh = with_contact(grid)
+    x, nodes = points_of(mesh), nodes_on(mesh, "contact")
+    return moved(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes
 
 
 @pytest.mark.parametrize("kind", ["P1", "Q2"])
@@ -248,29 +216,29 @@ def test_contact_weights_are_partitions_of_the_area(kind):
     if kind == "P1":
         np.testing.assert_allclose(W, W.T, atol=1e-15)
         return
-    hats = faces(mesh, "contact", element=ElementHexHats(), quadrature=_fine())
+    x, w = _halves(8)
+    fine = np.stack(np.meshgrid(x, x, indexing="ij")).reshape(2, -1), np.outer(w, w).ravel()
+    hats = faces(mesh, "contact", element=ElementHexHats(), quadrature=fine)
     np.testing.assert_allclose(W.sum(axis=1), share().assemble(hats)[nodes], rtol=1e-6)
     mass = BilinearForm(lambda u, v, _: u * v)
-    alike = faces(mesh, "contact", quadrature=_fine())
+    alike = faces(mesh, "contact", quadrature=fine)
     np.testing.assert_allclose(products(alike, hats).toarray(), mass.assemble(alike, hats).toarray(), atol=1e-15)
 
 
-def _fine():
-    """64 Gauss points on every quarter of a face."""
-    x, w = leggauss(8)
+def _halves(count):
+    """Gauss points on either half of an interval, and their weights."""
+    x, w = leggauss(count)
     x, w = 0.25 * (x + 1.0), 0.25 * w
-    x, w = np.concatenate([x, x + 0.5]), np.concatenate([w, w])
-    return np.stack(np.meshgrid(x, x, indexing="ij")).reshape(2, -1), np.outer(w, w).ravel()
+    return np.concatenate([x, x + 0.5]), np.concatenate([w, w])
 
 
 def test_contact_weights_of_a_flat_square():
     """One face: hats and biquadratic functions by hand; a bilinear pressure is weighed exactly."""
-    mesh = tensor_grid(*3 * [np.array([0.0, 1.0])], "Q2")
-    mesh = mesh.with_boundaries({"contact": mesh.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
+    mesh = with_contact(tensor_grid(*3 * [np.array([0.0, 1.0])], "Q2"))
     nodes = nodes_on(mesh, "contact")
     W = contact_weights(mesh, nodes).toarray()
     x = points_of(mesh)[nodes]
-    h, q = _interval()
+    h, q = _halves(4)
     hats = [lambda s: np.maximum(1 - 2 * s, 0), lambda s: 1 - np.abs(2 * s - 1), lambda s: np.maximum(2 * s - 1, 0)]
     quad = [lambda s: (1 - s) * (1 - 2 * s), lambda s: 4 * s * (1 - s), lambda s: s * (2 * s - 1)]
     one = np.array([[(a(h) * b(h)) @ q for b in quad] for a in hats])
@@ -282,8 +250,3 @@ def test_contact_weights_of_a_flat_square():
     total = W.T @ p
     assert total.sum() == pytest.approx(1.0 + 1.0 - 0.5 + 0.125, rel=1e-12)
     assert total @ x[:, 0] == pytest.approx(0.5 + 2.0 / 3.0 - 0.25 + 0.5 / 6.0, rel=1e-12)
-
-
-def _interval():
-    x, w = leggauss(4)
-    return np.concatenate([0.25 * (x + 1.0), 0.25 * (x + 3.0)]), np.concatenate([0.25 * w, 0.25 * w])

@@ -75,7 +75,7 @@ def test_3d_shafts_converge_to_it() -> None:
 
 
 def test_impossible_dimensions_are_refused() -> None:
-    with pytest.raises(ValueError, match="overlap"):
-        helical_stiffness(GrooveMap.of(replace(SCENE, track=replace(SCENE.track, starts=4))), LAND, 0.0, STEEL)
-    with pytest.raises(ValueError, match="bore cuts"):
-        helical_stiffness(MAP, LAND, LAND - 1e-3, STEEL)
+    four = GrooveMap.of(replace(SCENE, track=replace(SCENE.track, starts=4)))
+    for m, bore, why in ((four, 0.0, "overlap"), (MAP, LAND - 1e-3, "bore cuts")):
+        with pytest.raises(ValueError, match=why):
+            helical_stiffness(m, LAND, bore, STEEL)

@@ -8,7 +8,6 @@ from tests.two_balls import SMALL
 from tests.unit.statics.test_one_arc import bearing
 
 from rollbench.comparison.reference.tasks import needed_sides
-from rollbench.hifi.bodies import submodel
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -21,8 +20,8 @@ COARSE = replace(SMALL, b_over_h=1.0, semi=(0.9e-3, 0.2e-3), reach=(1.1e-3, 0.2e
 
 
 @pytest.mark.slow
-def test_loads_are_those_of_elastic_rings(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(submodel, "REALISATIONS", 1)
+@pytest.mark.usefixtures("_one_submodel")
+def test_loads_are_those_of_elastic_rings() -> None:
     scene = bearing(0.01, 0.0, 0.0)
     scene = replace(
         scene,

@@ -15,30 +15,16 @@ LOADS = np.geomspace(20.0, 600.0, 64)
 
 def bodies(local):
     """Two sides of a ring whose own approaches are given."""
-    k = len(local)
-    return CondensedBodies(
-        "none",
-        1,
-        np.array([0.0, 3.0]),
-        0.0,
-        np.eye(2),
-        np.eye(2),
-        np.eye(k),
-        np.array(local),
-        np.tile(FORCES, (k, 1)),
-        np.array([C, 2.0 * C]),
-    )
+    given = np.array(local), np.tile(FORCES, (len(local), 1)), np.array([C, 2.0 * C])
+    return CondensedBodies("none", 1, np.array([0.0, 3.0]), 0.0, np.eye(2), np.eye(2), np.eye(len(local)), *given)
 
 
-def test_the_law_of_a_side_is_found_again_whatever_the_force():
+def test_the_law_of_a_side_is_found_again_whatever_the_force_and_scatter_is_a_share_of_the_approach():
     law = [(-2e-9, 9e-12), (1e-10, -3e-11)]
     found = bodies([e + h * np.cbrt(FORCES) for e, h in law])
     for side, expected in zip((0, 3), law, strict=True):
         assert found.own_law(side) == pytest.approx(expected, rel=1e-9)
         assert found.scatter(side) < 1e-12
-
-
-def test_scatter_is_a_share_of_the_approach():
     wave = 0.002 * np.where(np.arange(FORCES.size) % 2, 1.0, -1.0) * C * np.cbrt(1.0 / FORCES)
     found = bodies([-2e-9 + wave, -2e-9 + wave])
     assert found.scatter(0) == pytest.approx(0.002, rel=0.05)
@@ -51,8 +37,7 @@ def test_scatter_is_a_share_of_the_approach():
 def test_contacts_on_springs():
     """Springs of their own: each carries what the approach closes beyond its gap."""
     rng = np.random.default_rng(3)
-    n = 40
-    springs, gap, close = rng.uniform(1e-9, 2e-9, n), rng.uniform(0.0, 2e-6, n), rng.uniform(0.9, 1.0, n)
+    springs, gap, close = (rng.uniform(*ends, 40) for ends in ((1e-9, 2e-9), (0.0, 2e-6), (0.9, 1.0)))
     loads = np.geomspace(1.0, 1e4, 5)
     found, closed = approaches(np.diag(springs), gap, close, loads)
     for load, approach, pairs in zip(loads, found, closed, strict=True):
@@ -74,10 +59,9 @@ def test_the_wave_is_periodic_in_the_place_and_follows_hertz_beyond_its_forces()
     places = np.array([[0.3, 0.1], [7.3, -0.9], [-0.7, 4.1], [0.3, 0.6], [0.3, 0.1]])
     centres = wave.middle + (places * cell) @ directions
     found = wave.at(force, centres)
-    expected = 1e-9 * (np.cos(0.6 * np.pi) + 0.3 * np.sin(0.2 * np.pi)) * np.log(8.0)
-    assert found[:3] == pytest.approx(np.full(3, expected), abs=4e-3 * 1e-9 * np.log(8.0))
-    other = 1e-9 * (np.cos(0.6 * np.pi) - 0.3 * np.sin(0.2 * np.pi)) * np.log(18.0)
-    assert found[3] == pytest.approx(other, abs=4e-3 * 1e-9 * np.log(18.0))
+    for k, sign, grown in ((slice(3), 1.0, np.log(8.0)), (slice(3, 4), -1.0, np.log(18.0))):
+        expected = 1e-9 * (np.cos(0.6 * np.pi) + sign * 0.3 * np.sin(0.2 * np.pi)) * grown
+        assert found[k] == pytest.approx(np.full(len(found[k]), expected), abs=4e-3 * 1e-9 * grown)
     assert found[4] == 0.0
     off = centres + 3e-3 * np.array([1.0, 0.0, 0.0])  # along the normal: the same place
     assert wave.at(force, off) == pytest.approx(found, rel=1e-9)
@@ -91,12 +75,9 @@ def law(loads):
     return 1e-8 * sum(factor * loads ** (2.0 / 3.0 + power) for factor, power in parts)
 
 
-def test_a_law_of_its_own_powers_stays():
-    assert smooth(LOADS, law(LOADS)) == pytest.approx(law(LOADS), rel=1e-12)
-
-
 def test_waves_go_and_the_law_stays():
     """Nodes that the ellipse's edge passes come at equal steps of F^(1/3): of a wave of 0.1 % a twentieth is left."""
+    assert smooth(LOADS, law(LOADS)) == pytest.approx(law(LOADS), rel=1e-12)
     wave = 1e-3 * np.sin(2.0 * np.pi * 2.5 * np.cbrt(LOADS))
     found = smooth(LOADS, law(LOADS) * (1.0 + wave)) / law(LOADS) - 1.0
     inner = slice(6, -6)

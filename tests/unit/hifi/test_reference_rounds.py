@@ -70,10 +70,8 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
 
 def test_what_is_left_is_the_rest_of_a_geometric_series():
     loads = [np.array([[10.0 - 4.0 * 0.25**k, 5.0]]) for k in range(4)]
-    assert reference.left_over(loads[:3]) == pytest.approx(10.0 - loads[2][0, 0])
-    assert reference.left_over(loads) == pytest.approx(10.0 - loads[3][0, 0])
-    assert reference.left_over(loads[:2]) == pytest.approx(99.0 * 3.0)
-    assert reference.left_over(loads[:1]) == np.inf
+    left = {1: np.inf, 2: 99.0 * 3.0, 3: 10.0 - loads[2][0, 0], 4: 10.0 - loads[3][0, 0]}
+    assert {k: reference.left_over(loads[:k]) for k in left} == pytest.approx(left)
     assert reference.left_over([loads[0]] * 2) == 0.0
 
 
@@ -106,7 +104,7 @@ def test_frozen_loads_are_found_on_the_way_at_less_than_half_of_their_work(small
     still = reference.solve_reference(small, small.scene, updates=0)
     again = work["factors"] - alone
     assert work["from nothing"] == 2
-    work.update(dict.fromkeys(work, 0))
+    work |= dict.fromkeys(work, 0)
     found = reference.solve_reference(small, small.scene, frozen=True)
     np.testing.assert_array_equal(found.load, moving.load)
     np.testing.assert_array_equal(found.frozen, still.load)

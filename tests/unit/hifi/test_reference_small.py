@@ -8,7 +8,6 @@ from tests.two_balls import SMALL
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi import coupling, reference, setup
-from rollbench.hifi.bodies import submodel
 from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -28,7 +27,8 @@ def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small
     assert not np.allclose(one.G, shaft, rtol=1e-6, atol=0.0)
 
 
-def test_balance_and_no_force_along_the_groove(small):
+def test_balance_and_that_what_is_left_out_changes_the_answer(small):
+    """No force acts along the groove; a wrong name is refused."""
     result = reference.solve_reference(small, small.scene)
     assert result.status == "converged"
     assert result.balance < 1e-8
@@ -38,11 +38,17 @@ def test_balance_and_no_force_along_the_groove(small):
     axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(m.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
     assert (result.load[:, [1, 2]] == 0.0).all()
+    for name in reference.INGREDIENTS:
+        other = reference.solve_reference(small, small.scene, leave_out=frozenset([name]))
+        assert other.status == "converged"
+        assert np.abs(other.load - result.load).max() > 1e-6 * result.load.max(), name
+    with pytest.raises(ValueError, match="unknown"):
+        reference.solve_reference(small, small.scene, leave_out=frozenset(["elastic ball"]))
 
 
-def test_two_opposite_balls_without_lead_carry_the_same(monkeypatch):
+@pytest.mark.usefixtures("_one_submodel")
+def test_two_opposite_balls_without_lead_carry_the_same():
     """A ring free to tilt on two opposite balls: statics alone divides the load."""
-    monkeypatch.setattr(submodel, "REALISATIONS", 1)
     s = catalogue.scene("bearing-9")
     scene = replace(
         s,
@@ -50,36 +56,16 @@ def test_two_opposite_balls_without_lead_carry_the_same(monkeypatch):
         loads=(Load(8e-3, (0.0, 0.0, 600.0)),),
         supports=(Support(8e-3, (("uy", 0.0), ("rx", 0.0), ("rz", 0.0))),),
     )
-    ratio = s.balls.radius / 2.778e-3
-    settings = replace(
-        SMALL,
-        semi=(1.0e-3, 0.3e-3),
-        reach=(1.0e-3, 0.3e-3),
-        fine=3e-3 * ratio,
-        coarse=12e-3 * ratio,
-        ball_fine=1e-3 * ratio,
-        ball_coarse=2e-3 * ratio,
-        own_sizes=(3e-3 * ratio, 12e-3 * ratio),
-        own_ball_sizes=(1e-3 * ratio, 2e-3 * ratio),
-        modes=16,
-        ball_modes=16,
-    )
+    names, ratio = ("fine", "coarse", "ball_fine", "ball_coarse"), s.balls.radius / 2.778e-3
+    sizes = {name: ratio * getattr(SMALL, name) for name in names}
+    own = {"own_sizes": (sizes["fine"], sizes["coarse"]), "own_ball_sizes": (sizes["ball_fine"], sizes["ball_coarse"])}
+    settings = replace(SMALL, semi=(1.0e-3, 0.3e-3), reach=(1.0e-3, 0.3e-3), modes=16, ball_modes=16, **sizes, **own)
     set_up = setup.prepare(scene, (0, 3), settings)
     result = reference.solve_reference(set_up, scene)
     assert result.status == "converged"
     load = result.load[:, [0, 3]]
     assert np.ptp(load) < 1e-6 * load.mean()
     assert load.mean() * 2.0 * np.sin(result.contact_angle[0, 0]) == pytest.approx(600.0, rel=5e-3)
-
-
-def test_what_is_left_out_changes_the_answer_and_a_wrong_name_is_refused(small):
-    full = reference.solve_reference(small, small.scene)
-    for name in reference.INGREDIENTS:
-        other = reference.solve_reference(small, small.scene, leave_out=frozenset([name]))
-        assert other.status == "converged"
-        assert np.abs(other.load - full.load).max() > 1e-6 * full.load.max(), name
-    with pytest.raises(ValueError, match="unknown"):
-        reference.solve_reference(small, small.scene, leave_out=frozenset(["elastic ball"]))
 
 
 def test_ball_errors_and_lost_contact(small):

@@ -1,11 +1,13 @@
 """Condensed bodies of two balls against one mesh of the whole: compliances, loads, approaches."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from scipy.linalg import block_diag
+from tests.helpers import sockets_of
 from tests.two_balls import SMALL
 
 from rollbench.hifi import condensed, contact_kinematics, coupling, reference
@@ -28,10 +30,10 @@ from rollbench.meshes.sockets import local_points
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
 
-def whole(body, patches, material, reduce):
+def whole(body, patches, material, held):
     """Compliance of the hats from one mesh of the body and all its patches, tied node by node.
 
-    patches: (mesh, rows of the hats, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
+    patches: (mesh, rows of the hats, socket's nodes, rotation); held: the body's freedoms by those that are free.
     """
     E, nu = material.youngs_modulus, material.poissons_ratio
     blocks, columns, loads = [assemble(elasticity(E, nu), body)], [], []
@@ -52,18 +54,15 @@ def whole(body, patches, material, reduce):
         start += 3 * len(inner)
     C = sp.vstack(columns).tocsr()
     K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
-    T = sp.block_diag([reduce(size), sp.identity(total - size)]).tocsc()
+    T = sp.block_diag([held, sp.identity(total - size)]).tocsc()
     return compliance((T.T @ K @ T).tocsc(), sp.vstack(loads) @ T)
 
 
 def patch(small, meshes, side, *, ball=False):
     """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
     body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
-    place = (
-        ball_place(small.map, meshes.size, side, meshes.zone)[1]
-        if ball
-        else (lambda xi: local_points(small.map, meshes.size, side, xi))
-    )
+    in_groove = partial(local_points, small.map, meshes.size, side)
+    place = ball_place(small.map, meshes.size, side, meshes.zone)[1] if ball else in_groove
     mesh = part_meshes.patch_mesh(meshes, body.sockets[side], place, SMALL)
     carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
     centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
@@ -73,30 +72,18 @@ def patch(small, meshes, side, *, ball=False):
 
 def bodies(small, meshes):
     """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
-    places = {
-        s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)] for s in (0, 3)
-    }
-    out = {}
-    for name, side, mesh, material in (
-        ("screw", 0, meshes.screw, small.scene.screw.material),
-        ("nut", 3, meshes.nut, small.scene.nut.material),
+    out, scene, high = {}, small.scene, small.dims.ends(small.scene)[1]
+    for name, side, mesh, material, held in (
+        ("screw", 0, meshes.screw, scene.screw.material, responses.screw_transform(meshes.screw, small.dims, high)),
+        ("nut", 3, meshes.nut, scene.nut.material, responses.nut_transform(meshes.nut, small.dims)),
     ):
         groove, hats = patch(small, meshes, side)
-        parts = [(groove, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
-        if name == "screw":
-            reduce = lambda _, m=mesh: responses.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
-        else:
-            reduce = lambda _, m=mesh: responses.nut_transform(m, small.dims)  # noqa: E731
-        out[name] = whole(mesh.mesh, parts, material, reduce)
+        parts = [(groove, hats, s.nodes, s.rotation) for s in placed(mesh, sockets_of(scene, (side,)))]
+        out[name] = whole(mesh.mesh, parts, material, held)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
-    held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
-    out["ball"] = whole(
-        meshes.ball.mesh,
-        parts,
-        small.scene.balls.material,
-        lambda size: sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)],
-    )
-    return out
+    held, size = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts])), meshes.ball.mesh.doflocs.size
+    free = sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
+    return out | {"ball": whole(meshes.ball.mesh, parts, scene.balls.material, free)}
 
 
 @pytest.fixture(scope="module")

@@ -13,16 +13,6 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import bodies, static_patches, verification
 from rollbench.hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
-from rollbench.hifi.rolling.bodies import (
-    Place,
-    Sizes,
-    ball_kernel,
-    bar_kernel,
-    contact_kernel,
-    forget_kernels,
-    of_groove,
-    patch_kernels,
-)
 from rollbench.hifi.rolling.patch import grid, hertz_patch, influence, seen_radii
 from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
 from rollbench.hifi.rolling.scenes import along_radius
@@ -37,7 +27,7 @@ pytestmark = pytest.mark.xdist_group("helped by processes")
 E, NU, R = 210e9, 0.28, 5e-3
 RADII = (R, 46.667e-3)
 ZONE = Zone((0.1e-3, 0.4e-3), (2, 2), 3.0)
-COARSE = Sizes(cells=(2, 2), growth=3.0, degree=2)
+COARSE = bodies.Sizes(cells=(2, 2), growth=3.0, degree=2)
 ROUND = (0.0, 0.0)
 
 
@@ -52,18 +42,12 @@ def coarse_pieces():
 
 @cache
 def kernel():
-    return contact_kernel(Place(R, RADII, 0.25 * np.pi, None), 100.0, E, NU, COARSE)
+    return bodies.contact_kernel(bodies.Place(R, RADII, 0.25 * np.pi, None), 100.0, E, NU, COARSE)
 
 
 def half_space_kernel(zone, size, degree):
     body = half_space(size, zone)
     return half_space_answer(body, tractions(body, zone, degree, ROUND), E, NU)
-
-
-def block(M, rows, columns):
-    """Block of directions, constant and linear loads and motions."""
-    k = len(M) // 3
-    return M.reshape(3, k, 3, k)[rows, :3, columns, :3]
 
 
 def test_a_block_with_its_cut_moved_becomes_a_half_space():
@@ -88,18 +72,12 @@ def test_a_block_with_its_cut_moved_becomes_a_half_space():
     assert np.all(np.log(diagonal[:-1] / diagonal[1:]) / np.log([[1.5], [4.0 / 3.0]]) > 1.4)
 
 
-def test_loads_have_the_resultants_of_their_tractions():
+def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_ball_does_no_work_on_its_answers():
     """The constant traction's forces sum to one along its own direction, the linear ones' to nothing."""
     body = whole_ball(R, ZONE)
-    rows = tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3)
-    sums = rows.sum(axis=2)
+    sums = tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
     assert sums == pytest.approx(np.einsum("k,dx->dkx", [1.0, 0.0, 0.0], np.eye(3)), abs=1e-9)
-
-
-def test_a_motion_of_the_whole_ball_does_no_work_on_its_answers():
-    body = whole_ball(R, ZONE)
-    rows = tractions(body, ZONE, 1, (100.0, 90.0))
-    M = free_answer(body, rows, E, NU)
+    M = free_answer(body, tractions(body, ZONE, 1, (100.0, 90.0)), E, NU)
     assert pytest.approx(M.T, rel=1e-9, abs=1e-14 * np.abs(M).max()) == M  # reciprocity
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
 
@@ -110,7 +88,7 @@ def test_kernels_are_mirror_images_in_x():
     assert np.array_equal(k.M, k.even.M)
     assert np.array_equal(k.turned.turned.M, k.M)
     assert np.abs(k.turned.M - k.M).max() > 1e-4 * np.abs(k.M).max()  # the groove's bottom lies on one side
-    bare = bar_kernel(Groove(R, 1.12 * R, 0.8, 1.4, 0.0), 5.0 * R, ZONE, ROUND, E, NU, 2)
+    bare = bodies.bar_kernel(Groove(R, 1.12 * R, 0.8, 1.4, 0.0), 5.0 * R, ZONE, ROUND, E, NU, 2)
     assert np.abs(bare.M - bare.even.M).max() < 1e-6 * np.abs(bare.M).max()
 
 
@@ -119,10 +97,9 @@ def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     scene = linear_pair()
     touches = [t for _, _, t in touching(scene)]
     here = [kernel_of(scene, t, COARSE).M for t in touches]
-    forget_kernels()
-    assert prepare_bodies((scene, scene), COARSE, 1) == 0.0  # later, where they are needed
-    assert prepare_bodies((scene, scene), COARSE, 2) > 0.0
-    assert prepare_bodies((scene, scene), COARSE, 2) == 0.0
+    bodies.forget_kernels()
+    spent = [prepare_bodies((scene, scene), COARSE, k) for k in (1, 2, 2)]
+    assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
     monkeypatch.setattr(bodies, "whole_ball", None)  # nothing is meshed any more
     monkeypatch.setattr(bodies, "grooved_bar", None)
     there = np.array([kernel_of(scene, t, COARSE).M for t in touches])
@@ -133,7 +110,7 @@ def test_large_bodies_are_half_spaces():
     """What bodies of size s add to constant tractions is (A + B ln s)/s: s times it grows by the same for every fourfold
     size, and the observed order lies below one and rises to it as 1 - 1/ln s does."""
     whole = half_space_kernel(ZONE, R, 1).diagonal()[[0, 3, 6]]
-    balls = [f * ball_kernel(f * R, ZONE, ROUND, E, NU, 1).M.diagonal()[[0, 3, 6]] / whole for f in (1.0, 4.0, 16.0)]
+    balls = [f * bodies.ball_kernel(f * R, ZONE, ROUND, E, NU, 1).M.diagonal()[[0, 3, 6]] / whole for f in (1.0, 4.0, 16.0)]
     first, second = np.diff(balls, axis=0)
     assert second[:2] == pytest.approx(first[:2], rel=0.12)  # along tangents
     assert abs(second[2]) < 0.2 * abs(second[0])  # along the normal B is small
@@ -149,20 +126,23 @@ def ring():
     """The nut's or outer groove of a ring of seven ball radii, its kernels as the static reference's patches and as bodies
     of tensor grids have them."""
     angle, curve = 0.8, (7.0 * R, 0.0)
-    at = Place(R, (along_radius(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
+    at = bodies.Place(R, (along_radius(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
     zone, rest = at.zone(128.0, E, NU, COARSE), (at.bends, E, NU, 1)
-    patches = patch_kernels(Curve(*curve), (R, at.arc), angle, zone, *rest, outer=True)
-    bodies = bar_kernel(Groove(R, at.arc, angle, 1.4, at.bend), 5.0 * R, zone, *rest), ball_kernel(R, zone, *rest)
-    return at, zone, patches, bodies
+    patches = bodies.patch_kernels(Curve(*curve), (R, at.arc), angle, zone, *rest, outer=True)
+    grids = (
+        bodies.bar_kernel(Groove(R, at.arc, angle, 1.4, at.bend), 5.0 * R, zone, *rest),
+        bodies.ball_kernel(R, zone, *rest),
+    )
+    return at, zone, patches, grids
 
 
 def test_patches_of_the_static_reference_answer_as_other_meshes_of_the_same_bodies():
     """Linear tractions and motions, whose strains rolling feels, over a half space's; in all three directions."""
-    _, zone, patches, bodies = ring()
+    _, zone, patches, grids = ring()
     whole = half_space_kernel(zone, R, 1)
     scale = np.sqrt(np.outer(whole.diagonal(), whole.diagonal()))
     mixed = [1, 2, 4, 5, 7, 8]
-    for patch, body in zip(patches, bodies, strict=True):
+    for patch, body in zip(patches, grids, strict=True):
         difference = (np.abs(patch.M - body.M) / scale)[:, mixed]
         assert difference.max() < 5e-3
         assert (np.abs(body.M) / scale)[:, mixed].max() > 2e-2
@@ -171,15 +151,11 @@ def test_patches_of_the_static_reference_answer_as_other_meshes_of_the_same_bodi
 def test_patches_answer_for_every_flank_and_hand():
     """Of a helix: the mirror image of the left-hand one."""
     angle, zone = 0.8, Zone((0.06e-3, 0.3e-3), (2, 2), 3.0)
-    found = [
-        patch_kernels(Curve(6.0 * R, h * 1.2 * R), (R, 1.12 * R), angle, zone, (100.0, 90.0), E, NU, 1, outer=False)[0]
-        for h in (1, -1)
-    ]
+    given = (R, 1.12 * R), angle, zone, (100.0, 90.0), E, NU, 1
+    right, left = (bodies.patch_kernels(Curve(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M for h in (1, -1))
     odd = np.array([1.0, -1.0, 1.0])
     signs = np.concatenate([-odd, odd, odd])
-    mirrored = found[1].M * np.outer(signs, signs)
-    assert np.abs(mirrored - found[0].M).max() < 0.02 * np.abs(found[0].M).max()
-    assert np.abs(found[1].M - found[0].M).max() > 0.02 * np.abs(found[0].M).max()
+    assert np.abs(left * np.outer(signs, signs) - right).max() < 0.02 * np.abs(right).max() < np.abs(left - right).max()
 
 
 def test_without_motion_rolling_presses_as_the_static_reference_does():
@@ -219,17 +195,16 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     motions[3] += 5.0 * np.abs(motions).max()
     spun = replace(found, friction=replace(found.friction, motions=motions))
     force, loss = rubbing(replace(scene, young=1e-5 * scene.young), spun, 0)
-    assert force < 0.9
-    assert loss > 1.1
+    assert force < 0.9 < 1.1 < loss
 
 
 def test_like_balls_are_not_pushed_sideways_by_what_presses_them():
     """Normal forces move both surfaces alike along tangents; tangential ones move them apart."""
-    whole = two_balls(20e-3, 0.2e-3, E, NU, COARSE).M
-    k = len(whole) // 3
-    one = ball_kernel(
-        20e-3, Zone((COARSE.margin * 0.2e-3,) * 2, COARSE.cells, COARSE.growth), ROUND, E, NU, COARSE.degree
-    ).M
+    whole, zone = (
+        two_balls(20e-3, 0.2e-3, E, NU, COARSE).M,
+        Zone((COARSE.margin * 0.2e-3,) * 2, COARSE.cells, COARSE.growth),
+    )
+    k, one = len(whole) // 3, bodies.ball_kernel(20e-3, zone, ROUND, E, NU, COARSE.degree).M
     assert np.abs(one[: 2 * k, 2 * k :]).max() > 1e-3 * np.abs(one).max()
     assert np.array_equal(whole[: 2 * k, 2 * k :], np.zeros((2 * k, k)))
     assert whole[: 2 * k, : 2 * k] == pytest.approx(2.0 * one[: 2 * k, : 2 * k])
@@ -243,16 +218,13 @@ def test_a_half_space_beside_a_body_has_its_zone():
     assert 0.97 < other[1] / same[1] < 0.985
 
 
-def test_a_bent_bar_is_a_ring():
+def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
     """Curvature of its surface along the track at the contact, concave and convex."""
     for bend in (20.0, -20.0):
         body = grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, bend), 2.0 * R, ZONE)
         p = points_of(body.mesh)[body.contact]
         x, z = p[np.abs(p[:, 1]) < 1e-9][:, [0, 2]].T
         assert z == pytest.approx(-0.5 * bend * x**2, rel=1e-3, abs=1e-12)
-
-
-def test_zones_and_bars_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="does not fit"):
         whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
     with pytest.raises(ValueError, match="thicker than its ring"):
@@ -260,19 +232,16 @@ def test_zones_and_bars_that_do_not_fit_are_refused():
 
 
 def test_a_groove_s_own_answers_are_those_of_the_other_sense_along_tangents():
-    """Tangential motions by tangential forces, and normal by normal ones, keep their sign; turned round twice all do."""
+    """Tangential motions by tangential forces, and normal by normal ones, keep their sign; turned round twice all do. Those
+    of other monomials do not add."""
     k = 4
     added = np.random.default_rng(3).normal(size=(3 * k, 3 * k))
     zone = SimpleNamespace(half=(1.0, 1.0))
-    turned = of_groove(added, zone, 1).M
-    assert pytest.approx(added, rel=1e-14) == of_groove(turned, zone, 1).M
+    turned = bodies.of_groove(added, zone, 1).M
+    assert pytest.approx(added, rel=1e-14) == bodies.of_groove(turned, zone, 1).M
     tangents, normal = slice(0, 2 * k), slice(2 * k, None)
-    assert turned[tangents, tangents] == pytest.approx(added[tangents, tangents], rel=1e-14)
-    assert turned[normal, normal] == pytest.approx(added[normal, normal], rel=1e-14)
-    assert turned[tangents, normal] == pytest.approx(-added[tangents, normal], rel=1e-14)
-
-
-def test_kernels_of_other_monomials_do_not_add():
+    for rows, columns, sign in ((tangents, tangents, 1.0), (normal, normal, 1.0), (tangents, normal, -1.0)):
+        assert turned[rows, columns] == pytest.approx(sign * added[rows, columns], rel=1e-14)
     with pytest.raises(ValueError, match="same monomials"):
         Regular(np.zeros((3, 3)), (1.0, 1.0), 0) + Regular(np.zeros((9, 9)), (1.0, 1.0), 1)
 
@@ -297,6 +266,7 @@ def test_pressure_of_finite_bodies_is_that_of_the_half_spaces_they_are_seen_as()
 
 
 def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
+    """Mated grooves have no force by symmetry; a groove whose bottom is unknown is refused."""
     scene = linear_pair()
     half, finite = (solve_rolling(scene, Choices((10, 12), bodies=b)) for b in (None, COARSE))
     assert finite.converged
@@ -305,11 +275,10 @@ def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
     assert finite.force[0] != pytest.approx(half.force[0], rel=1e-5)
     rigid = [solve_rolling(scene, Choices((10, 12), NEARLY_RIGID, bodies=b)) for b in (None, COARSE)]
     assert abs(rigid[1].speed[0] / rigid[0].speed[0] - 1.0) < abs(finite.speed[0] / half.speed[0] - 1.0) + 1e-4
-
-
-def test_mated_grooves_on_finite_bodies_have_no_force_by_symmetry():
-    found = solve_rolling(linear_pair(mated=True), Choices((10, 12), bodies=COARSE))
-    assert found.force[0] < 1e-9
+    assert solve_rolling(linear_pair(mated=True), Choices((10, 12), bodies=COARSE)).force[0] < 1e-9
+    bare = replace(scene.balls[0], touches=tuple(replace(t, bottom=None) for t in scene.balls[0].touches))
+    with pytest.raises(ValueError, match="bottom"):
+        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), Choices((6, 6), bodies=COARSE))
 
 
 def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
@@ -321,10 +290,3 @@ def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
     assert short[0].loss != pytest.approx(short[1].loss, rel=1e-5)
     with pytest.raises(ValueError, match="beyond the zone"):
         run_from_rest(scene, 0.1, 10, 0.0, finite)
-
-
-def test_a_groove_whose_bottom_is_unknown_is_refused():
-    scene = linear_pair()
-    bare = replace(scene.balls[0], touches=tuple(replace(t, bottom=None) for t in scene.balls[0].touches))
-    with pytest.raises(ValueError, match="bottom"):
-        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), Choices((6, 6), bodies=COARSE))

@@ -19,35 +19,27 @@ CREEPS = {
 
 
 @pytest.mark.parametrize("name", list(CREEPS))
-def test_coulomb_holds_in_every_cell_to_round_off(name):
-    found = steady(PATCH, CREEPS[name], MU)
-    assert found.friction.converged
-    q, s = (v.reshape(2, -1) for v in (found.friction.forces[0], found.friction.slips[0]))
-    bound, size, speed = MU * PATCH.normal, np.hypot(*q), np.hypot(*s)
-    stick = found.friction.stick[0]
-    assert np.all(size <= bound * (1.0 + 1e-9))
-    assert np.all(speed[stick] <= 1e-9 * max(speed.max(), 1e-12 + np.abs(CREEPS[name].slip(PATCH.at)).max()))
-    assert size[~stick] == pytest.approx(bound[~stick], rel=1e-9)
-    against = (q * s).sum(axis=0)[~stick] + (size * speed)[~stick]
-    assert np.abs(against).max(initial=0.0) <= 1e-9 * (size * speed).max()
-
-
-@pytest.mark.parametrize("name", list(CREEPS))
-def test_power_put_in_is_dissipated_or_lost_by_the_differences(name):
+def test_coulomb_holds_in_every_cell_to_round_off_and_the_power_put_in_is_lost(name):
+    """Dissipated, or lost by the differences along the flow."""
     creep = CREEPS[name]
     found = steady(PATCH, creep, MU)
     power = -float(found.friction.forces[0] @ creep.slip(PATCH.at))
     assert found.loss >= -1e-9 * power
     assert found.upwind >= 0.0
     assert found.loss + found.upwind == pytest.approx(power, rel=1e-9)
+    assert found.friction.converged
+    q, s = (v.reshape(2, -1) for v in (found.friction.forces[0], found.friction.slips[0]))
+    bound, size, speed = MU * PATCH.normal, np.hypot(*q), np.hypot(*s)
+    stick = found.friction.stick[0]
+    assert np.all(size <= bound * (1.0 + 1e-9))
+    assert np.all(speed[stick] <= 1e-9 * max(speed.max(), 1e-12 + np.abs(creep.slip(PATCH.at)).max()))
+    assert size[~stick] == pytest.approx(bound[~stick], rel=1e-9)
+    against = (q * s).sum(axis=0)[~stick] + (size * speed)[~stick]
+    assert np.abs(against).max(initial=0.0) <= 1e-9 * (size * speed).max()
 
 
-def test_differences_along_the_flow_lose_energy_only():
-    D = PATCH.transport
-    assert np.linalg.eigvalsh(D + D.T)[0] > 0.0
-
-
-def test_the_answer_does_not_depend_on_the_path(monkeypatch):
+def test_differences_lose_energy_only_and_the_answer_does_not_depend_on_the_path(monkeypatch):
+    assert np.linalg.eigvalsh(PATCH.transport + PATCH.transport.T)[0] > 0.0
     creep = CREEPS["spin pole inside"]
     straight = steady(PATCH, creep, MU)
     monkeypatch.setattr(friction, "PATH", tuple(3.0**-k for k in range(8)))

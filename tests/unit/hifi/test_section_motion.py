@@ -22,23 +22,13 @@ SCENE = catalogue.scene("unseen-16x5")
 LENGTH = 48e-3
 
 
-@pytest.fixture(scope="module")
-def shaft():
+def test_a_load_on_a_section_moves_it_as_beam_theory_has_it_and_rigid_motions_are_found_exactly() -> None:
+    """Own flexibility of a section inside: a load on a few nodes of the hole turns these far more than the section."""
     m, radii = GrooveMap.of(SCENE), (dimensions(SCENE).hole, SCENE.screw.outer_diameter / 2.0)
     spec = BodySpec(*radii, m.z0, m.z0 + LENGTH, True, (), SocketSize(0.3, 1e-3, 0.05), 4e-3, 4e-3)
-    return m, build_body(m, spec).mesh
-
-
-def test_rigid_motions_are_found_exactly(shaft) -> None:
-    m, mesh = shaft
-    z = m.z0 + 0.4 * LENGTH
+    mesh, z = build_body(m, spec).mesh, m.z0 + 0.4 * LENGTH
     rows = section_motion(mesh, z) @ rigid_modes(points_of(mesh), np.array([0.0, 0.0, z]))
     np.testing.assert_allclose(rows, np.eye(6), atol=1e-9)
-
-
-def test_a_load_on_a_section_moves_it_as_beam_theory_has_it(shaft) -> None:
-    """Own flexibility of a section inside: a load on a few nodes of the hole turns these far more than the section."""
-    m, mesh = shaft
     z, e = m.z0 + 0.5 * LENGTH, SCENE.screw.material
     K = assemble(elasticity(e.youngs_modulus, e.poissons_ratio), mesh)
     T = end_transform(mesh, m.z0 + LENGTH)

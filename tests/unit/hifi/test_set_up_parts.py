@@ -23,9 +23,7 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, small_cache):
     found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
     assert small_cache.hits == again.misses == 0
     assert small_cache.misses == again.hits > 5
-    assert found.seconds == pytest.approx(small.seconds, rel=0.1), (
-        "the seconds that its stages took when they were made, not those of reading"
-    )
+    assert found.seconds == pytest.approx(small.seconds, rel=0.1), "those of making its stages, not of reading"
     assert min(found.seconds.values()) > 0.0
     np.testing.assert_array_equal(found.ball.G, small.ball.G)
     np.testing.assert_array_equal(found.patches[0].local, small.patches[0].local)
@@ -54,18 +52,16 @@ def test_the_shaft_is_kept_whatever_nut_and_stations_are():
 
 
 def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
-    source_s_mesh = replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
-    here = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(small_cache.root))
-    shared = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(tmp_path), processes=2)
+    given = small.scene, small.sides, replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
+    here = setup.prepare(*given, cache=Cache(small_cache.root))
+    shared = setup.prepare(*given, cache=Cache(tmp_path), processes=2)
     assert shared.others_MB > 100.0
     assert list(shared.seconds) == list(here.seconds)
-    for s in small.sides:
-        np.testing.assert_array_equal(shared.patches[s].local, here.patches[s].local)
-    assert shared.nut is not None
-    np.testing.assert_array_equal(shared.nut.G, here.nut.G)
-    np.testing.assert_array_equal(shared.screw.stretch.F, here.screw.stretch.F)
+    parts = [(*(x.patches[s].local for s in small.sides), x.nut.G, x.screw.stretch.F) for x in (shared, here)]
+    for one, other in zip(*parts, strict=True):
+        np.testing.assert_array_equal(one, other)
     again = Cache(tmp_path)
-    setup.prepare(small.scene, small.sides, source_s_mesh, cache=again)
+    setup.prepare(*given, cache=again)
     assert again.misses == 0
 
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.two_balls import SMALL
 
 from rollbench.comparison.reference.tasks import balls_of
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.bodies import submodel
 from rollbench.hifi.meshing.expected import expected_by_set, expected_contacts
 from rollbench.hifi.meshing.settings import Settings, rounded
 from rollbench.hifi.reference import solve_reference
@@ -18,17 +18,8 @@ from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
 pytestmark = pytest.mark.xdist_group("several sets in 3D")
-COARSE = {
-    "b_over_h": 1.0,
-    "fine": 3e-3,
-    "coarse": 12e-3,
-    "ball_fine": 1.2e-3,
-    "ball_coarse": 2.4e-3,
-    "own_cuts": (3, 2, 3),
-    "own_sizes": (2e-3, 8e-3),
-    "own_ball_sizes": (0.9e-3, 1.8e-3),
-    "cell": 9e-3,
-}
+USUAL = {"modes": Settings.modes, "ball_modes": Settings.ball_modes}
+COARSE = replace(SMALL, b_over_h=1.0, ball_fine=1.2e-3, ball_coarse=2.4e-3, **USUAL)
 LENGTH = 0.4
 BUT_UZ = tuple((name, 0.0) for name in FREEDOMS if name != "uz")
 CUT = catalogue.scene("lin-case1-cut")
@@ -58,11 +49,12 @@ PAIR = Assembly(
     supports=(Support(0.16, BUT_UZ),),
     loads=(Load(0.16, (0.0, 0.0, 300.0)),),
 )
+ALONE = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
 ROLLERS = RollerRow(9, 8e-3, 1e-2, 0.3, 0.03, 1e-2, PARTS.nut.material)
 
 
 @pytest.fixture(scope="module")
-def prepared(tmp_path_factory):
+def prepared(_one_submodel, tmp_path_factory):
     """Set-ups of an assembly on a coarse mesh; parts that were made are kept."""
     kept, cache = {}, Cache(tmp_path_factory.mktemp("several"))
 
@@ -71,14 +63,12 @@ def prepared(tmp_path_factory):
         for of_set, found in zip(bodies_of(assembly), expected_by_set(assembly), strict=True):
             sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
             if (of_set.bodies, sides) not in kept:
-                sizes = Settings(semi=rounded(found.semi()), reach=rounded(found.reach()), **COARSE)
+                sizes = replace(COARSE, semi=rounded(found.semi()), reach=rounded(found.reach()))
                 kept[of_set.bodies, sides] = prepare(of_set.bodies, sides, sizes, cache=cache)
             setups.append(kept[of_set.bodies, sides])
         return setups
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(submodel, "REALISATIONS", 1)
-        yield set_ups
+    return set_ups
 
 
 @pytest.mark.slow
@@ -102,12 +92,10 @@ def test_each_set_carries_what_it_carries_alone(prepared):
 
 @pytest.mark.slow
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
-    one = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
-    (setup,) = prepared(one)
-    (of_set,) = bodies_of(one)
+    (setup,), (of_set,) = prepared(ALONE), bodies_of(ALONE)
     supports, loads = (Support(0.16 - of_set.shift, BUT_UZ),), (Load(0.16 - of_set.shift, (0.0, 0.0, 300.0)),)
     wanted = solve_reference(setup, replace(of_set.parts, supports=supports, loads=loads))
-    found = solve_sets(one, [setup])
+    found = solve_sets(ALONE, [setup])
     np.testing.assert_allclose(found.load, wanted.load, rtol=0.0, atol=1e-12 * wanted.load.max())
     np.testing.assert_allclose(found.centreline, wanted.centreline, rtol=0.0, atol=1e-15)
 
@@ -171,9 +159,8 @@ def test_equal_nuts_have_equal_bodies():
 
 
 def test_expected_contacts_of_one_set_are_those_of_its_scene():
-    one = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
-    alone = replace(one.sets[0].parts, supports=one.supports, loads=one.loads)
-    (found,), wanted = expected_by_set(one), expected_contacts(alone)
+    alone = replace(ALONE.sets[0].parts, supports=ALONE.supports, loads=ALONE.loads)
+    (found,), wanted = expected_by_set(ALONE), expected_contacts(alone)
     np.testing.assert_array_equal(found.load, wanted.load)
     pressed = expected_by_set(replace(PAIR, loads=()))
     assert [e.sides() for e in pressed] == [(0, 3), (1, 2)]

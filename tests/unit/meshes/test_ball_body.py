@@ -15,6 +15,7 @@ from rollbench.meshes.quality import scaled_jacobians
 from rollbench.meshes.sockets import SocketSize, local_points
 
 FOUR = (0, 1, 2, 3)
+MAP = GrooveMap.of(small_screw(2))
 
 
 def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
@@ -39,8 +40,7 @@ def test_rays_of_a_ball_pass_through_the_groove(side):
 @pytest.mark.parametrize("end", [-1.0, 1.0])
 @pytest.mark.parametrize("gamma", [0.13, 0.3, 0.6])
 def test_ends_of_a_ball_socket_are_plane_and_never_fold(gamma, end):
-    m = GrooveMap.of(small_screw(2))
-    (socket,) = ball_sockets((0,), gamma=gamma)
+    m, (socket,) = MAP, ball_sockets((0,), gamma=gamma)
     line = np.linspace(-1.0, 1.0, 11)
     at_end = rays(m, socket, np.stack([line, 0.0 * line, 0.0 * line + end], axis=1)) @ directions(m, 0)[2]
     np.testing.assert_allclose(at_end, at_end[0], rtol=1e-12)
@@ -50,8 +50,7 @@ def test_ends_of_a_ball_socket_are_plane_and_never_fold(gamma, end):
 
 
 def test_wide_ball_sockets_are_deeper():
-    m = GrooveMap.of(small_screw(2))
-    usual = SocketSize(0.3, 1.2e-3, 0.075)
+    m, usual = MAP, SocketSize(0.3, 1.2e-3, 0.075)
     assert ball_depth(m, usual, 0) == pytest.approx(0.9e-3)
     wide = replace(usual, gamma=0.6)
     depth = ball_depth(m, wide, 0)
@@ -99,13 +98,11 @@ def test_ball(beta, sides):
 
 
 def test_edges_of_a_ball_are_as_long_as_asked():
-    m = GrooveMap.of(small_screw(2))
-    mesh = build_ball(m, ball_sockets((0,)), 0.5e-3, 1.0e-3)
+    mesh = build_ball(MAP, ball_sockets((0,)), 0.5e-3, 1.0e-3)
     faces, _ = outer_faces(mesh.cells)
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [0, 2]]]), axis=1), axis=0)
-    a, b = mesh.points[edges[:, 0]], mesh.points[edges[:, 1]]
-    far = 0.5 * (a + b) @ directions(m, 0)[0] < 0.0
-    length = np.linalg.norm(a - b, axis=1)[far]
+    edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1), axis=0)
+    far = mesh.points[edges].mean(axis=1) @ directions(MAP, 0)[0] < 0.0
+    length = np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)[far]
     assert 0.7e-3 < length.mean() < 1.2e-3
     assert length.max() < 1.8e-3
 

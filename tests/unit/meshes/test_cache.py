@@ -47,6 +47,12 @@ RECIPE = Recipe(np.linspace(0.0, 1.0, 3000), Inner("a", np.eye(3)), {"b": 1, "a"
 SPARSE = sp.random(30, 20, 0.2, random_state=1, format="csr")
 
 
+@pytest.fixture
+def _named_sources(monkeypatch):
+    """Sources of a package are told by its name."""
+    monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
+
+
 def never(build):
     """The same builder by name, which must not be called."""
 
@@ -65,10 +71,18 @@ def numbers(count: int) -> Record:
     return Record(np.arange(count))
 
 
-def same(a: Record, b: Record) -> None:
-    np.testing.assert_array_equal(a.value[0], b.value[0])
-    assert (a.value[1]["a"] != b.value[1]["a"]).nnz == 0
-    assert a.value[2] == b.value[2]
+def answers(store: Cache, build=record, number: int = 1) -> None:
+    """Assert that the cache has that record, whole."""
+    found, expected = store.get(build, (number,), Record).value, record().value
+    np.testing.assert_array_equal(found[0], expected[0])
+    assert (found[1]["a"] != expected[1]["a"]).nnz == 0
+    assert found[2] == expected[2]
+
+
+def built_anew(root: Path) -> None:
+    """Assert that the record is made where its file is no good, and kept."""
+    answers(Cache(root))
+    answers(Cache(root), never(record))
 
 
 def stored(folder: Path) -> list[Path]:
@@ -77,23 +91,20 @@ def stored(folder: Path) -> list[Path]:
 
 def test_a_record_comes_back(tmp_path: Path):
     first = Cache(tmp_path)
-    same(first.get(record, (1,), Record), record())
+    answers(first)
     again = Cache(tmp_path)
-    same(again.get(never(record), (1,), Record), record())
+    answers(again, never(record))
     assert (first.hits, first.misses, again.hits, again.misses) == (0, 1, 1, 0)
     assert len(stored(tmp_path)) == 1
 
 
-def test_a_mesh_comes_back_with_its_names(tmp_path: Path):
+def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path: Path):
     mesh = MeshTet2.from_mesh(MeshTet()).with_boundaries({"end": np.array([0, 1])}).with_subdomains({"all": np.arange(5)})
     Cache(tmp_path).get(Record, (mesh,), Record)
     found = Cache(tmp_path).get(never(Record), (mesh,), Record).value
     np.testing.assert_array_equal(found.doflocs, mesh.doflocs)
     np.testing.assert_array_equal(found.boundaries["end"], [0, 1])
     np.testing.assert_array_equal(found.subdomains["all"], np.arange(5))
-
-
-def test_a_result_of_another_class_is_refused(tmp_path: Path):
     with pytest.raises(TypeError, match="built a float, not a Record"):
         Cache(tmp_path).get(float, (1,), Record)
 
@@ -122,45 +133,37 @@ CHANGES = {
 }
 
 
+@pytest.mark.usefixtures("_named_sources")
 @pytest.mark.parametrize("name", CHANGES)
-def test_any_change_changes_the_key(name, monkeypatch):
-    monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
+def test_any_change_changes_the_key(name):
     key = key_of(record, (RECIPE,), Record)
     assert key == key_of(record, (replace(RECIPE, sizes=RECIPE.sizes.copy()),), Record)
     assert key_of(record, (CHANGES[name],), Record) != key
 
 
-def test_equal_parts_count_the_same_whether_or_not_they_are_one(monkeypatch):
-    monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
-    steel = Inner("steel", np.eye(3))
-    one = key_of(record, (steel, steel), Record)
-    assert one == key_of(record, (steel, Inner("steel", np.eye(3))), Record)
-
-
+@pytest.mark.usefixtures("_named_sources")
 def test_key_covers_builder_class_versions_and_sources(monkeypatch):
-    monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
+    steel = Inner("steel", np.eye(3))
+    equal = Inner("steel", np.eye(3))
+    assert key_of(record, (steel, steel), Record) == key_of(record, (steel, equal), Record), "one part or two like ones"
     key = key_of(record, (RECIPE,), Record)
     assert key_of(record, (RECIPE,), Record) == key
     assert key_of(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
     assert key_of(record, (RECIPE, None), Record) != key
     assert key_of(record, (RECIPE,), Inner) != key
     assert key_of(record, ({"a": 1, "b": 3.0},), Record) == key_of(record, ({"b": 3, "a": 1},), Record)
-    real = module._version
-    for package in ("gmsh", "scikit-fem", "rollbench"):
+    told = {"_version": ("gmsh", "scikit-fem", "rollbench"), "sources": ("rollbench.meshes", "tests")}
+    real = {of: getattr(module, of) for of in told}
+    for of, package in [(of, package) for of, packages in told.items() for package in packages]:
         with monkeypatch.context() as patch:
-            patch.setattr(module, "_version", lambda name, p=package: "0.0" if name == p else real(name))
-            assert key_of(record, (RECIPE,), Record) != key
-    for package in ("rollbench.meshes", "tests"):
-        with monkeypatch.context() as patch:
-            patch.setattr(module, "sources", lambda name, p=package: f"{'new ' * (name == p)}code of {name}")
+            patch.setattr(module, of, lambda name, p=package, real=real[of]: "0.0" if name == p else real(name))
             assert key_of(record, (RECIPE,), Record) != key
 
 
 def test_a_builder_without_a_name_of_its_own_is_refused(tmp_path: Path):
-    with pytest.raises(TypeError, match="a function of a module"):
-        Cache(tmp_path).get(lambda: record(), (), Record)
-    with pytest.raises(TypeError, match="no canonical form"):
-        Cache(tmp_path).get(record, (print,), Record)
+    for build, given, why in ((lambda: record(), (), "a function of a module"), (record, (print,), "no canonical form")):
+        with pytest.raises(TypeError, match=why):
+            Cache(tmp_path).get(build, given, Record)
 
 
 def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
@@ -182,19 +185,6 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
     module.sources.cache_clear()
 
 
-def test_damaged_files_are_rebuilt(tmp_path: Path, capsys):
-    Cache(tmp_path).get(record, (1,), Record)
-    (file,) = stored(tmp_path)
-    whole = file.read_bytes()
-    flipped = [whole[:k] + bytes([whole[k] ^ 0x41]) + whole[k + 1 :] for k in range(0, len(whole), 37)]
-    for damaged in (*(whole[:length] for length in (0, 1, 30, len(whole) // 2, len(whole) - 1)), b"other", *flipped):
-        file.write_bytes(damaged)
-        again = Cache(tmp_path)
-        same(again.get(record, (1,), Record), record())
-        same(Cache(tmp_path).get(never(record), (1,), Record), record())
-    assert capsys.readouterr().err == ""
-
-
 def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
@@ -202,10 +192,9 @@ def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch
     with monkeypatch.context() as patch:
         patch.setattr(Path, "replace", interrupt)
         with pytest.raises(KeyboardInterrupt):
-            Cache(tmp_path).get(record, (1,), Record)
+            answers(Cache(tmp_path))
     assert stored(tmp_path) == []
-    same(Cache(tmp_path).get(record, (1,), Record), record())
-    same(Cache(tmp_path).get(never(record), (1,), Record), record())
+    built_anew(tmp_path)
 
 
 def compete(folder: str, number: int, queue) -> None:
@@ -237,7 +226,7 @@ def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path, capsys
     (tmp_path / "file").write_text("")
     store = Cache(tmp_path / "file" / "cache")
     for k in range(3):
-        same(store.get(record, (k,), Record), record())
+        answers(store, number=k)
     error = capsys.readouterr().err
     assert error.count("going on without it") == error.count("\n") == 1
     assert store.misses == 3
@@ -251,9 +240,9 @@ def test_a_read_only_folder_still_answers(tmp_path: Path, capsys, monkeypatch):
 
     monkeypatch.setattr(Path, "write_bytes", refuse)
     store = Cache(tmp_path)
-    same(store.get(never(record), (1,), Record), record())
-    store.get(record, (2,), Record)
-    store.get(record, (3,), Record)
+    answers(store, never(record))
+    for k in (2, 3):
+        answers(store, number=k)
     assert capsys.readouterr().err.count("Permission denied") == 1
 
 
@@ -286,20 +275,19 @@ def test_a_folder_that_others_may_write_to_is_not_used(place: str, mode: int, tm
     Cache(root).get(record, (1,), Record)
     (root / place).chmod(mode)
     again = Cache(root)
-    same(again.get(record, (1,), Record), record())
+    answers(again)
     assert (again.hits, again.misses) == (0, 1)
     error = capsys.readouterr().err
     assert error.count("not this user's alone, others may write there (chmod go-w); going on without it") == 1
 
 
-def test_a_folder_of_another_user_is_not_used(tmp_path: Path, monkeypatch, capsys):
-    Cache(tmp_path).get(record, (1,), Record)
-    monkeypatch.setattr(os, "getuid", lambda: 4711)
-    assert Cache(tmp_path).get(record, (1,), Record)
+def test_a_folder_of_another_user_is_not_used_but_one_that_all_share_may_be_the_root(tmp_path: Path, monkeypatch, capsys):
+    root = tmp_path / "cache"
+    answers(Cache(root))
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "getuid", lambda: 4711)
+        answers(Cache(root))
     assert "not this user's alone" in capsys.readouterr().err
-
-
-def test_a_folder_that_all_share_may_be_the_root(tmp_path: Path):
     tmp_path.chmod(0o1777)
     assert private_folder(tmp_path, "mine").stat().st_mode & 0o777 == 0o700
     (tmp_path / "link").symlink_to(tmp_path)
@@ -325,36 +313,25 @@ class Evil:
         return os.mkdir, ("executed",)
 
 
-def test_nothing_in_a_file_is_run(tmp_path: Path, monkeypatch):
+def test_what_is_damaged_or_no_record_is_built_anew_and_nothing_in_a_file_is_run(tmp_path: Path, monkeypatch, capsys):
+    """Cut off, with a bit flipped, other than its digest, or behind its digest and yet no record."""
     monkeypatch.chdir(tmp_path)
-    Cache(tmp_path / "cache").get(record, (1,), Record)
-    (file,) = stored(tmp_path)
-    stream = io.BytesIO()
+    root, stream = tmp_path / "cache", io.BytesIO()
+    answers(Cache(root))
+    (file,) = stored(root)
+    whole = file.read_bytes()
+    flipped = [whole[:k] + bytes([whole[k] ^ 0x41]) + whole[k + 1 :] for k in range(0, len(whole), 37)]
+    damaged = [*(whole[:length] for length in (0, 1, 30, len(whole) // 2, len(whole) - 1)), b"other", *flipped]
     np.savez(stream, np.array([Evil()], dtype=object))
-    for content in (pickle.dumps(Evil()), stream.getvalue(), described('["record", "os:mkdir", {"path": "executed"}]')):
-        for put in (content, digested(content)):
-            file.write_bytes(put)
-            same(Cache(tmp_path / "cache").get(record, (1,), Record), record())
-    assert not (tmp_path / "executed").exists()
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"PK\x03\x04 no archive",
-        *(described(tree) for tree in ('["array", 9]', '["record"]', '["none"]', "[]", '["dict", 1]', "{", 20_000 * "[")),
-        described('["sparse", "scipy.sparse:csr_matrix", [1], 1, 2, 3]'),
-    ],
-    ids=lambda content: content[-8:].hex(),
-)
-def test_what_fits_its_digest_and_is_no_record_is_built_anew(content: bytes, tmp_path: Path, capsys):
-    Cache(tmp_path).get(record, (1,), Record)
-    (file,) = stored(tmp_path)
-    file.write_bytes(digested(content))
-    same(Cache(tmp_path).get(record, (1,), Record), record())
-    same(Cache(tmp_path).get(never(record), (1,), Record), record())
+    evil = [pickle.dumps(Evil()), stream.getvalue(), described('["record", "os:mkdir", {"path": "executed"}]')]
+    trees = ('["array", 9]', '["record"]', '["none"]', "[]", '["dict", 1]', "{", 20_000 * "[")
+    sparse = '["sparse", "scipy.sparse:csr_matrix", [1], 1, 2, 3]'
+    no_record = [b"", b"PK\x03\x04 no archive", *map(described, (*trees, sparse))]
+    for content in (*damaged, *evil, *map(digested, (*evil, *no_record))):
+        file.write_bytes(content)
+        built_anew(root)
     assert capsys.readouterr().err == ""
+    assert not (tmp_path / "executed").exists()
 
 
 def test_files_of_earlier_versions_go(tmp_path: Path):
@@ -384,10 +361,9 @@ def test_switched_off_and_default_folder(tmp_path: Path, monkeypatch):
     store = Cache(None)
     assert [store.get(Record, (k,), Record).value for k in (1, 1)] == [1, 1]
     assert (store.hits, store.misses) == (0, 2)
-    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "here"))
-    assert default_root() == tmp_path / "here"
-    monkeypatch.setenv("ROLLBENCH_CACHE", "off")
-    assert default_root() is None
+    for said, root in ((str(tmp_path / "here"), tmp_path / "here"), ("off", None)):
+        monkeypatch.setenv("ROLLBENCH_CACHE", said)
+        assert default_root() == root
     monkeypatch.delenv("ROLLBENCH_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert default_root().name == "rollbench"

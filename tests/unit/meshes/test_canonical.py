@@ -31,11 +31,8 @@ def test_frozen_defaults_name_every_field(name: str) -> None:
     usual = {f: default(RECORDS[name], f) for f in kept}
     today = {f: canonical(value) for f, value in usual.items() if value is not dataclasses.MISSING}
     frozen = {f: text for f, text in FROZEN.get(name, {}).items() if (name, f) not in CHANGED}
-    assert frozen == today, f"meshes/frozen_defaults.py: {name}"
-
-
-def test_frozen_defaults_name_no_other_record() -> None:
     assert set(FROZEN) <= set(RECORDS)
+    assert frozen == today, f"meshes/frozen_defaults.py: {name}"
 
 
 def with_field(record: type, field: str, value: object) -> type:
@@ -53,8 +50,10 @@ def as_class(value: object, record: type) -> object:
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
-def test_a_new_field_changes_no_key(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_new_field_changes_no_key_of_records_runs_and_bodies(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, cell = catalogue.scene("lin-case3-offset"), {"cell": 1.0}
     before = {key: canonical(example(record)) for key, record in RECORDS.items()}
+    keys = key_of(scene, "land", cell, (0, 3)), bodies_key(scene, cell, (0, 3))
     later = with_field(RECORDS[name], "added", 0.25)
     monkeypatch.setitem(module.FROZEN, name, FROZEN.get(name, {}) | {"added": "0.25"})
     for key, record in RECORDS.items():
@@ -62,16 +61,8 @@ def test_a_new_field_changes_no_key(name: str, monkeypatch: pytest.MonkeyPatch) 
         assert canonical(changed_record) == before[key], key
         if key == name:
             assert canonical(changed(changed_record, added=0.5)) != before[key]
-
-
-@pytest.mark.parametrize("name", sorted(RECORDS))
-def test_a_new_field_keeps_keys_of_runs_and_bodies(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = catalogue.scene("lin-case3-offset")
-    keys = key_of(scene, "land", {"cell": 1.0}, (0, 3)), bodies_key(scene, {"cell": 1.0}, (0, 3))
-    monkeypatch.setitem(module.FROZEN, name, FROZEN.get(name, {}) | {"added": "0.25"})
-    later = as_class(scene, with_field(RECORDS[name], "added", 0.25))
-    settings = {"cell": 1.0} | ({"added": 0.25} if name == "Settings" else {})
-    assert (key_of(later, "land", settings, (0, 3)), bodies_key(later, settings, (0, 3))) == keys
+    after, settings = as_class(scene, later), cell | ({"added": 0.25} if name == "Settings" else {})
+    assert (key_of(after, "land", settings, (0, 3)), bodies_key(after, settings, (0, 3))) == keys
 
 
 @pytest.mark.parametrize(("name", "field"), FIELDS)
@@ -101,36 +92,9 @@ def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
 def test_equal_numbers_have_one_text() -> None:
     for same in ((3, 3.0, np.float64(3.0), np.int32(3), np.float32(3.0)), (10**20, 1e20), (0.1, np.float64(0.1)), (0, 0.0)):
         assert len(set(map(canonical, same))) == 1
-    apart = [
-        0,
-        -0.0,
-        1,
-        True,
-        False,
-        0.1,
-        0.1 + 1e-17 * 2,
-        float("nan"),
-        float("inf"),
-        -float("inf"),
-        "1",
-        None,
-        (),
-        [],
-        {},
-    ]
-    apart += [
-        (1,),
-        [1],
-        (1, 1),
-        "nan",
-        "None",
-        np.array([1.0]),
-        np.array([1]),
-        np.array([[1.0]]),
-        5e-324,
-        1e308,
-        np.float32(0.1),
-    ]
+    numbers = [0, -0.0, 1, True, False, 0.1, 0.1 + 1e-17 * 2, np.float32(0.1), 5e-324, 1e308, np.nan, np.inf, -np.inf]
+    others = ["1", "nan", "None", None, (), [], {}, (1,), [1], (1, 1), np.array([1.0]), np.array([1]), np.array([[1.0]])]
+    apart = [*numbers, *others]
     assert len(set(map(canonical, apart))) == len(apart)
     assert canonical(float("nan")) == canonical(-float("nan"))
 
@@ -139,10 +103,8 @@ def test_containers_and_arrays_count_by_content() -> None:
     assert canonical({"a": 1, (1, 2): 3}) == canonical({(1, 2): 3.0, "a": 1})
     square = np.arange(6.0).reshape(2, 3)
     assert canonical(square) == canonical(np.asfortranarray(square)) != canonical(square.T)
-    assert canonical(sp.csr_matrix(square)) not in (
-        canonical(sp.csc_matrix(square)),
-        canonical(sp.csr_matrix(square + 1.0)),
-    )
+    rows, columns, more = sp.csr_matrix(square), sp.csc_matrix(square), sp.csr_matrix(square + 1.0)
+    assert canonical(rows) not in (canonical(columns), canonical(more))
     assert canonical(Fields("Errors", {"seed": 0})) == canonical(Errors()) == "Errors()"
     assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.fe_meshes import outer_faces, volume_of
+from tests.fe_meshes import area_of, outer_faces, volume_of
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.condensation.responses import nut_transform
@@ -23,6 +23,8 @@ CASE = catalogue.scene("lin-case1")
 LAND, WALL, ENDS = 17e-3, 24e-3, (388e-3, 412e-3)
 FLANGE = Flange(66e-3, 6e-3, (26e-3, 31e-3), "left", 5e-3)
 MM2 = 1e-6 * np.pi
+#: Surfaces and corners of a flange whose annulus fills its face.
+WHOLE_FACE = ["rim", "seat", "outside"], [(33e-3, 0.388), (33e-3, 0.394), (24e-3, 0.394), (24e-3, 0.412)]
 
 
 def body(flange: Flange | None):  # type: ignore[no-untyped-def]
@@ -40,12 +42,6 @@ def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
     nut = body(Flange(66e-3, 6e-3, (26e-3, 31e-3), side, 5e-3))
     assert volume_of(nut) - plain == pytest.approx(MM2 * 6e-3 * (33.0**2 - 24.0**2), rel=0.02)
     faces, _ = outer_faces(nut.cells)
-    area = {}
-    for name, nodes in nut.named.items():
-        of_surface = faces[np.isin(faces, nodes).all(axis=1)]
-        a = [nut.points[of_surface[:, k]] for k in range(6)]
-        pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
-        area[name] = sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
     expected = {
         "rim": 2.0 * 33.0 * 6.0,
         "seat": 31.0**2 - 26.0**2,
@@ -54,7 +50,8 @@ def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
         "outside": 2.0 * 24.0 * 13.0,
     }
     for name, size in expected.items():
-        assert area[name] == pytest.approx(MM2 * size, rel=0.02), name
+        of_surface = faces[np.isin(faces, nut.named[name]).all(axis=1)]
+        assert area_of(nut.points, of_surface) == pytest.approx(MM2 * size, rel=0.02), name
     face = ENDS[0] + 6e-3 if side == "left" else ENDS[1] - 6e-3
     assert np.abs(nut.points[nut.named["seat"], 2] - face).max() < 1e-9
 
@@ -76,9 +73,7 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
 
 
 def test_an_annulus_that_fills_the_face_leaves_no_other_surface() -> None:
-    names, places = outline(Flange(66e-3, 6e-3, (24e-3, 33e-3)), WALL, ENDS)
-    assert names == ["rim", "seat", "outside"]
-    assert places == [(33e-3, 0.388), (33e-3, 0.394), (24e-3, 0.394), (24e-3, 0.412)]
+    assert outline(Flange(66e-3, 6e-3, (24e-3, 33e-3)), WALL, ENDS) == WHOLE_FACE
     names, places = outline(Flange(66e-3, 6e-3, (25e-3, 33e-3), "right", 18e-3), WALL, ENDS)
     assert names == ["centring", "flange", "seat", "rim"]
     assert [z for _, z in places] == pytest.approx([0.388, 0.406, 0.406, 0.406, 0.412])
@@ -87,9 +82,7 @@ def test_an_annulus_that_fills_the_face_leaves_no_other_surface() -> None:
 def test_a_sliver_of_a_flange_is_not_meshed() -> None:
     """Circles closer than the deviation of their edges crossed, and gmsh did not come to an end."""
     thin = Flange(66e-3, 6e-3, (24.01e-3, 32.99e-3), "left", 0.01e-3)
-    names, places = outline(thin, WALL, ENDS, 0.1e-3)
-    assert names == ["rim", "seat", "outside"]
-    assert places == [(33e-3, 0.388), (33e-3, 0.394), (24e-3, 0.394), (24e-3, 0.412)]
+    assert outline(thin, WALL, ENDS, 0.1e-3) == WHOLE_FACE
     assert set(outline(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
     nut = body(replace(FLANGE, seat=(24e-3, FLANGE.diameter / 2.0 - 15e-6)))
     assert np.hypot(*points_of(nut.mesh)[nodes_on(nut.mesh, "seat")][:, :2].T).max() == pytest.approx(FLANGE.diameter / 2.0)

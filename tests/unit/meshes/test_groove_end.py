@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.fe_meshes import one, space
-from tests.helpers import small_screw
+from tests.helpers import small_screw, sockets_of
 
 from rollbench.meshes.fem import nodes_on
 from rollbench.meshes.groove import BodySpec, Groove, GrooveEnds
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.sockets import SocketSize, groove_lines, socket_points
 from rollbench.meshes.solid import RUN_OUT, WHOLE, dimensions
@@ -21,9 +20,9 @@ SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 
 def map_and_spec(case, sides):
     """Map and spec of a nut of 50 mm whose groove ends."""
-    m, layout, z = GrooveMap.of(case), ball_layout(case), case.nut.position
-    sockets = tuple((float(a), float(x), s) for a, x in zip(layout.azimuth, layout.z, strict=True) for s in sides)
-    return m, BodySpec(17e-3, 24e-3, z - 25e-3, z + 25e-3, False, sockets, SIZE, 2e-3, 7e-3, ends=True)
+    z = case.nut.position
+    ends = z - 25e-3, z + 25e-3
+    return GrooveMap.of(case), BodySpec(17e-3, 24e-3, *ends, False, sockets_of(case, sides), SIZE, 2e-3, 7e-3, ends=True)
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])

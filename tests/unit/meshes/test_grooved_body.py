@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from tests.fe_meshes import outer_faces, volume_of
-from tests.helpers import STEEL, body_specs, small_screw
+from tests.fe_meshes import area_of, outer_faces, volume_of
+from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
 from rollbench.comparison.scenes.catalogue import scene
 from rollbench.meshes import shell as shells
@@ -25,11 +25,6 @@ from rollbench.meshes.sockets import SocketSize, local_points, socket_mesh, sock
 pytestmark = pytest.mark.xdist_group("grooved bodies")
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
-
-
-def sockets_of(case, sides):
-    layout = ball_layout(case)
-    return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in sides)
 
 
 def spec_of(case, sides, outer, size=SIZE, fine=2.0e-3, coarse=7e-3, half=20e-3):
@@ -86,39 +81,23 @@ def check_body(m, spec, mesh):
         assert set(nodes) == set(np.unique(faces)) & set(np.flatnonzero(np.abs(place) < 1e-12))
 
 
-@pytest.fixture(scope="module")
-def screw():
-    case = small_screw(6)
-    spec = spec_of(case, (0,), True)
-    return GrooveMap.of(case), spec, build_body(GrooveMap.of(case), spec)
-
-
-@pytest.fixture(scope="module")
-def nut():
-    """Both flanks loaded: four-sided contact, left hand."""
-    case = small_screw(5, hand="left", phase=0.3)
-    spec = spec_of(case, (2, 3), False)
-    return GrooveMap.of(case), spec, build_body(GrooveMap.of(case), spec)
-
-
-@pytest.fixture(params=["screw", "nut"])
+@pytest.fixture(scope="module", params=["screw", "nut"])
 def body(request):
-    return request.getfixturevalue(request.param)
+    """Map, spec and mesh; of the nut both flanks are loaded: four-sided contact, left hand."""
+    outer = request.param == "screw"
+    case, sides = (small_screw(6), (0,)) if outer else (small_screw(5, hand="left", phase=0.3), (2, 3))
+    m, spec = GrooveMap.of(case), spec_of(case, sides, outer)
+    return m, spec, build_body(m, spec)
 
 
 @pytest.mark.parametrize("lead", [0.0, 5e-3, 20e-3])
 @pytest.mark.parametrize("hand", ["right", "left"])
-def test_roll_inverts_unroll(lead, hand):
-    m = GrooveMap.of(small_screw(2, lead=lead, hand=hand))
-    x3, z3 = np.meshgrid(np.linspace(-4e-3, 4e-3, 17), np.linspace(-4e-3, 4e-3, 17))
-    r, zeta, _ = m.unroll(x3, z3)
-    np.testing.assert_allclose(m.roll(r, zeta), (x3, z3), atol=1e-16)
-
-
-@pytest.mark.parametrize("hand", ["right", "left"])
-def test_unrolled_points_are_the_section_frames_points(hand):
-    case = small_screw(4, hand=hand)
+def test_unrolled_points_are_the_section_frames_points_and_roll_brings_them_back(lead, hand):
+    case = small_screw(4, lead=lead, hand=hand)
     m, layout = GrooveMap.of(case), ball_layout(case)
+    x3, z3 = np.meshgrid(np.linspace(-4e-3, 4e-3, 17), np.linspace(-4e-3, 4e-3, 17))
+    r, zeta, psi = m.unroll(x3, z3)
+    np.testing.assert_allclose(m.roll(r, zeta), (x3, z3), atol=1e-16)
     x3, z3 = np.array([-2e-3, 1e-3, 3e-3]), np.array([2.5e-3, -1e-3, 0.4e-3])
     r, zeta, psi = m.unroll(x3, z3)
     for k in range(4):
@@ -170,60 +149,37 @@ def test_volume_with_sockets(body):
     assert abs(volume_of(mesh) - (whole - lost)) < min(0.3 * lost, 0.03 * channels)
 
 
-def test_bodies_are_sound(body):
-    check_body(*body)
-
-
-def test_faces_hold_their_whole_area(body):
+def test_bodies_are_sound_and_their_surfaces_flat_round_and_complete(body):
     """Second-order faces of the smooth cylinder: 2 pi r L, exact to the chords' fourth power."""
+    check_body(*body)
     _, spec, mesh = body
     faces, _ = outer_faces(mesh.cells)
-    nodes = nodes_on(mesh.mesh, "bore" if spec.outer else "outside")
-    smooth = faces[np.isin(faces, nodes).all(axis=1)]
-    r = spec.r_in if spec.outer else spec.r_out
-    a = [mesh.points[smooth[:, k]] for k in range(6)]
-    pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
-    area = sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
-    assert area == pytest.approx(2.0 * np.pi * r * (spec.z_high - spec.z_low), rel=0.03)
+    smooth, r = ("bore", spec.r_in) if spec.outer else ("outside", spec.r_out)
 
+    def area(name):
+        return area_of(mesh.points, faces[np.isin(faces, nodes_on(mesh.mesh, name)).all(axis=1)])
 
-def test_ends_are_flat_and_complete(body):
-    _, spec, mesh = body
-    faces, _ = outer_faces(mesh.cells)
-    for nodes, z in ((nodes_on(mesh.mesh, "low end"), spec.z_low), (nodes_on(mesh.mesh, "high end"), spec.z_high)):
-        assert np.abs(mesh.points[nodes, 2] - z).max() < 1e-9
-        area = 0.0
-        for tri in faces[np.isin(faces[:, :3], nodes).all(axis=1), :3]:
-            a, b, c = mesh.points[tri]
-            area += 0.5 * float(np.linalg.norm(np.cross(b - a, c - a)))
-        whole = np.pi * (spec.r_out**2 - spec.r_in**2)
-        assert 0.9 * whole < area < 1.001 * whole
-
-
-def test_socket_that_does_not_fit_is_refused():
-    case = small_screw(6)
-    with pytest.raises(ValueError, match="socket"):
-        build_body(GrooveMap.of(case), spec_of(case, (0,), True, size=replace(SIZE, phi=0.6)))
+    assert area(smooth) == pytest.approx(2.0 * np.pi * r * (spec.z_high - spec.z_low), rel=0.03)
+    whole = np.pi * (spec.r_out**2 - spec.r_in**2)
+    for end, z in (("low end", spec.z_low), ("high end", spec.z_high)):
+        assert np.abs(mesh.points[nodes_on(mesh.mesh, end), 2] - z).max() < 1e-9
+        assert 0.9 * whole < area(end) < 1.001 * whole
 
 
 @pytest.mark.parametrize(
-    ("change", "match"),
+    ("lead", "change", "match"),
     [
-        ({"r_in": 13.9e-3, "sockets": ()}, "deeper than its wall.*change the bore"),
-        ({"r_out": 13.5e-3, "sockets": ()}, "leaves no groove.*move the land"),
-        ({"z_low": 0.0995, "sockets": ()}, "only 20.5 mm: widen the ring"),
+        (20e-3, {"size": replace(SIZE, phi=0.6)}, "socket"),
+        (20e-3, {"r_in": 13.9e-3, "sockets": ()}, "deeper than its wall.*change the bore"),
+        (20e-3, {"r_out": 13.5e-3, "sockets": ()}, "leaves no groove.*move the land"),
+        (0.0, {"z_low": 0.0995, "sockets": ()}, "only 20.5 mm: widen the ring"),
+        (5e-3, {"sockets": ()}, "next turn 5 mm on: no land is left; raise the lead"),
     ],
 )
-def test_grooves_that_do_not_fit_are_refused(change, match):
-    case = small_screw(6, lead=0.0) if "z_low" in change else small_screw(6)
+def test_sockets_grooves_and_turns_that_do_not_fit_are_refused(lead, change, match):
+    case = small_screw(6, lead=lead)
     with pytest.raises(ValueError, match=match):
         build_body(GrooveMap.of(case), replace(spec_of(case, (0,), True), **change))
-
-
-def test_turns_without_land_between_are_refused():
-    case = small_screw(6, lead=5e-3)
-    with pytest.raises(ValueError, match="next turn 5 mm on: no land is left; raise the lead"):
-        build_body(GrooveMap.of(case), replace(spec_of(case, (0,), True), sockets=()))
 
 
 def even(count, turns):
@@ -284,9 +240,9 @@ KINDS = {
 def check_scene(kind):
     make, sides, name = KINDS[kind]
     case = make()
-    spec = body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
+    m, spec = GrooveMap.of(case), body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
     assert len(spec.sockets) == case.ball_count * sum((s < 2) == spec.outer for s in sides)
-    check_body(GrooveMap.of(case), spec, build_body(GrooveMap.of(case), spec))
+    check_body(m, spec, build_body(m, spec))
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != FLAT])
@@ -317,8 +273,9 @@ def test_screw_without_a_hole():
     assert np.hypot(*mesh.points[:, :2].T).min() < 2e-3
 
 
-def test_meshes_are_the_same_every_time(screw):
-    m, spec, first = screw
+@pytest.mark.parametrize("body", ["screw"], indirect=True)
+def test_meshes_are_the_same_every_time(body):
+    m, spec, first = body
     second = build_body(m, spec)
     for name in ("points", "cells", "socket_nodes"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
@@ -371,14 +328,14 @@ def test_other_algorithms_and_sizes_are_tried(monkeypatch):
 
 
 def test_turning_an_edge_keeps_the_face():
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    face = Face("land", np.arange(10, 14), square, np.array([[0, 1, 2], [0, 2, 3]]), None)
+    square, halves = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), [[0, 1, 2], [0, 2, 3]]
+    face = Face("land", np.arange(10, 14), square, np.array(halves), None)
     assert face.turn(0, 1)
     assert {frozenset(t) for t in face.tris.tolist()} == {frozenset((11, 12, 13)), frozenset((10, 11, 13))}
     square[1] = [-0.5, -0.6]  # the quadrangle is not convex
-    arrow = Face("land", np.arange(4), square, np.array([[0, 1, 2], [0, 2, 3]]), None)
+    arrow = Face("land", np.arange(4), square, np.array(halves), None)
     assert not arrow.turn(0, 1)
-    assert arrow.local.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert arrow.local.tolist() == halves
 
 
 def test_flat_cells_on_a_bent_face_are_left_out():
@@ -415,9 +372,6 @@ def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
     for k, socket in enumerate(spec.sockets):
         points = seen[0][k * len(raised) : (k + 1) * len(raised)]
         np.testing.assert_allclose(points, socket_points(m, spec.size, socket, raised), atol=1e-15)
-
-
-# --- balls -----------------------------------------------------------------------------------------------------------
 
 
 def test_each_attempt_at_a_mesh_differs_from_the_one_before():

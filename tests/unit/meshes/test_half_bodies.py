@@ -5,25 +5,17 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
+from tests.fe_meshes import volume as volume_of_cells
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes.fem import mesh_of
+from rollbench.meshes import whole_bodies
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import SIDES
 from rollbench.meshes.quality import arc_deviation
 from rollbench.meshes.shell import BEND, Shell
 from rollbench.meshes.sockets import SocketSize
-from rollbench.meshes.whole_bodies import (
-    HalfRing,
-    Refinement,
-    groove_points,
-    half_ball,
-    half_body,
-    half_sphere,
-    sphere_points,
-    whole_ball,
-    whole_body,
-)
+from rollbench.meshes.whole_bodies import HalfRing, half_sphere
 
 SCENE = catalogue.scene("two-balls")
 MAP = GrooveMap.of(SCENE)
@@ -32,45 +24,41 @@ FLAT = np.array([[0.0, 0.0]])
 
 def volume(body) -> float:
     """Volume [m3] of the curved cells."""
-    mesh = mesh_of(body.points, body.cells, "P2")[0]
-    from rollbench.hifi.elements.assembly import cells
-
-    return float(cells(mesh).dx.sum())
+    return volume_of_cells(body.points, body.cells, "P2")
 
 
-def ring(outer: bool) -> tuple[BodySpec, Refinement]:
+def ring(outer: bool) -> tuple[BodySpec, whole_bodies.Refinement]:
     """Spec and sizes of the scene's screw or nut with coarse elements."""
     radii = (
         (SCENE.screw.bore / 2.0, SCENE.screw.outer_diameter / 2.0) if outer else (21.6e-3, SCENE.nut.outer_diameter / 2.0)
     )
-    near = groove_points(MAP, (0.0, SCENE.nut.position, 0 if outer else 2), FLAT)
-    size = Refinement(near, 5e-4, 0.8, 5e-3)
+    near = whole_bodies.groove_points(MAP, (0.0, SCENE.nut.position, 0 if outer else 2), FLAT)
+    size = whole_bodies.Refinement(near, 5e-4, 0.8, 5e-3)
     return BodySpec(*radii, 0.0, 14e-3, outer, (), SocketSize(1.0, MAP.ball, 1.0), size.fine, size.coarse), size
 
 
 @pytest.mark.parametrize("outer", [True, False])
 def test_a_half_ring_is_half_of_the_ring(outer):
     spec, size = ring(outer)
-    half = half_body(MAP, spec, size)
-    assert 2.0 * volume(half) == pytest.approx(volume(whole_body(MAP, spec, size)), rel=3e-4)
+    half = whole_bodies.half_body(MAP, spec, size)
+    assert 2.0 * volume(half) == pytest.approx(volume(whole_bodies.whole_body(MAP, spec, size)), rel=3e-4)
     assert np.ptp(half.points[half.named["cut"]][:, 1]) < 1e-15
     assert half.points[:, 1].min() > -1e-15
     for side in (0, 1) if outer else (2, 3):
-        x = half.points[half.named[f"flank {('SL', 'SR', 'NL', 'NR')[side]}"]]
+        x = half.points[half.named[f"flank {SIDES[side]}"]]
         section = np.hypot(x[:, 0], x[:, 1]) - MAP.R, x[:, 2] - MAP.z0
         assert arc_deviation(*section, MAP.centre[side], float(MAP.radius[side])) < 1e-9
     behind = half.points[half.named["bore" if outer else "outside"]]
     np.testing.assert_allclose(np.hypot(behind[:, 0], behind[:, 1]), spec.r_in if outer else spec.r_out, rtol=1e-9)
-    corners = {"land", "low end", "high end"}
-    assert corners <= set(half.named)
+    assert {"land", "low end", "high end"} <= set(half.named)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_half_ball_is_half_of_the_ball(sign):
-    size = Refinement(sphere_points(MAP, 0, MAP.ball, FLAT), 2e-4, 0.8, 2e-3)
-    half = half_ball(MAP.ball, size, sign)
+    size = whole_bodies.Refinement(whole_bodies.sphere_points(MAP, 0, MAP.ball, FLAT), 2e-4, 0.8, 2e-3)
+    half = whole_bodies.half_ball(MAP.ball, size, sign)
     assert volume(half) == pytest.approx(2.0 / 3.0 * np.pi * MAP.ball**3, rel=2e-3)
-    assert 2.0 * volume(half) == pytest.approx(volume(whole_ball(MAP, MAP.ball, size)), rel=2e-3)
+    assert 2.0 * volume(half) == pytest.approx(volume(whole_bodies.whole_ball(MAP, MAP.ball, size)), rel=2e-3)
     assert (sign * half.points[:, 1]).min() > -1e-15
     assert np.abs(half.points[half.named["cut"]][:, 1]).max() < 1e-15
     np.testing.assert_allclose(np.linalg.norm(half.points[half.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
@@ -96,8 +84,8 @@ def test_a_helix_and_a_ring_without_bore_are_not_halved():
 
 @pytest.mark.parametrize("side", range(4))
 def test_points_of_a_ball_lie_on_it_as_far_from_its_contact_as_asked(side):
-    m, flat = MAP, np.array([[0.0, 0.0], [4e-4, 0.0], [0.0, -7e-4], [3e-4, 5e-4]])
-    points = sphere_points(m, side, 2.778e-3, flat)
+    flat = np.array([[0.0, 0.0], [4e-4, 0.0], [0.0, -7e-4], [3e-4, 5e-4]])
+    points = whole_bodies.sphere_points(MAP, side, 2.778e-3, flat)
     assert np.linalg.norm(points, axis=1) == pytest.approx(2.778e-3, rel=1e-14)
     away = np.arccos(points @ points[0] / 2.778e-3**2)
     assert np.tan(away) * 2.778e-3 == pytest.approx(np.linalg.norm(flat, axis=1), rel=1e-6, abs=1e-9)

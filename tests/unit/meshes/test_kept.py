@@ -29,29 +29,20 @@ def on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     kept.switch_off()
 
 
-@pytest.mark.usefixtures("on")
-def test_made_once_and_read_after() -> None:
-    assert section(0.04) == section(0.04)
+def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on: Path) -> None:
+    whole = section(0.04)
+    assert section(0.04) == whole
     assert calls == [0.04]
-
-
-@pytest.mark.usefixtures("on")
-def test_what_is_timed_is_made_anew() -> None:
-    section(0.04)
     with kept.made_anew():
         section(0.04)
     section(0.04)
-    assert calls == [0.04, 0.04]
-
-
-def test_a_damaged_file_is_made_anew(on: Path) -> None:
-    whole = section(0.04)
+    assert calls == [0.04] * 2
     (file,) = (on / kept.FOLDER).rglob("*.npz")
     content = bytearray(file.read_bytes())
     content[-40] ^= 1
     file.write_bytes(content)
     assert section(0.04) == whole
-    assert calls == [0.04, 0.04]
+    assert calls == [0.04] * 3
 
 
 def test_nothing_is_kept_unless_switched_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

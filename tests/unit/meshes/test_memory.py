@@ -19,9 +19,7 @@ def test_every_piece_of_work_has_its_own_peak() -> None:
     assert reset_peak()
     np.ones(5_000_000).sum()
     small = peak_MB()
-    assert before is not None
-    assert large is not None
-    assert small is not None
+    assert None not in (before, large, small)
     assert large - before > 250.0
     assert small < large - 200.0
 

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from skfem import MeshTet2
 from tests.fe_meshes import KINDS, LOCAL, jacobians
 
 from rollbench.meshes import quality
-from rollbench.meshes.fem import mesh_of, points_of
-from rollbench.meshes.quality import (
-    Quality,
-    arc_deviation,
-    measure,
-    node_slopes,
-    refuse_bad,
-    scaled_jacobians,
-    straighten,
-    untangle,
-)
+from rollbench.meshes.fem import mesh_of, moved, points_of
 
 pytestmark = pytest.mark.xdist_group("shaken meshes")
 
-#: Edges of a tetrahedron in the order of gmsh's mid-edge nodes.
-EDGES = ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1))
 REGULAR = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])[[0, 2, 1, 3]]
 
 
@@ -58,7 +49,7 @@ def test_scaled_jacobians_have_the_sign_of_scikit_fems_determinant(shaken, kind)
     points, cells = shaken[kind]
     mesh, _ = mesh_of(points, cells, kind)
     det = mesh.mapping().detDF(mesh.elem.doflocs.T).min(axis=1)
-    found = scaled_jacobians(mesh)
+    found = quality.scaled_jacobians(mesh)
     np.testing.assert_array_equal(np.sign(found), np.sign(det))
     assert np.abs(found).max() <= 1.0 + 1e-12
     assert (found > 0.0).any()
@@ -79,7 +70,7 @@ def test_scaled_jacobians_of_straight_cells_are_vtks(shaken, kind):
 def test_node_slopes_are_the_gradients_of_a_linear_field():
     for kind in KINDS:
         mesh, _ = mesh_of(LOCAL[kind], np.arange(len(LOCAL[kind]))[None], kind)
-        table, at = node_slopes(mesh.elem()), mesh.elem.doflocs
+        table, at = quality.node_slopes(mesh.elem()), mesh.elem.doflocs
         slope = np.array([1.0, -2.0, 0.5])
         np.testing.assert_allclose(np.einsum("qnd,n->qd", table, at @ slope), np.tile(slope, (len(at), 1)))
 
@@ -96,7 +87,7 @@ def test_measure_counts_and_places_the_worst_cell():
     flat = REGULAR.copy()
     flat[3] = flat[:3].mean(axis=0) + 0.02 * (flat[3] - flat[:3].mean(axis=0))
     points = np.concatenate([REGULAR, REGULAR + 5.0, flat - 5.0])
-    found = measure(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
+    found = quality.measure(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
     assert (found.cells, found.nodes, found.worst) == (3, 12, 2)
     assert found.median == pytest.approx(1.0)
     assert 0.0 < found.smallest < 0.1
@@ -104,70 +95,51 @@ def test_measure_counts_and_places_the_worst_cell():
 
 
 @pytest.mark.parametrize("smallest", [-0.2, 0.0])
-def test_bad_mesh_is_refused_with_place_and_remedy(smallest):
-    bad = Quality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
+def test_bad_mesh_is_refused_with_place_and_remedy_and_a_good_one_is_not(smallest):
+    bad = quality.Quality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
     with pytest.raises(ValueError, match=r"screw: cell 4 of 10 at r = 5 mm, z = 100 mm.*inside out.*smaller element sizes"):
-        refuse_bad(bad, "screw")
-
-
-def test_good_mesh_is_not_refused():
-    refuse_bad(Quality(10, 20, 0.06, 0.5, 4, (0.0, 0.0, 0.0)), "screw")
+        quality.refuse_bad(bad, "screw")
+    quality.refuse_bad(replace(bad, smallest=0.06), "screw")
 
 
 def bent(by):
     """Two tetrahedra on a common face; the edge (0, 1) of the first lies on a surface and is bent towards node 3."""
     corners = np.vstack([REGULAR, [-3.0, 3.0, -3.0]])
-    cells = np.array([[0, 1, 2, 3], [0, 3, 2, 4]])
-    x = [corners]
-    number, rows = {}, []
-    for cell in cells:
-        row = list(cell)
-        for i, j in EDGES:
-            key = tuple(sorted((cell[i], cell[j])))
-            if key not in number:
-                number[key] = len(corners) + len(number)
-                x.append(0.5 * (corners[key[0]] + corners[key[1]])[None])
-            row.append(number[key])
-        rows.append(row)
-    points, cells = np.concatenate(x), np.array(rows)
-    if jacobians(points, cells, "P2")[1] < 0.0:
-        cells[1] = cells[1][[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
-    middle = number[(0, 1)]
-    points[middle] += by * (corners[[2, 3]].mean(axis=0) - points[middle])
-    mesh, new = mesh_of(points, cells, "P2")
-    return mesh, new[[0, 1, middle]]
+    straight, number = mesh_of(corners, np.array([[0, 1, 2, 3], [0, 2, 3, 4]]), "P1")
+    mesh = MeshTet2.from_mesh(straight)
+    points, middle = points_of(mesh).copy(), corners[:2].mean(axis=0)
+    at = int(np.abs(points - middle).sum(axis=1).argmin())
+    points[at] += by * (corners[2:4].mean(axis=0) - middle)
+    return moved(mesh, points), np.array([*number[:2], at])
 
 
-def test_untangle_bends_inner_edges_along():
+def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
+    mesh, surface = bent(0.1)
+    np.testing.assert_array_equal(quality.untangle(mesh, surface).doflocs, mesh.doflocs)
     mesh, surface = bent(0.62)
-    assert scaled_jacobians(mesh).min() < 0.0
-    after = untangle(mesh, surface)
-    assert scaled_jacobians(after).min() > 0.02
+    assert quality.scaled_jacobians(mesh).min() < 0.0
+    after = quality.untangle(mesh, surface)
+    assert quality.scaled_jacobians(after).min() > 0.02
     np.testing.assert_array_equal(after.doflocs[:, surface], mesh.doflocs[:, surface])
     np.testing.assert_array_equal(after.doflocs[:, :5], mesh.doflocs[:, :5])  # corners stay
 
 
-def test_untangle_leaves_a_good_mesh_alone():
-    mesh, surface = bent(0.1)
-    np.testing.assert_array_equal(untangle(mesh, surface).doflocs, mesh.doflocs)
-
-
 def test_straighten_moves_only_what_may_move():
     mesh, surface = bent(0.9)
-    found, moved = straighten(mesh, np.array([], dtype=int))
-    assert moved == 1
+    found, count = quality.straighten(mesh, np.array([], dtype=int))
+    assert count == 1
     np.testing.assert_allclose(points_of(found)[surface[2]], points_of(mesh)[surface[:2]].mean(axis=0), atol=1e-15)
-    assert scaled_jacobians(found).min() > 0.1
-    kept, moved = straighten(mesh, surface[2:])
-    assert moved == 0
+    assert quality.scaled_jacobians(found).min() > 0.1
+    kept, count = quality.straighten(mesh, surface[2:])
+    assert count == 0
     np.testing.assert_array_equal(kept.doflocs, mesh.doflocs)
 
 
 def test_deviation_is_the_largest_distance_from_the_circle():
-    angle = np.linspace(0.3, 1.2, 9)
-    x, z = 2e-3 + 3e-3 * np.cos(angle), -1e-3 + 3e-3 * np.sin(angle)
-    assert arc_deviation(x, z, np.array([2e-3, -1e-3]), 3e-3) < 1e-18
+    angle, circle = np.linspace(0.3, 1.2, 9), (np.array([2e-3, -1e-3]), 3e-3)
+    x, z = circle[0][:, None] + circle[1] * np.array([np.cos(angle), np.sin(angle)])
+    assert quality.arc_deviation(x, z, *circle) < 1e-18
     x[4] += 5e-6 * np.cos(angle[4])
     z[4] += 5e-6 * np.sin(angle[4])
-    assert arc_deviation(x, z, np.array([2e-3, -1e-3]), 3e-3) == pytest.approx(5e-6, rel=1e-9)
-    assert arc_deviation(x[:0], z[:0], np.array([2e-3, -1e-3]), 3e-3) == 0.0
+    assert quality.arc_deviation(x, z, *circle) == pytest.approx(5e-6, rel=1e-9)
+    assert quality.arc_deviation(x[:0], z[:0], *circle) == 0.0

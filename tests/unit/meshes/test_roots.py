@@ -25,12 +25,9 @@ def test_roots_are_those_of_scipy() -> None:
             compared += 1
 
 
-def test_a_step_is_bisected() -> None:
+def test_a_step_is_bisected_and_one_sign_is_refused() -> None:
     f = lambda x: -1.0 if x < 0.3 else 1.0  # noqa: E731
     assert brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
-
-
-def test_one_sign_is_refused() -> None:
     with pytest.raises(ValueError, match="different signs"):
         brentq(lambda x: x + 2.0, 0.0, 1.0)
 

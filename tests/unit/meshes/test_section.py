@@ -43,11 +43,6 @@ def test_groove_area_against_a_polygon(lin, outer, beta):
     assert groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
 
 
-def test_screw_surface_that_misses_the_groove_is_refused(lin):
-    with pytest.raises(ValueError, match="does not cut"):
-        groove_section(replace(lin, screw=replace(lin.screw, outer_diameter=25e-3)))
-
-
 def test_nut_groove_range(lin):
     low, high = nut_groove_range(replace(lin, nut=replace(lin.nut, groove_radius=3.4e-3)))
     assert 3.4e-3 * np.sin(low) == pytest.approx((3.4e-3 - 2.778e-3) * np.sin(np.pi / 4), rel=1e-14)
@@ -62,9 +57,6 @@ def test_volume_ratio(lin, starts):
     expected = 1 - starts * polygon_area(*outline(scene)) * path / (np.pi * 16e-3**2 * 20e-3)
     assert volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
     assert 0.5 < expected < 1.0
-
-
-def test_no_lead_no_groove_volume():
     assert volume_ratio(small_screw(lead=0.0)) == 1.0
 
 
@@ -77,7 +69,9 @@ def test_readings_of_c_8(lin, reading, power):
     assert ratios == pytest.approx([k**2, k**4, k**4, k**2], rel=1e-13)
 
 
-def test_groove_that_takes_all_is_refused(lin):
+def test_screw_surface_that_misses_the_groove_and_groove_that_takes_all_are_refused(lin):
+    with pytest.raises(ValueError, match="does not cut"):
+        groove_section(replace(lin, screw=replace(lin.screw, outer_diameter=25e-3)))
     with pytest.raises(ValueError, match="more volume"):
         screw_section(replace(lin, track=replace(lin.track, lead=1e-3)))
 
@@ -91,11 +85,10 @@ def test_cowper_limits(nu):
         area = np.pi / 4 * (outer**2 - bore**2)
         return tube_section(outer, bore, material).kGA / (material.shear_modulus * area)
 
+    half = 6 * (1 + nu) * 1.25**2 / ((7 + 6 * nu) * 1.25**2 + (20 + 12 * nu) * 0.25)
     assert kappa(0.03, 0.0) == pytest.approx(6 * (1 + nu) / (7 + 6 * nu), rel=1e-14)
     assert kappa(0.03, 0.03 * (1 - 1e-6)) == pytest.approx(2 * (1 + nu) / (4 + 3 * nu), rel=1e-9)
-    assert kappa(0.03, 0.015) == pytest.approx(
-        6 * (1 + nu) * 1.25**2 / ((7 + 6 * nu) * 1.25**2 + (20 + 12 * nu) * 0.25), rel=1e-14
-    )
+    assert kappa(0.03, 0.015) == pytest.approx(half, rel=1e-14)
 
 
 def test_tube_stiffnesses():

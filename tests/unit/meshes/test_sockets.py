@@ -7,24 +7,13 @@ from functools import partial
 
 import numpy as np
 import pytest
-from tests.helpers import body_specs, small_screw, solid_sizes
+from tests.helpers import small_screw, sockets_of, solid_sizes
 
 from rollbench.comparison.scenes.catalogue import scene
+from rollbench.meshes import sockets as rules
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import (
-    ALONG,
-    AWAY,
-    BESIDE,
-    BETWEEN,
-    CLOSE,
-    DEPTH,
-    FILLED,
-    GAMMA,
-    LEAST,
-    SPARE,
-    UNDER,
-    ZONE,
     SocketSize,
     fitted_socket,
     flank_limits,
@@ -42,6 +31,7 @@ from rollbench.meshes.sockets import (
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 ALL = (0, 1, 2, 3)
+LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 
 
 def fitted(case, sides=ALL, **changes):
@@ -52,11 +42,23 @@ def fitted(case, sides=ALL, **changes):
 
 def shares(case, size):
     m = GrooveMap.of(case)
-    return size.gamma / GAMMA, size.depth / (DEPTH * m.ball), size.phi * m.R / (ALONG * m.ball)
+    return size.gamma / rules.GAMMA, size.depth / (rules.DEPTH * m.ball), size.phi * m.R / (rules.ALONG * m.ball)
 
 
 def with_balls(case, azimuths):
     return replace(case, balls=replace(case.balls, azimuths=tuple(float(a) for a in azimuths)))
+
+
+def with_lead(lead):
+    """The scene of small balls, its turns so far apart."""
+    case = scene("lin-nominal-4p1")
+    return replace(case, track=replace(case.track, lead=lead))
+
+
+def gaps_of(case, pick=slice(None), turns=0.0):
+    """Gaps between balls along the track and their pairs, balls counted from so many turns on."""
+    layout = ball_layout(case)
+    return track_gaps(GrooveMap.of(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick])
 
 
 # --- shape -----------------------------------------------------------------------------------------------------------
@@ -70,11 +72,9 @@ def faces(request):
 
 def test_socket_mesh_covers_five_faces(faces):
     _, mesh, _ = faces
-    area = {}
-    for tri, face in zip(mesh.triangles[:, :3], mesh.face, strict=True):
-        a, b, c = mesh.xi[tri]
-        area[int(face)] = area.get(int(face), 0.0) + 0.5 * float(np.linalg.norm(np.cross(b - a, c - a)))
-    assert sorted(area.values()) == pytest.approx([2.0, 2.0, 2.0, 2.0, 4.0], rel=1e-12)
+    a, b, c = (mesh.xi[mesh.triangles[:, k]] for k in range(3))
+    area = np.bincount(mesh.face, 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    assert sorted(area) == pytest.approx([2.0, 2.0, 2.0, 2.0, 4.0], rel=1e-12)
 
 
 def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
@@ -129,10 +129,8 @@ def test_faces_bulge_out_of_the_box_and_are_convex_beyond_their_first_row(cuts):
 def test_socket_coordinates_invert_socket_points(side):
     case = small_screw(6, hand="left", phase=0.2)
     m = GrooveMap.of(case)
-    layout = ball_layout(case)
     xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
-    for phi, z in zip(layout.azimuth, layout.z, strict=True):
-        socket = (float(phi), float(z), side)
+    for socket in sockets_of(case, (side,)):
         x = socket_points(m, SIZE, socket, xi)
         found = socket_coordinates(m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1]))
         np.testing.assert_allclose(found, xi, atol=1e-11)
@@ -150,29 +148,23 @@ def test_middle_of_a_socket_is_the_nominal_contact_point(side):
 
 
 def test_gaps_follow_each_start_over_all_turns():
-    case = replace(small_screw(2, lead=20e-3), track=replace(small_screw(2).track, starts=2))
-    case = with_balls(case, [-4.0, 0.5, 0.9, 7.0])
-    layout = ball_layout(case)
-    gaps, pairs = track_gaps(GrooveMap.of(case), layout.azimuth, layout.z)
+    case = small_screw(2)
+    case = replace(case, track=replace(case.track, starts=2))
+    gaps, pairs = gaps_of(with_balls(case, [-4.0, 0.5, 0.9, 7.0]))
     np.testing.assert_allclose(sorted(gaps), sorted(2 * [4.5, 0.4, 6.1]), atol=1e-9)
     assert {tuple(p) for p in pairs[np.abs(gaps - 0.4) < 1e-9]} == {(1, 2), (5, 6)}
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_gaps_do_not_depend_on_how_turns_are_counted(hand):
-    case = with_balls(small_screw(2, hand=hand), [-3.0, -1.0, 0.3, 2.0])
-    layout = ball_layout(case)
-    wrapped = layout.azimuth + 2.0 * np.pi * np.array([0, 1, -2, 1])
-    gaps, _ = track_gaps(GrooveMap.of(case), wrapped, layout.z)
+    gaps, _ = gaps_of(with_balls(small_screw(2, hand=hand), [-3.0, -1.0, 0.3, 2.0]), turns=np.array([0, 1, -2, 1]))
     np.testing.assert_allclose(sorted(gaps), [1.3, 1.7, 2.0], atol=1e-9)
 
 
 def test_gaps_of_a_ring_close_around():
     case = with_balls(scene("bearing-9"), [0.0, 2.0, -2.5])
-    layout = ball_layout(case)
-    gaps, _ = track_gaps(GrooveMap.of(case), layout.azimuth, layout.z)
-    np.testing.assert_allclose(sorted(gaps), sorted([2.0, 2.5, 2 * np.pi - 4.5]), atol=1e-9)
-    gaps, pairs = track_gaps(GrooveMap.of(case), layout.azimuth[:1], layout.z[:1])
+    np.testing.assert_allclose(sorted(gaps_of(case)[0]), sorted([2.0, 2.5, 2 * np.pi - 4.5]), atol=1e-9)
+    gaps, pairs = gaps_of(case, slice(1))
     np.testing.assert_allclose(gaps, [2.0 * np.pi])
     assert pairs.tolist() == [[0, 0]]
 
@@ -199,10 +191,10 @@ def test_narrow_beside_the_edge_of_the_groove():
     low = 15.2e-3
     size = fitted(case, (0,), land_screw=low)
     _, edge = flank_limits(m, 0, low)
-    assert size.gamma < 0.9 * GAMMA
-    assert m.beta + (1.0 + BESIDE) * size.gamma == pytest.approx(edge)
+    assert size.gamma < 0.9 * rules.GAMMA
+    assert m.beta + (1.0 + rules.BESIDE) * size.gamma == pytest.approx(edge)
     assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
-    assert fitted(case, (3,), land_screw=low).gamma == GAMMA  # the nut's land is elsewhere
+    assert fitted(case, (3,), land_screw=low).gamma == rules.GAMMA  # the nut's land is elsewhere
 
 
 # --- room for the contacts -------------------------------------------------------------------------------------------
@@ -215,34 +207,41 @@ def test_sockets_are_as_wide_as_their_contacts_need(reach):
     size, need = fitted(case, need=(reach, 0.1e-3)), reach / m.radius[0]
     apex, edge = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
     room = min(m.beta - apex, edge - m.beta)
-    assert need <= ZONE * size.gamma * (1.0 + 1e-12)
-    assert (1.0 + CLOSE) * size.gamma <= room * (1.0 + 1e-12)
-    wanted = min(max(GAMMA, need / FILLED), room / (1.0 + BESIDE))
-    assert size.gamma == pytest.approx(max(wanted, min(SPARE * need / ZONE, 0.5 * (need / ZONE + room / (1.0 + CLOSE)))))
+    assert need <= rules.ZONE * size.gamma * (1.0 + 1e-12)
+    assert (1.0 + rules.CLOSE) * size.gamma <= room * (1.0 + 1e-12)
+    wanted = min(max(rules.GAMMA, need / rules.FILLED), room / (1.0 + rules.BESIDE))
+    assert size.gamma == pytest.approx(
+        max(wanted, min(rules.SPARE * need / rules.ZONE, 0.5 * (need / rules.ZONE + room / (1.0 + rules.CLOSE))))
+    )
     assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
 
 
 @pytest.mark.parametrize(
-    ("changes", "match"),
+    ("case", "half", "changes", "match"),
     [
-        ({}, r"of side SL: it reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm \(27\.6 deg\).*edge.*deepen the groove"),
-        ({"land_screw": 15.6e-3}, r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower"),
+        (
+            LIN,
+            1.6e-3,
+            {},
+            r"of side SL: it reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm \(27\.6 deg\).*edge.*deepen the groove",
+        ),
+        (
+            LIN,
+            1.6e-3,
+            {"land_screw": 15.6e-3},
+            r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower",
+        ),
+        (FLAT, 1e-3, {}, r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"),
     ],
 )
-def test_contacts_beyond_the_edge_are_refused_with_both_numbers(changes, match):
+def test_contacts_beyond_edge_or_apex_are_refused_with_both_numbers(case, half, changes, match):
     with pytest.raises(ValueError, match=match):
-        fitted(scene("lin-case1"), need=(1.6e-3, 0.1e-3), **changes)
-
-
-def test_contacts_beyond_the_apex_are_refused_with_both_numbers():
-    case = small_screw(4, beta=np.radians(20.0))
-    with pytest.raises(ValueError, match=r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"):
-        fitted(case, need=(1e-3, 0.1e-3))
+        fitted(case, need=(half, 0.1e-3), **changes)
 
 
 def test_long_contacts_get_long_sockets_or_are_refused():
     case = scene("lin-case1")
-    assert fitted(case, need=(0.2e-3, 0.9e-3)).phi == pytest.approx(0.9e-3 / FILLED / GrooveMap.of(case).R)
+    assert fitted(case, need=(0.2e-3, 0.9e-3)).phi == pytest.approx(0.9e-3 / rules.FILLED / GrooveMap.of(case).R)
     close = with_balls(small_screw(4), [0.0, 1.0, 1.12])
     assert fitted(close, need=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
     with pytest.raises(ValueError, match=r"too short.*balls 2 and 3"):
@@ -250,19 +249,17 @@ def test_long_contacts_get_long_sockets_or_are_refused():
 
 
 def test_sockets_beside_the_next_turn_stay_as_wide_as_their_contacts():
-    case = replace(scene("lin-nominal-4p1"), track=replace(scene("lin-nominal-4p1").track, lead=5.2e-3))
-    m = GrooveMap.of(case)
-    size, reach = fitted(case, need=(0.58e-3, 0.05e-3)), 0.58e-3
-    assert size.gamma >= reach / m.radius.min() / ZONE * (1.0 - 1e-12)
-    assert size.depth < DEPTH * m.ball
+    case = with_lead(5.2e-3)
+    m, size = GrooveMap.of(case), fitted(case, need=(0.58e-3, 0.05e-3))
+    assert size.gamma >= 0.58e-3 / m.radius.min() / rules.ZONE * (1.0 - 1e-12)
+    assert size.depth < rules.DEPTH * m.ball
 
 
 def test_narrow_beside_the_apex():
     case = small_screw(4, beta=np.radians(18.0))
-    m = GrooveMap.of(case)
-    size = fitted(case, (0,))
+    m, size = GrooveMap.of(case), fitted(case, (0,))
     apex, _ = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
-    assert m.beta - (1.0 + BESIDE) * size.gamma == pytest.approx(apex)
+    assert m.beta - (1.0 + rules.BESIDE) * size.gamma == pytest.approx(apex)
 
 
 @pytest.mark.parametrize("beta", [14.0, 30.0, 60.0, 74.0])
@@ -286,43 +283,40 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
 @pytest.mark.parametrize(("sides", "change"), [((0,), {"bore_screw": 12.6e-3}), ((3,), {"outer_nut": 20.4e-3})])
 def test_shallow_over_a_thin_wall(sides, change):
     case = scene("lin-case1")
-    m = GrooveMap.of(case)
-    size = fitted(case, sides, **change)
+    m, size = GrooveMap.of(case), fitted(case, sides, **change)
     assert shares(case, size)[0] == 1.0
-    assert LEAST < shares(case, size)[1] < 0.95
-    assert wall_left(m, size, sides[0], next(iter(change.values()))) == pytest.approx(UNDER * size.depth, rel=1e-6)
+    assert rules.LEAST < shares(case, size)[1] < 0.95
+    assert wall_left(m, size, sides[0], next(iter(change.values()))) == pytest.approx(rules.UNDER * size.depth, rel=1e-6)
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_short_between_close_balls(hand):
     case = small_screw(2, hand=hand)
     m = GrooveMap.of(case)
-    close = 1.8 * ALONG * m.ball / m.R
+    close = 1.8 * rules.ALONG * m.ball / m.R
     case = with_balls(case, [-3.0, -2.0, -2.0 + close, 0.0, 2.9])
     size = fitted(case)
-    assert size.phi == pytest.approx(close / (2.0 + BETWEEN))
+    assert size.phi == pytest.approx(close / (2.0 + rules.BETWEEN))
     assert shares(case, size)[:2] == pytest.approx((1.0, 1.0))
 
 
 def test_small_beside_a_flat_end():
     case = scene("bearing-9")
-    m = GrooveMap.of(case)
-    size = fitted(case)
+    m, size = GrooveMap.of(case), fitted(case)
     found = shares(case, size)
     assert found == pytest.approx((found[0],) * 3)
-    assert LEAST < found[0] < 0.95
+    assert rules.LEAST < found[0] < 0.95
     below, above = reach(m, size, ALL)
-    assert max(below, above) + AWAY * m.ball == pytest.approx(8e-3, rel=1e-6)
+    assert max(below, above) + rules.AWAY * m.ball == pytest.approx(8e-3, rel=1e-6)
 
 
 @pytest.mark.parametrize(("sides", "lead"), [((0, 3), 4.1e-3), (ALL, 5.2e-3)])
 def test_small_beside_the_next_turn(sides, lead):
-    case = replace(scene("lin-nominal-4p1"), track=replace(scene("lin-nominal-4p1").track, lead=lead))
-    m = GrooveMap.of(case)
-    size = fitted(case, sides)
-    assert LEAST < shares(case, size)[0] < 0.95
+    case = with_lead(lead)
+    m, size = GrooveMap.of(case), fitted(case, sides)
+    assert rules.LEAST < shares(case, size)[0] < 0.95
     left = min(turn_left(m, size, tuple(s for s in sides if (s < 2) == screw)) for screw in (True, False))
-    assert left == pytest.approx(AWAY * m.ball, rel=1e-6)
+    assert left == pytest.approx(rules.AWAY * m.ball, rel=1e-6)
 
 
 def test_ends_are_measured_from_the_outermost_balls():
@@ -347,18 +341,12 @@ def test_ends_are_measured_from_the_outermost_balls():
         (with_balls(small_screw(4), [0.0, 1.0, 1.0]), ALL, {}, "only 0 %.*balls 2 and 3 are 0 mm apart"),
         (scene("bearing-9"), ALL, {"ends": (2.5e-3, 13.5e-3)}, "outermost balls are 5.5 mm and 5.5 mm.*lengthen the nut"),
         (scene("lin-case1"), ALL, {"ends": (0.3, 0.41)}, "from the flat ends; lengthen the nut or move balls"),
+        (with_lead(4.0e-3), ALL, {}, "next turn of the groove is 4 mm on; raise the lead"),
     ],
 )
 def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
     with pytest.raises(ValueError, match=match):
         fitted(case, sides, **change)
-
-
-def test_no_room_before_the_next_turn_is_refused():
-    case = scene("lin-nominal-4p1")
-    case = replace(case, track=replace(case.track, lead=4.0e-3))
-    with pytest.raises(ValueError, match="next turn of the groove is 4 mm on; raise the lead"):
-        fitted(case)
 
 
 # --- sockets that do not fit -----------------------------------------------------------------------------------------
@@ -373,27 +361,23 @@ def test_no_room_before_the_next_turn_is_refused():
     ],
 )
 def test_misfits_are_refused(size, match):
-    spec = body_specs(small_screw(6), (0,))["screw"]
+    case = small_screw(6)
     with pytest.raises(ValueError, match=rf"socket.*{match}.*make the sockets smaller"):
-        refuse_misfit(GrooveMap.of(small_screw(6)), size, spec.sockets, 16e-3, 12.6e-3, (0.0, 0.2))
+        refuse_misfit(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
 
 
 def test_sockets_at_an_end_or_on_no_groove_are_refused():
     case = small_screw(6)
-    m, spec = GrooveMap.of(case), body_specs(case, (0,))["screw"]
-    refuse_misfit(m, SIZE, spec.sockets, 16e-3, 1.5e-3, (0.08, 0.12))
-    with pytest.raises(ValueError, match="flat end"):
-        refuse_misfit(m, SIZE, spec.sockets, 16e-3, 1.5e-3, (0.08, 0.107))
-    phi, z, side = spec.sockets[0]
-    with pytest.raises(ValueError, match="lies on no groove"):
-        refuse_misfit(m, SIZE, ((phi + 0.1, z, side),), 16e-3, 1.5e-3, (0.08, 0.12))
-    refuse_misfit(m, SIZE, ((phi + 2.0 * np.pi, z, side),), 16e-3, 1.5e-3, (0.08, 0.12))
+    m, sockets = GrooveMap.of(case), sockets_of(case, (0,))
+    phi, z, side = sockets[0]
+    for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
+        refuse_misfit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
+    for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "lies on no groove")):
+        with pytest.raises(ValueError, match=why):
+            refuse_misfit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
 
 
 def test_sockets_of_neighbouring_turns_that_meet_are_refused():
-    case = scene("lin-nominal-4p1")
-    case = replace(case, track=replace(case.track, lead=4.4e-3))
-    m, layout = GrooveMap.of(case), ball_layout(case)
-    sockets = tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in (2, 3))
+    case = with_lead(4.4e-3)
     with pytest.raises(ValueError, match="next turn"):
-        refuse_misfit(m, SocketSize(0.3, 0.9e-3, 0.05), sockets, 15e-3, 22e-3, (0.1, 0.2))
+        refuse_misfit(GrooveMap.of(case), SocketSize(0.3, 0.9e-3, 0.05), sockets_of(case, (2, 3)), 15e-3, 22e-3, (0.1, 0.2))

@@ -1,13 +1,10 @@
-"""Dimensions that only the 3D reference needs, and compliances of held bodies."""
+"""Dimensions that only the 3D reference needs."""
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
-import scipy.sparse as sp
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.meshes.parts import Solid
 from rollbench.meshes.solid import dimensions
 
@@ -27,13 +24,10 @@ def test_what_a_scene_does_not_give_is_assumed_and_said():
     assert len(d.assumed) == 1  # flat faces and a groove that runs through: nothing else
 
 
-def test_a_bearing_on_a_stiff_shaft():
+def test_a_bearing_on_a_stiff_shaft_and_a_stretch_that_ends_where_the_screw_does():
     d = dimensions(catalogue.scene("bearing-9"))
     assert (d.nut_held, d.screw_held, d.shaft, d.hole) == ("outer surface", "bore", 0.0, 25e-3)
     assert "bore" in " ".join(d.assumed)
-
-
-def test_the_stretch_ends_where_the_screw_does():
     scene = catalogue.scene("lin-case1")
     short = replace(scene, nut=replace(scene.nut, position=30e-3))
     assert dimensions(short).ends(short)[0] == 0.0
@@ -45,17 +39,6 @@ def test_the_stretch_ends_where_the_screw_does():
 def test_dimensions_without_groove_or_wall_are_refused(solid, key):
     with pytest.raises(ValueError, match=key):
         dimensions(replace(catalogue.scene("lin-case1"), solid=solid))
-
-
-def test_compliance_of_many_rows():
-    rng = np.random.default_rng(3)
-    n = 60
-    A = sp.random(n, n, 0.1, random_state=rng) + sp.identity(n) * 4.0
-    K = (A @ A.T).tocsc()
-    rows = sp.random(12, n, 0.3, random_state=rng).tocsr()
-    wanted = rows @ np.linalg.solve(K.toarray(), rows.toarray().T)
-    np.testing.assert_allclose(compliance(K, rows), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
-    assert compliance(K, rows[:0]).shape == (0, 0)
 
 
 def test_a_station_at_an_end_is_the_end():

@@ -79,47 +79,32 @@ def setup(errors=None, **options):
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
 @pytest.mark.parametrize("screw", SCREWS)
 @pytest.mark.parametrize("side", range(4), ids=SIDES)
-def test_derivatives(side, screw, errors):
-    scene, layout, drawn, gamma = setup(errors, **SCREWS[screw])
-    found = surface_derivatives(scene, drawn, side, gamma)
-    for i, phi in enumerate(layout.azimuth):
-        expected = derivatives(scene, SIDES[side], phi, gamma[i])
-        for key, value in expected.items():
-            assert found[key][i] == pytest.approx(cylindrical(value, phi), rel=1e-12, abs=2e-12), key
-        point = cylindrical(surface(scene, SIDES[side], phi, gamma[i]), phi)
-        assert found["S"][i] + [0.0, 0.0, layout.z[i]] == pytest.approx(point, abs=1e-16)
-
-
-@pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
-@pytest.mark.parametrize("screw", SCREWS)
-@pytest.mark.parametrize("side", range(4), ids=SIDES)
-def test_curvatures_are_those_of_the_independent_surface(side, screw, errors):
+def test_derivatives_and_curvatures_are_those_of_the_independent_surface(side, screw, errors):
     """Weingarten's map from the independent derivatives, with the normal taken towards the ball's centre."""
     scene, layout, drawn, gamma = setup(errors, **SCREWS[screw])
-    found = principal_curvatures(scene, drawn, side, gamma)
+    found, curved = surface_derivatives(scene, drawn, side, gamma), principal_curvatures(scene, drawn, side, gamma)
     for i, phi in enumerate(layout.azimuth):
-        d = derivatives(scene, SIDES[side], phi, gamma[i])
+        d, point = derivatives(scene, SIDES[side], phi, gamma[i]), surface(scene, SIDES[side], phi, gamma[i])
+        for key, value in d.items():
+            assert found[key][i] == pytest.approx(cylindrical(value, phi), rel=1e-12, abs=2e-12), key
+        assert found["S"][i] + [0.0, 0.0, layout.z[i]] == pytest.approx(cylindrical(point, phi), abs=1e-16)
         normal = np.cross(d["Sp"], d["Sg"])
-        normal /= np.linalg.norm(normal)
-        to_ball = layout.centre[i] - surface(scene, SIDES[side], phi, gamma[i])
-        normal *= np.sign(normal @ to_ball)
+        normal *= np.sign(normal @ (layout.centre[i] - point)) / np.linalg.norm(normal)
         first = np.array([[d["Sp"] @ d["Sp"], d["Sp"] @ d["Sg"]], [d["Sp"] @ d["Sg"], d["Sg"] @ d["Sg"]]])
         second = np.array([[d["Spp"] @ normal, d["Spg"] @ normal], [d["Spg"] @ normal, d["Sgg"] @ normal]])
         expected = np.sort(-np.linalg.eigvals(np.linalg.solve(first, second)).real)
-        assert found[i] == pytest.approx(expected, rel=1e-7)
+        assert curved[i] == pytest.approx(expected, rel=1e-7)
 
 
 @pytest.mark.parametrize("beta", [0.2, np.pi / 4, 1.3])
 def test_torus_limit(beta):
     """Zero lead: -1/r_G across; along, the normal curvature of a circle of latitude of the torus."""
     scene, _, drawn, _ = setup(lead=0.0, beta=beta)
-    gamma = np.full(6, beta)
-    radius, ball = scene.track.pitch_radius, scene.balls.radius
+    gamma, radius, ball = np.full(6, beta), scene.track.pitch_radius, scene.balls.radius
     for side, groove, sign in ((0, 3.254e-3, 1), (1, 3.254e-3, 1), (2, 3.3e-3, -1), (3, 3.3e-3, -1)):
         along = sign * np.cos(beta) / (radius - sign * ball * np.cos(beta))
         found = principal_curvatures(scene, drawn, side, gamma)
-        assert found[:, 0] == pytest.approx(np.full(6, -1 / groove), rel=1e-12)
-        assert found[:, 1] == pytest.approx(np.full(6, along), rel=1e-12)
+        assert found == pytest.approx(np.tile([-1 / groove, along], (6, 1)), rel=1e-12)
 
 
 @pytest.mark.parametrize("lead", [0.0, 5e-3, 20e-3, 40e-3])
@@ -152,12 +137,11 @@ def test_hand_and_flank_do_not_matter(side):
 def test_unit_normal_is_normal(side):
     scene, _, drawn, gamma = setup(FLANK_ERRORS)
     d = surface_derivatives(scene, drawn, side, gamma)
-    first, second, normal = fundamental_forms(d)
+    *forms, normal = fundamental_forms(d)
     assert np.linalg.norm(normal, axis=1) == pytest.approx(np.ones(6), rel=1e-14)
     for key in ("Sp", "Sg"):
         assert np.einsum("ni,ni->n", normal, d[key]) == pytest.approx(np.zeros(6), abs=1e-16)
-    assert np.array_equal(first, np.swapaxes(first, 1, 2))
-    assert np.array_equal(second, np.swapaxes(second, 1, 2))
+    assert all(np.array_equal(form, np.swapaxes(form, 1, 2)) for form in forms)
 
 
 def test_profile_derivatives():

@@ -9,8 +9,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
+from tests.patch_meshes import socket
 
-from rollbench.meshes.sockets import SocketMesh
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
@@ -20,47 +20,19 @@ SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
 INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCALE
 
 
-def second_order(corners, quads, turn):
-    """Socket of two second-order triangles for each quadrangle, along one diagonal or the other."""
-    nodes = [tuple(c) for c in corners]
-    triangles = []
-    for a, b, c, d in quads:
-        for tri in ((a, b, c), (a, c, d)) if not turn else ((b, c, d), (b, d, a)):
-            row = list(tri)
-            for i, j in ((0, 1), (1, 2), (2, 0)):
-                middle = tuple(0.5 * (np.array(nodes[tri[i]]) + np.array(nodes[tri[j]])))
-                if middle not in nodes:
-                    nodes.append(middle)
-                row.append(nodes.index(middle))
-            triangles.append(row)
-    return SocketMesh(np.array(nodes), np.array(triangles), np.zeros(len(triangles), dtype=np.int64), {})
-
-
-@cache
-def socket(turn=False):
-    """Five faces in two by two quadrangles."""
-    axes = np.array([-1.0, 0.0, 1.0]), np.array([0.0, 0.5, 1.0]), np.array([-1.0, 0.0, 1.0])
-    corners = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    number = np.arange(27).reshape(3, 3, 3)
-    quads = []
-    for face in (number[0], number[2], number[:, 2], number[:, :, 0], number[:, :, 2]):
-        for i in range(2):
-            quads += [(face[i, j], face[i + 1, j], face[i + 1, j + 1], face[i, j + 1]) for j in range(2)]
-    return second_order(corners, quads, turn)
-
-
 @cache
 def mesh(kind="plain"):
-    return build_tets(BOX, None if kind == "plain" else socket(kind == "turned"))
+    return build_tets(BOX, None if kind == "plain" else socket(turned=kind == "turned"))
 
 
 OWN = ["plain", "straight", "turned"]
 
 
-def edges_of(cells):
-    """Every edge once."""
-    pairs = np.concatenate([cells[:, pair] for pair in combinations(range(4), 2)])
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+def edges_of(m):
+    """Every edge of a box once, and its length [m]."""
+    pairs = np.concatenate([m.tets[:, pair] for pair in combinations(range(4), 2)])
+    edges = np.unique(np.sort(pairs, axis=1), axis=0)
+    return edges, np.linalg.norm(np.diff(m.xi[edges] * SCALE, axis=1)[:, 0], axis=1)
 
 
 def area(points, triangles):
@@ -88,8 +60,7 @@ def test_box_is_filled(kind):
 def test_edges_grow_out_of_the_body_of_influence():
     m = mesh()
     x = m.xi * SCALE
-    edges = edges_of(m.tets)
-    length = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
+    edges, length = edges_of(m)
     middle = np.abs(x[edges].mean(axis=1)) - INFLUENCE
     away = np.linalg.norm(np.maximum(middle, 0.0), axis=1)
     wanted = np.minimum(0.5e-3, 0.08e-3 + 0.2 * away)
@@ -105,9 +76,7 @@ def test_edges_grow_out_of_the_body_of_influence():
 
 
 def test_edges_do_not_grow_beyond_the_far_one():
-    m = build_tets(replace(BOX, far=0.11e-3, growth=1.0))
-    edges = edges_of(m.tets)
-    length = np.linalg.norm((m.xi[edges[:, 0]] - m.xi[edges[:, 1]]) * SCALE, axis=1)
+    _, length = edges_of(build_tets(replace(BOX, far=0.11e-3, growth=1.0)))
     assert length.mean() == pytest.approx(1.1 * 0.11e-3, rel=0.05)
 
 
@@ -138,7 +107,7 @@ def test_contact_nodes_do_not_depend_on_the_diagonals_of_the_socket():
 
 @pytest.mark.parametrize("kind", ["straight", "turned"])
 def test_faces_divide_the_socket_s_triangles(kind):
-    m, s = mesh(kind), socket(kind == "turned")
+    m, s = mesh(kind), socket(turned=kind == "turned")
     faces = boundary_faces(m.tets, "P1")
     faces = faces[(m.xi[faces, 1] > 1e-12).any(axis=1)]
     sub = s.xi[s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)]
@@ -154,14 +123,10 @@ def test_faces_divide_the_socket_s_triangles(kind):
     assert (found == 1.0).all()
 
 
-def test_mesh_repeats_itself():
+def test_meshes_repeat_themselves_that_of_the_source_s_box_too():
     again = build_tets(BOX)
-    assert np.array_equal(again.xi, mesh().xi)
-    assert np.array_equal(again.tets, mesh().tets)
-    assert np.array_equal(again.contact, mesh().contact)
-
-
-def test_box_of_the_source():
+    for name in ("xi", "tets", "contact"):
+        assert np.array_equal(getattr(again, name), getattr(mesh(), name))
     box = source_box((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15))
     assert box.influence == pytest.approx((0.5e-3, 0.18e-3, 0.18e-3))
     assert box.fine == 0.08e-3
@@ -182,28 +147,24 @@ def test_boxes_that_cannot_be_meshed_are_refused():
             build_tets(BOX, torn)
 
 
-def test_split_cells_fill_the_same_volume():
-    points, cells = cube("P2", 2)
-    parts = split_second_order(points, cells)
-    assert parts.shape == (8 * len(cells), 4)
-    volumes = signed_volumes(points, parts)
-    np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
-    bent = distorted(points, 0.05)
-    parts = split_second_order(bent, cells)
-    assert (signed_volumes(bent, parts) > 0.0).all()
-    assert signed_volumes(bent, parts).sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
-    assert signed_volumes(bent, parts).sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
-
-
-def test_split_cells_conform():
+def test_split_cells_fill_the_same_volume_and_conform():
     """Their faces on the surface are the four triangles of every second-order face; inside, each is shared by two."""
     points, cells = cube("P2", 2)
     parts = split_second_order(points, cells)
+    assert parts.shape == (8 * len(cells), 4)
     assert np.array_equal(np.unique(parts), np.unique(cells))
     outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
     assert {frozenset(t) for t in boundary_faces(parts, "P1")} == {frozenset(t) for t in outside}
     _, count = np.unique(np.sort(parts[:, face_nodes("P1")].reshape(-1, 3), axis=1), axis=0, return_counts=True)
     assert set(count) == {1, 2}
+    volumes = signed_volumes(points, parts)
+    np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
+    bent = distorted(points, 0.05)
+    parts = split_second_order(bent, cells)
+    volumes = signed_volumes(bent, parts)
+    assert (volumes > 0.0).all()
+    assert volumes.sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
+    assert volumes.sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
 
 
 CORNERS = np.array([[1.0, 1, 1], [-1, 1, -1], [1, -1, -1], [-1, -1, 1]])

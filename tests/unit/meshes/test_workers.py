@@ -54,26 +54,20 @@ def left(workers: list[int], seconds: float) -> list[int]:
     return [pid for pid in workers if alive(pid)]
 
 
-@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for processes in /proc")
-@pytest.mark.parametrize(
-    ("program", "number", "code"),
-    [(PARENT, signal.SIGKILL, -9), (command(PARENT), signal.SIGTERM, 143), (command(PARENT), signal.SIGINT, 130)],
-)
-def test_no_worker_outlives_the_process_that_started_it(program, number, code):
-    """One worker is at work, the other has a result that is too large for a pipe that nobody reads."""
-    _ended(program, number, code, stopped=True)
+PROGRAMS = {
+    "workers": PARENT,
+    "at its own part of a set-up": SET_UP.replace("OWN", "120.0"),
+    "waiting for the other part": SET_UP.replace("OWN", "0.0"),
+}
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for processes in /proc")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143), (signal.SIGINT, 130)])
-@pytest.mark.parametrize("seconds", [120.0, 0.0], ids=["at its own part", "waiting for the other"])
-def test_nobody_waits_for_the_parts_of_a_set_up_that_is_ended(seconds, number, code):
-    program = SET_UP.replace("OWN", str(seconds))
-    _ended(program if number == signal.SIGKILL else command(program), number, code, stopped=False)
-
-
-def _ended(program: str, number: int, code: int, stopped: bool) -> None:
-    """End a program that first prints two processes: both are gone soon. stopped: it does nothing meanwhile."""
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_no_worker_outlives_the_process_that_started_it_and_nobody_waits_for_its_part(name, number, code):
+    """Both processes that a program prints are gone soon after its end. One worker is at work, the other has a result that
+    is too large for a pipe that nobody reads, as their parent does nothing meanwhile."""
+    program, stopped = PROGRAMS[name] if number == signal.SIGKILL else command(PROGRAMS[name]), name == "workers"
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as parent:
         workers = [int(parent.stdout.readline()) for _ in range(2)]
         if stopped:
