@@ -110,6 +110,16 @@ class Command:
         said = self(*words)
         return said.code, json.loads(said.out)
 
+    def said(self, *words: object) -> str:
+        """Standard output of a command that ends with 0."""
+        code, out, err = self(*words)
+        assert code == 0, err
+        return out
+
+    def answer(self, *words: object) -> Any:
+        """The one JSON value of a command that ends with 0."""
+        return json.loads(self.said(*words, "--json"))
+
     def refused(self, *words: object) -> str:
         """The one line on standard error of a command that refuses its input: exit status 2, nothing on standard output."""
         code, out, err = self(*words)

@@ -2,9 +2,9 @@
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
+
+from tests import processes
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = (".import", "compare", "hifi", "lowfi", "meshes", "reports")
@@ -23,8 +23,8 @@ def copy_of_tree(folder, tests=()):
 
 
 def python(tree, *words, cwd):
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tree / ".import"), str(tree)))}
-    return subprocess.run([sys.executable, *words], capture_output=True, text=True, env=environment, timeout=250, cwd=cwd)
+    path = os.pathsep.join((str(tree / ".import"), str(tree)))
+    return processes.python(*words, environ={"PYTHONPATH": path}, cwd=cwd)
 
 
 def rollbench(tree, *tokens, cwd):
