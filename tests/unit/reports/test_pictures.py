@@ -17,10 +17,8 @@ PNG_START = b"\x89PNG\r\n\x1a\n"
 
 def picture(kind="Q2", **changes):
     points, cells = cube(kind, 2)
-    plain = FieldPicture(
-        "cube", "A cube", (MeshPart(points, cells, kind),), (1.0, 0.4, 0.3), (0.0, 0.0, 1.0), (0.5, 0.5, 0.5), 2.0
-    )
-    return replace(plain, **changes)
+    view = (1.0, 0.4, 0.3), (0.0, 0.0, 1.0), (0.5, 0.5, 0.5), 2.0
+    return replace(FieldPicture("cube", "A cube", (MeshPart(points, cells, kind),), *view), **changes)
 
 
 def with_values(kind="P2"):
