@@ -26,14 +26,9 @@ def figure(name="loads", **changes):
 
 
 def table(name="printed"):
-    columns = (
-        Quantity("q", "Quantity, of all", format="s"),
-        Quantity("force", "Force", "N"),
-        Quantity("error", "Error", "%", ".2f"),
-        Quantity("class", "Class", format="s"),
-        Quantity("verdict", "Verdict", format="s"),
-        Quantity("ok", "Met"),
-    )
+    first, force = Quantity("q", "Quantity, of all", format="s"), Quantity("force", "Force", "N")
+    words = (Quantity(word.lower(), word, format="s") for word in ("Class", "Verdict"))
+    columns = (first, force, Quantity("error", "Error", "%", ".2f"), *words, Quantity("ok", "Met"))
     rows = (
         {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
         {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "contradicted", "ok": False},
@@ -55,11 +50,10 @@ def screw(scene="lin-case1", **changes):
 
 
 def report(*items):
+    empty = Table("empty", "None", [Quantity("a", "A")], [])
     sections = (
         Section("first", "First & foremost", items or (Text(["A < B."]), table(), figure())),
-        Section(
-            "second", "Second", (Text(["one", "two <i>"], bullets=True), Table("empty", "None", [Quantity("a", "A")], []))
-        ),
+        Section("second", "Second", (Text(["one", "two <i>"], bullets=True), empty)),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
     return Report("Report <1>", "Sub & title", provenance, paged(*sections))

@@ -1,12 +1,11 @@
 """What still works where a Python package is not installed: `ONLY_FOR` of `meshes.libraries` says what does not."""
 
-import os
-import subprocess
 import sys
 import venv
 from pathlib import Path
 
 import pytest
+from tests.processes import ran
 
 from rollbench.comparison.wings.doctor.command import requirements
 from rollbench.lowfi import jit
@@ -45,9 +44,7 @@ CASES = [
 
 
 def run(words, folder, before=(sys.executable, "-m", "tests.without"), **variables):
-    done = subprocess.run(
-        [*before, *words], cwd=folder, env={**os.environ, **variables}, capture_output=True, text=True, check=False
-    )
+    done = ran(*before, *words, cwd=folder, environ=variables)
     return done.returncode, done.stdout + done.stderr
 
 
@@ -69,7 +66,7 @@ def installed(tmp_path_factory):
 
 def pip(python, what, *words):
     constraints = ["-c", str(TOP / ".ci" / "constraints.txt")] if what == "install" else []
-    subprocess.run([python, "-m", "pip", "-q", what, *constraints, *words], check=True)
+    ran(python, "-m", "pip", "-q", what, *constraints, *words, timeout=None).check_returncode()
 
 
 @pytest.mark.survey

@@ -36,21 +36,14 @@ def test_a_cube_has_its_volume_surface_edges_and_values(kind):
     assert np.ptp(grid.extract_all_edges().points.reshape(-1, 3), axis=0) == pytest.approx(1e3)
 
 
-@pytest.mark.parametrize(
-    "drawn",
-    [
-        picture("P2", scale_bar=0.2, cuts=(((0.5, 0.5, 0.5), (1.0, 0.0, 0.0)),)),
-        picture(
-            parts=(with_values(), replace(with_values("Q2"), edges=False)),
-            section=True,
-            log=True,
-            label="stress [MPa]",
-            cuts=(((0.45, 0.5, 0.5), (1.0, 0.2, 0.0)),),
-            words=(((0.5, 0.5, 0.5), "here"),),
-        ),
-    ],
-    ids=["mesh", "section"],
-)
+MIDDLE = (0.5, 0.5, 0.5)
+MESH = picture("P2", scale_bar=0.2, cuts=((MIDDLE, (1.0, 0.0, 0.0)),))
+CUT = {"section": True, "cuts": (((0.45, 0.5, 0.5), (1.0, 0.2, 0.0)),), "words": ((MIDDLE, "here"),)}
+WITH_VALUES = (with_values(), replace(with_values("Q2"), edges=False))
+SECTION = picture(parts=WITH_VALUES, log=True, label="stress [MPa]", **CUT)
+
+
+@pytest.mark.parametrize("drawn", [MESH, SECTION], ids=["mesh", "section"])
 def test_a_file_is_written(tmp_path, drawn):
     try:
         field3d.draw_field(drawn, tmp_path / "a.png")

@@ -17,12 +17,8 @@ def test_forms():
     assert one.at(0.5) == "3.5 um"
     assert one.number("3.5 um") == 3.5
     assert four.number("right") == 2.0
+    assert read_vary(["nut.conformity=0.52,0.56"])[0].choices == (0.52, 0.56), "as TOML reads them"
     assert [three.number(4), one.number("1e-07 um"), one.number(" 2um ")] == [4.0, 1e-7, 2.0]
-
-
-def test_values_of_a_list_are_read_as_toml_reads_them():
-    (found,) = read_vary(["nut.conformity=0.52,0.56"])
-    assert found.choices == (0.52, 0.56)
 
 
 @pytest.mark.parametrize(
