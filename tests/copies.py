@@ -2,12 +2,21 @@
 
 import os
 import shutil
+from importlib import import_module
 from pathlib import Path
 
+import pytest
 from tests import processes
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = (".import", "compare", "hifi", "lowfi", "meshes", "reports")
+
+
+def docs_module(name):
+    """A program of the manual."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT / "docs")
+        return import_module(name)
 
 
 def copy_of_tree(folder, tests=()):

@@ -1,13 +1,31 @@
 """Shared by the tests of reports: a figure, a table, a loaded screw, a report of them, and the files of a folder."""
 
 import math
+import shutil
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.reports.records import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
+
+CHROMIUM = shutil.which("chromium")
+WITH_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+
+
+def image(draw, what, path):
+    """The bytes of a PNG that a function draws, where this machine can."""
+    try:
+        draw(what, path)
+    except RuntimeError as error:
+        if "libgl1" in str(error) or "OpenGL" in str(error):
+            pytest.skip(str(error))
+        raise
+    data = path.read_bytes()
+    assert data.startswith(b"\x89PNG\r\n\x1a\n")
+    return data
 
 
 def figure(name="loads", **changes):

@@ -91,8 +91,7 @@ def test_loads_three_percent_off_fail_with_the_worst_contact_named(name, tmp_pat
     found = run_score(file(tmp_path, rows(name, 1.03)), name)
     loads = {c: a.load for c, a in answers.shipped()[name].items()}
     heavy = max(loads, key=loads.get)
-    assert found.code == 1
-    assert found.data["problems"][0]["worst"] == heavy
+    assert (found.code, found.data["problems"][0]["worst"]) == (1, heavy)
     assert any(isinstance(part, str) and f"beyond tolerance: {heavy}: load" in part for part in found.parts)
 
 

@@ -112,13 +112,10 @@ def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     assert python("-c", code).stderr.strip() == "[]"
 
 
-def test_report_refuses_a_foreign_folder_before_it_runs_anything(command, tmp_path: Path) -> None:
+def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     assert "--out" in command.refused("report", "--out", tmp_path)
     assert (tmp_path / "thesis.txt").read_text() == "mine"
-
-
-def test_report_of_one_section(command, tmp_path: Path) -> None:
     assert "[1/2] hertz" in command.said("report", "--only", "hertz", "--out", tmp_path / "r")
     assert 'href="reference.html"' in (tmp_path / "r" / "index.html").read_text()
     assert "only as printed" in (tmp_path / "r" / "reference.html").read_text()
@@ -134,6 +131,13 @@ def test_help_begins_with_what_one_starts_with(command) -> None:
     listed = {name for names in ORDER.values() for name in names}
     assert listed <= {*commands()}
     assert "refined, the default" in " ".join(command.said("compare", "--help").split())
+    # paragraphs are wrapped whole, and no empty default is shown
+    out = command.said("check", "--help")
+    assert '""' not in out
+    assert "2 where there are fewer" in " ".join(out.replace("│", " ").split())
+    prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
+    assert min(map(len, prose[1:-1])) > 60
+    assert "--empty" not in command.said("mesh-study", "--help")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -150,15 +154,6 @@ def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(listing, "_lines", stopped)
     code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
-
-
-def test_help_wraps_paragraphs_whole_and_shows_no_empty_default(command) -> None:
-    out = command.said("check", "--help")
-    assert '""' not in out
-    assert "2 where there are fewer" in " ".join(out.replace("│", " ").split())
-    prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
-    assert min(map(len, prose[1:-1])) > 60
-    assert "--empty" not in command.said("mesh-study", "--help")
 
 
 class Terminal(io.StringIO):

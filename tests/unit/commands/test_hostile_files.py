@@ -1,7 +1,5 @@
 """Files that do harm: damaged, endless, hostile. One line and exit code 2, whatever they hold."""
 
-from __future__ import annotations
-
 import io
 import os
 import struct

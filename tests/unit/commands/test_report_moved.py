@@ -1,7 +1,5 @@
 """A whole report against an earlier one, and its hashes computed again."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -77,8 +77,7 @@ def test_preload_is_what_the_flanks_press_without_load(solved) -> None:
     scene, _, found = solved
     bare = solve_scaled(scene, 0.0, "lin", QUIET)
     held = preload(scene, bare)
-    assert held == found.preload
-    assert held.loaded == 4 * scene.ball_count
+    assert (held, held.loaded) == (found.preload, 4 * scene.ball_count)
     assert held.axial == pytest.approx(slope_of(scene) * bare.load[:, 0].sum(), rel=0.02)
 
 
@@ -232,8 +231,7 @@ def test_a_line_above_the_answers_says_what_leaves_the_models(tmp_path, command,
     assert all(word in head for word in said), head
     assert sum("WARNING" in line for line in lines) == bool(said)
     code, data = command.json("solve", file, "--model", "lin", "--strict", "--json")
-    assert code == bool(said)
-    assert (data["warning"] is not None) is bool(said)
+    assert (code, data["warning"] is not None) == (bool(said), bool(said))
     assert len(data["warnings"]) >= len(said)
 
 
@@ -244,8 +242,7 @@ def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
     assert code == 1
     lines = out.splitlines()
     head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("axial "))])
-    assert "WARNING outside what the models mean: nut 1: " in head
-    assert "nut 2: preload" in head
+    assert re.search("WARNING outside what the models mean: nut 1: .*nut 2: preload", head)
 
 
 @pytest.mark.parametrize(
@@ -258,8 +255,7 @@ def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, com
     found, _, error = command("solve", file, "--model", "lin")
     assert found == code
     if code:
-        assert "material.youngs_modulus" in error
-        assert "1 GPa to 1000 GPa" in error
+        assert re.search("material.youngs_modulus.*1 GPa to 1000 GPa", error)
         file = changed_40x10(tmp_path, ('name = "bearing steel"', f"unusual = true\n{material}"), *rest)
         assert command("solve", file, "--model", "lin").code == 0
 

@@ -1,7 +1,5 @@
 """Where the program runs: outputs nobody reads, folders that cannot be written, what killed processes left."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
@@ -96,15 +94,6 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
 
 
-def test_an_output_is_tried_before_it_is_computed(tmp_path):
-    (tmp_path / "file").write_text("")
-    for bad in (tmp_path, tmp_path / "file" / "x.npz"):
-        with pytest.raises(InputError):
-            need_writable(bad)
-    need_writable(tmp_path / "new" / "x.npz")
-    assert list((tmp_path / "new").iterdir()) == []
-
-
 def test_no_code_comes_from_the_working_folder(tmp_path):
     """A numpy.py beside a scene was executed by children of pictures and bench."""
     (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
@@ -135,8 +124,13 @@ def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
     assert harmless(text) == ("'" if runs else "") + text
 
 
-def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
+def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
     (tmp_path / "file").write_text("")
+    for bad in (tmp_path, tmp_path / "file" / "x.npz"):
+        with pytest.raises(InputError):
+            need_writable(bad)
+    need_writable(tmp_path / "new" / "x.npz")
+    assert list((tmp_path / "new").iterdir()) == []
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")

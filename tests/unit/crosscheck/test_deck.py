@@ -224,6 +224,10 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
     scene, cut = catalogue.scene("two-balls"), catalogue.scene("lin-case1-cut")
     displaced = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
     uneven = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
+    (support,) = scene.supports
+    aside = replace(scene, balls=replace(scene.balls, azimuths=(0.0, 3.0)))
+    loose = replace(scene, supports=(replace(support, fixed=tuple(x for x in support.fixed if x[0] != "uy")),))
+    halved = ((other, DeckOptions(half=True), "not its own mirror image") for other in (cut, aside, loose))
     stations = r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
     for bad, options, words in (
         (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*--balls 3:5"),
@@ -232,6 +236,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
         (replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE, r"solid\.nut"),
         (scene, DeckOptions(b_over_h=0.4, growth=1.5), "no face of the mesh lies within an expected contact"),
         (replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE, stations),
+        *halved,
     ):
         with pytest.raises(InputError, match=words):
             build_deck(bad, options)
@@ -304,13 +309,3 @@ def test_a_half_is_held_in_its_plane(meshed):
             assert abs(np.cross(arm, np.eye(3)[axis])[1]) > 1e-3  # a turn about y parts the two nodes
     assert [len(b.alike) for b in half.deck.bodies] == [0, 0, 1, 1]
     assert 1.4 < whole.deck.node_count / half.deck.node_count < 2.0
-
-
-def test_only_a_mirror_image_of_itself_is_halved():
-    scene = catalogue.scene("two-balls")
-    (support,) = scene.supports
-    aside = replace(scene, balls=replace(scene.balls, azimuths=(0.0, 3.0)))
-    loose = replace(scene, supports=(replace(support, fixed=tuple(x for x in support.fixed if x[0] != "uy")),))
-    for other in (catalogue.scene("lin-case1-cut"), aside, loose):
-        with pytest.raises(InputError, match="not its own mirror image"):
-            build_deck(other, DeckOptions(half=True))

@@ -4,16 +4,15 @@ import re
 from collections import Counter
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 from rollbench.comparison.wings.evidence import audit
 from rollbench.comparison.wings.evidence.left_out import left_out, misprints
 from rollbench.comparison.wings.evidence.record import Evidence
 
-ROOT = Path(__file__).resolve().parents[3]
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
 

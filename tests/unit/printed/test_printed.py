@@ -2,9 +2,9 @@
 
 import math
 from collections import Counter
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.printed import printed_data
@@ -149,9 +149,8 @@ def test_remarks_have_one_full_stop_between_them():
 
 def test_a_band_is_not_called_reproduced():
     entry = next(r for r in printed_data.load_table("lin-3.4.4") if r.cls == "band" and r.value is not None)
-    assert judge(Evidence(entry, entry.low))[0] == "band"
-    assert judge(Evidence(entry, entry.high + 1.0))[0] == "contradicted"
-    assert judge(Evidence(entry))[0] == "not identifiable"
+    judged = [judge(Evidence(entry, value))[0] for value in (entry.low, entry.high + 1.0, None)]
+    assert judged == ["band", "contradicted", "not identifiable"]
 
 
 def all_rows():
@@ -165,8 +164,8 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            assert judge(Evidence(r, value=r.value))[0] == "input"
-            assert judge(Evidence(r, value=2.0 * r.value + 1.0))[0] == "contradicted"
+            judged = [judge(Evidence(r, value=value))[0] for value in (r.value, 2.0 * r.value + 1.0)]
+            assert judged == ["input", "contradicted"]
 
 
 def test_hard_entries_by_kind():
@@ -202,7 +201,7 @@ def test_counts_of_the_report_keep_kinds_apart():
 
 
 def test_manual_and_report_name_what_was_inferred_from_printed_results():
-    text = (Path(__file__).parents[3] / "docs" / "trust.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
     manual = " ".join(text.split()).replace("µ", "u")
     for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
         assert what in verdicts.INFERRED

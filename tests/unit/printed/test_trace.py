@@ -3,9 +3,9 @@
 import ast
 from collections import Counter
 from importlib import import_module
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
@@ -16,7 +16,6 @@ from rollbench.comparison.wings.evidence.registry import by_table, evidence, not
 pytestmark = pytest.mark.wing
 BY_TABLE, NOT_COMPUTED = by_table(), not_computed()
 COMPUTATIONS = tuple(BY_TABLE.values())
-ROOT = Path(__file__).parents[3]
 TRACES = list(traces())
 
 

@@ -5,19 +5,17 @@ One start of the browser opens every page at both widths in frames of one page, 
 
 import json
 import re
-import shutil
 from html import unescape
 from pathlib import Path
 
 import pytest
 from tests.processes import ran
-from tests.report_samples import paged
+from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged
 
 from rollbench.reports.html import write
 from rollbench.reports.records import Figure, Panel, Quantity, Report, Section, Series, Summary, Table, Text
 
-CHROMIUM = shutil.which("chromium")
-pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium"), pytest.mark.xdist_group("browser")]
+pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser")]
 WIDTHS = {1400: 900, 390: 844}
 PAGES = ("index.html", "loads.html", "tables.html")
 #: Opens the pages, waits, works on each, and writes what it found into itself.
@@ -72,8 +70,7 @@ def test_both_widths_have_no_overflow_one_panel_a_row_on_a_phone_and_nothing_on_
     assert console == []
     assert len(pages) == len(PAGES) * len(WIDTHS)
     assert {name: page["overflow"] for name, page in pages.items() if page["overflow"] > 0} == {}
-    assert pages["loads.html 1400"]["columns"] == [2]
-    assert pages["loads.html 390"]["columns"] == [1]
+    assert [pages[f"loads.html {width}"]["columns"] for width in WIDTHS] == [[2], [1]]
 
 
 def test_first_screen_answers_without_scrolling_and_tables_fit(seen):

@@ -38,10 +38,8 @@ class TestFigures:
         other = Panel("Case <1>", "ball number", "normal force [N]", [Series("computed", [1, 2], [1.0, 5.0])])
         assert figures.draw(figure(panels=[other])) != svg
 
-    def test_is_well_formed_and_shows_labels_and_escapes(self, svg):
+    def test_is_well_formed_and_shows_labels_escapes_and_the_letter_of_micrometres(self, svg):
         assert {"Case <1>", "normal force [N]", "computed", "printed", "source", "95 % band", "10⁻³"} <= words_of(svg)
-
-    def test_micrometres_have_their_letter(self):
         panel = Panel("", "oversize / um", "rigidity / (N/um)", [Series("a sum", [1, 2], [1.0, 5.0])])
         words = words_of(figures.draw(figure(panels=[panel])))
         assert {"oversize / µm", "rigidity / (N/µm)"} <= words

@@ -16,8 +16,7 @@ def test_what_is_saved_is_read_and_a_release_is_not_rewritten(tmp_path):
     save_rows(tmp_path, HISTORY, (ONE,))
     assert load_releases([tmp_path / "none", tmp_path]) == (ONE,)
     other = Release("0.1", "later", "def", {})
-    assert added((ONE,), other) == (ONE,)
-    assert added((), other) == (other,)
+    assert [added(rows, other) for rows in ((ONE,), ())] == [(ONE,), (other,)]
 
 
 def test_the_package_has_rows_of_its_releases():
@@ -47,8 +46,7 @@ def test_numbers_of_a_report_are_those_of_its_points():
     assert release.values["memory"] == {"refined": None, "lin": 90.0, "mei": None, "3D reference": 900.0}
     assert 0.0 < release.values["u"]["3D reference"] < 1.0
     table = history.history_table([("0.1", ONE), ("this report", release)])
-    assert len(table.rows) == 2 * len(QUANTITIES)
-    assert table.note == "0.1: a remark"
+    assert (len(table.rows), table.note) == (2 * len(QUANTITIES), "0.1: a remark")
     figure = history.history_figure([("0.1", ONE), ("this report", release)])
     assert [s.x for s in figure.panels[0].series if s.label == "lin"] == [[1.0, 2.0]]
 

@@ -38,12 +38,10 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
     assert (refined.scenes, refined.worst, refined.worst_scene, refined.median) == (3, 3.0, "c", 2.0)
     assert (refined.low, refined.high) == (pytest.approx(1.8), pytest.approx(2.3))
     assert (refined.rms, refined.worst_rms, refined.cold, refined.within) == (1.0, 1.5, 2.0, 3)
-    assert (found["mei"].scenes, found["mei"].worst) == (2, 40.0)
-    assert found["lin"].within == 1
+    assert (found["mei"].scenes, found["mei"].worst, found["lin"].within) == (2, 40.0, 1)
     assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
     assert overview.off(POINTS["a"][-1]) == pytest.approx(0.1)
     assert overview.standing_table(overview.standings(POINTS)).rows[0]["name"] == "mei"
-
     # the front holds what nothing beats in both
     assert [s.name for s in overview.front(overview.standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
 

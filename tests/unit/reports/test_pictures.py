@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.fe_meshes import cube
+from tests.report_samples import image
 
 from rollbench.comparison.sections import pressures
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.fields import ContactPressure
 from rollbench.reports import field3d, figures
 from rollbench.reports.records import FieldPicture, MeshPart, PressureMap
-
-PNG_START = b"\x89PNG\r\n\x1a\n"
 
 
 def picture(kind="Q2", **changes):
@@ -45,15 +44,7 @@ SECTION = picture(parts=WITH_VALUES, log=True, label="stress [MPa]", **CUT)
 
 @pytest.mark.parametrize("drawn", [MESH, SECTION], ids=["mesh", "section"])
 def test_a_file_is_written(tmp_path, drawn):
-    try:
-        field3d.draw_field(drawn, tmp_path / "a.png")
-    except RuntimeError as error:
-        if "OpenGL" in str(error):
-            pytest.skip(str(error))
-        raise
-    data = (tmp_path / "a.png").read_bytes()
-    assert data.startswith(PNG_START)
-    assert 5_000 < len(data) < 600_000
+    assert 5_000 < len(image(field3d.draw_field, drawn, tmp_path / "a.png")) < 600_000
 
 
 def contact():
@@ -72,18 +63,15 @@ class TestPressureMap:
         svg = figures.draw_map(self.map_of())
         assert svg == figures.draw_map(self.map_of())
         assert len(svg) < 200_000
-        assert "pole pressure by Hertz" in svg
-        assert "ball 1 &lt;1&gt;" in svg
-        assert 'id="fig-map-' in svg
+        for words in ("pole pressure by Hertz", "ball 1 &lt;1&gt;", 'id="fig-map-'):
+            assert words in svg
 
-    def test_profiles_lie_on_hertz(self):
+    def test_profiles_lie_on_hertz_and_the_table_quotes_both_pressures(self):
         panels = pressures.profiles({"ball 1, SL": contact()}).panels
         assert len(panels) == 2
         for panel in panels:
             nodes, closed = panel.series
             assert np.interp(nodes.x, closed.x, closed.y) == pytest.approx(nodes.y, abs=60.0)
-
-    def test_table_quotes_both_pressures(self):
         (row,) = pressures.pressure_table({"case": {"ball 1, SL": contact()}}).rows
         assert row["ratio"] == pytest.approx(1.0)
         assert row["hertz"] == pytest.approx(row["ours"])

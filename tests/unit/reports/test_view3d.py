@@ -2,18 +2,16 @@
 
 import json
 import re
-import shutil
 
 import numpy as np
 import pytest
 from tests.processes import ran
-from tests.report_samples import paged, screw
+from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged, screw
 
 from rollbench.reports import pages, view3d
 from rollbench.reports.html import write
 from rollbench.reports.records import Report, Section
 
-CHROMIUM = shutil.which("chromium")
 #: A ring, whose surfaces come from the same functions as those of pictures (test_scene3d draws a screw).
 PICTURE = screw("unseen-four-point", name="bearing", title="A short <screw>", turns=True)
 
@@ -39,7 +37,7 @@ def test_without_the_viewer_the_report_is_whole_and_says_what_installs_it(tmp_pa
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+@WITH_CHROMIUM
 def test_the_screw_is_drawn_from_a_file_without_network(tmp_path):
     pytest.importorskip("trimesh", reason="the viewer comes with trimesh, which is optional")
     from PIL import Image

@@ -111,30 +111,29 @@ def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undi
     assert store.load(tmp_path / "a") == undisturbed
 
 
-def test_what_is_stored_is_not_solved_again(tmp_path, monkeypatch):
+def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
     first, _ = run(tmp_path / "a")
-    monkeypatch.setattr(sampling, "solve_sample", None)
-    again, said = run(tmp_path / "a")
-    assert again == first
-    assert "40 stored" in said[0]
-
-
-def test_torn_and_damaged_lines_are_solved_again(tmp_path):
-    first, _ = run(tmp_path / "a")
+    with monkeypatch.context() as patch:
+        patch.setattr(sampling, "solve_sample", None)
+        again, said = run(tmp_path / "a")
+    assert (again, "40 stored" in said[0]) == (first, True)
     (path,) = (tmp_path / "a" / "records").glob("*.lines")
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = lines[3].replace(b"converged", b"convergeD")
     path.write_bytes(b"".join(lines)[:-7])
     assert len(store.load(tmp_path / "a")) == 38
     again, said = run(tmp_path / "a")
-    assert "2 to solve" in said[0]
-    assert again == first
+    assert (again, "2 to solve" in said[0]) == (first, True)
 
 
-def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path):
+def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    with store.taken_over(tmp_path / "a"), pytest.raises(InputError, match="under way"):
-        run(tmp_path / "a")
+    for used, words in ((store.taken_over, "under way"), (store.working, "processes of an earlier run")):
+        with used(tmp_path / "a"), pytest.raises(InputError, match=words):
+            run(tmp_path / "a")
+    run(tmp_path / "a")
+    assert list((tmp_path / "a" / store.LOCKS).iterdir()) == []
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "a", seed=2)
     (tmp_path / "b").mkdir()
@@ -225,15 +224,6 @@ def test_a_sample_is_the_solution_of_its_scene():
     assert found["displacement_um"] == pytest.approx(1e6 * result.centreline[0, 2], rel=1e-12)
     ball, side = found["at"].split()
     assert result.load[int(ball) - 1, SIDES.index(side)] == result.load.max()
-
-
-def test_a_run_waits_for_the_processes_of_an_earlier_one(tmp_path, monkeypatch):
-    run(tmp_path / "a")
-    monkeypatch.setattr(store, "PATIENCE", 0.05)
-    with store.working(tmp_path / "a"), pytest.raises(InputError, match="processes of an earlier run"):
-        run(tmp_path / "a")
-    run(tmp_path / "a")
-    assert list((tmp_path / "a" / store.LOCKS).iterdir()) == []
 
 
 def test_nothing_needs_what_only_unix_has(tmp_path):

@@ -40,9 +40,7 @@ def test_a_module_is_a_wing_s_where_it_or_a_helper_imports_one() -> None:
     }
     assert {path for path in modules if imports_a_wing(path)} == expected
     assert 100 < len(expected) < len(modules) - 100
-
-
-def test_the_packages_of_wings_are_those_that_registrations_name() -> None:
+    # and the packages of wings are those that registrations name
     folders = {folder for one in registered().values() for folder in one.folders}
     assert {f"rollbench.{folder.replace('/', '.')}" for folder in folders} == PHYSICS
 
