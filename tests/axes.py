@@ -25,9 +25,8 @@ def bare(scene, screw=SHAFT):
 def one_set(scene):
     """A scene of one set as an assembly."""
     nut = RollingSet("nut", "ball nut", replace(scene, supports=(), loads=()), scene.nut.position)
-    return Assembly(
-        "one", "one", scene.screw, (nut,), supports=scene.supports, loads=scene.loads, ingredients=scene.ingredients
-    )
+    same = {name: getattr(scene, name) for name in ("supports", "loads", "ingredients")}
+    return Assembly("one", "one", scene.screw, (nut,), **same)
 
 
 def nut(name, z, *, count=12, turns=1.5, lead=10e-3, hand="right", **options):
@@ -40,14 +39,8 @@ def nut(name, z, *, count=12, turns=1.5, lead=10e-3, hand="right", **options):
 def bearing(name, z, thrust, *, count=14, screw=SHAFT, **options):
     """An angular-contact bearing at z that carries thrust one way."""
     azimuths = tuple(2.0 * np.pi * (np.arange(count) - (count - 1) / 2.0) / count)
-    parts = Scene(
-        name,
-        name,
-        Track(PITCH, 0.0, ANGLE),
-        replace(screw, groove_radius=GROOVE, outer_diameter=33e-3),
-        Nut(z, 15e-3, 62e-3, 0.53 * 7e-3, STEEL),
-        Balls(BALL, STEEL, azimuths),
-    )
+    inner, outer = replace(screw, groove_radius=GROOVE, outer_diameter=33e-3), Nut(z, 15e-3, 62e-3, 0.53 * 7e-3, STEEL)
+    parts = Scene(name, name, Track(PITCH, 0.0, ANGLE), inner, outer, Balls(BALL, STEEL, azimuths))
     return RollingSet(name, "bearing", parts, z, thrust=thrust, **options)
 
 
@@ -58,28 +51,19 @@ def assembly(*sets, **options):
 
 def double_nut(offset=3e-6, force=800.0, **options):
     """Two nuts in one housing on springs, the shaft held but for its axis."""
-    sets = (
-        nut("nut 1", 0.13, housing="h", offset=-offset, **options),
-        nut("nut 2", 0.17, housing="h", offset=offset, **options),
-    )
-    springs = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
-    load = Load(0.0, (0.0, 0.0, force))
-    return assembly(
-        *sets, housings=(Housing("h", 0.14, (), springs),), supports=(Support(0.0, ALL_BUT_AXIAL),), loads=(load,)
-    )
+    places = (("nut 1", 0.13, -offset), ("nut 2", 0.17, offset))
+    sets = (nut(name, z, housing="h", offset=by, **options) for name, z, by in places)
+    springs, support = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5)), Support(0.0, ALL_BUT_AXIAL)
+    loads = (Load(0.0, (0.0, 0.0, force)),)
+    return assembly(*sets, housings=(Housing("h", 0.14, (), springs),), supports=(support,), loads=loads)
 
 
 def fixed_axis(force=(0.0, 0.0, 600.0), preload=4e-6):
     """Shaft between two preloaded pairs of bearings, with a nut in a carriage that slides along it."""
-    sets = (
-        bearing("left +", 0.02, "+z", offset=-preload),
-        bearing("left -", 0.035, "-z", offset=preload),
-        bearing("right +", 0.265, "+z", offset=-preload),
-        bearing("right -", 0.28, "-z", offset=preload),
-        nut("nut", 0.12, housing="carriage"),
-    )
-    held = tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))
-    return assembly(*sets, housings=(Housing("carriage", 0.12, held, None, force),), supports=(TURNING,))
+    places = (("left +", 0.02), ("left -", 0.035), ("right +", 0.265), ("right -", 0.28))
+    pairs = (bearing(name, z, f"{name[-1]}z", offset=preload if name[-1] == "-" else -preload) for name, z in places)
+    carriage = Housing("carriage", 0.12, ALL_BUT_AXIAL, None, force)
+    return assembly(*pairs, nut("nut", 0.12, housing="carriage"), housings=(carriage,), supports=(TURNING,))
 
 
 def with_nominal_arms(parts):
@@ -103,10 +87,8 @@ def mirrored(parts):
     faces = {"left face": "right face", "right face": "left face"}
 
     def flip(s):
-        hand = "left" if s.parts.track.hand == "right" else "right"
-        scene = replace(
-            s.parts, track=replace(s.parts.track, hand=hand), nut=replace(s.parts.nut, position=length - s.position)
-        )
+        track = replace(s.parts.track, hand="left" if s.parts.track.hand == "right" else "right")
+        scene = replace(s.parts, track=track, nut=replace(s.parts.nut, position=length - s.position))
         if s.kind == "ball nut":
             held = faces[s.parts.solid.nut_held or "left face"]
             scene = replace(scene, solid=replace(scene.solid, nut_held=held))
@@ -119,10 +101,7 @@ def mirrored(parts):
     def housing(h):
         return replace(h, at=length - h.at, force=turn(h.force), moment=turn(h.moment, -1.0))
 
-    return replace(
-        parts,
-        sets=tuple(flip(s) for s in parts.sets),
-        housings=tuple(housing(h) for h in parts.housings),
-        supports=tuple(replace(s, at=length - s.at) for s in parts.supports),
-        loads=tuple(Load(length - x.at, turn(x.force), turn(x.moment, -1.0)) for x in parts.loads),
-    )
+    supports = tuple(replace(s, at=length - s.at) for s in parts.supports)
+    loads = tuple(Load(length - x.at, turn(x.force), turn(x.moment, -1.0)) for x in parts.loads)
+    sets, housings = tuple(map(flip, parts.sets)), tuple(map(housing, parts.housings))
+    return replace(parts, sets=sets, housings=housings, supports=supports, loads=loads)

@@ -92,6 +92,10 @@ class Said(NamedTuple):
     err: str
 
 
+def refuse(word: str) -> None:
+    raise AssertionError(f"no JSON: {word}")
+
+
 class Command:
     """The command line in this process."""
 
@@ -106,9 +110,19 @@ class Command:
         return Said(int(stop.value.code or 0), *self.capsys.readouterr())
 
     def json(self, *words: object) -> tuple[int, Any]:
-        """Exit code, and the one JSON value on standard output."""
+        """Exit code, and the one JSON value on standard output, without nan and infinity."""
         said = self(*words)
-        return said.code, json.loads(said.out)
+        return said.code, json.loads(said.out, parse_constant=refuse)
+
+    def said(self, *words: object) -> str:
+        """Standard output of a command that ends with 0."""
+        code, out, err = self(*words)
+        assert code == 0, err
+        return out
+
+    def answer(self, *words: object) -> Any:
+        """The one JSON value of a command that ends with 0."""
+        return json.loads(self.said(*words, "--json"), parse_constant=refuse)
 
     def refused(self, *words: object) -> str:
         """The one line on standard error of a command that refuses its input: exit status 2, nothing on standard output."""

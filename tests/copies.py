@@ -2,12 +2,21 @@
 
 import os
 import shutil
-import subprocess
-import sys
+from importlib import import_module
 from pathlib import Path
+
+import pytest
+from tests import processes
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = (".import", "compare", "hifi", "lowfi", "meshes", "reports")
+
+
+def docs_module(name):
+    """A program of the manual."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT / "docs")
+        return import_module(name)
 
 
 def copy_of_tree(folder, tests=()):
@@ -23,8 +32,8 @@ def copy_of_tree(folder, tests=()):
 
 
 def python(tree, *words, cwd):
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tree / ".import"), str(tree)))}
-    return subprocess.run([sys.executable, *words], capture_output=True, text=True, env=environment, timeout=250, cwd=cwd)
+    path = os.pathsep.join((str(tree / ".import"), str(tree)))
+    return processes.python(*words, environ={"PYTHONPATH": path}, cwd=cwd)
 
 
 def rollbench(tree, *tokens, cwd):

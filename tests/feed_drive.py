@@ -1,6 +1,6 @@
 """A left-hand screw of two starts with friction and motion, as text, changed, and its answer."""
 
-from tests.shipped_texts import own_text
+from tests.shipped_texts import changed, own_text
 
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
@@ -9,11 +9,7 @@ MINE = own_text("feed-drive")
 
 
 def mine(*changes):
-    text = MINE
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return scene_file.loads(text, "my.toml")
+    return scene_file.loads(changed("feed-drive", *changes), "my.toml")
 
 
 def answer(scene, model="lin", **choices):

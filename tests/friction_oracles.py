@@ -8,19 +8,10 @@ from scipy.special import ellipe
 from rollbench.lowfi.friction.contact.ellipse import Contacts
 from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.coupled import PATIENCE, solve_joint
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows, settle_load
-from rollbench.lowfi.friction.screw.motion import (
-    AGREED,
-    ROUNDS,
-    BallMotion,
-    Coupling,
-    Mixer,
-    ball_motion,
-    feedback,
-    hold_screw,
-)
 from rollbench.meshes.arrays import Array
 
 
@@ -95,32 +86,32 @@ class CoupledBall:
     """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
 
     load: Settled
-    motion: BallMotion
+    motion: motion.BallMotion
     change: float
     rounds: int
     converged: bool
 
 
-def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
+def coupled_ball(cell: Cell, coupling: motion.Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
     """Loads and motion of the one ball of a cell in agreement, with rest and slip exact; see ``coupled_chain``.
 
     Failure is data: see ``converged``.
     """
     load = settle_load(cell)
     if coupling == "ball":
-        cell = hold_screw(cell, load)
+        cell = motion.hold_screw(cell, load)
         load = settle_load(cell, (load.ball, np.zeros(0)))
-    groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.inner)
+    groove, mixer, bare = cell.groove, motion.Mixer(), (load.ball, load.inner)
     push, drag, start = cell.push, cell.drag, None
     rounds, change, good = 0, np.inf, False
     while True:
-        moved = ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
-        new_push, new_drag = feedback(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
+        moved = motion.ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
+        new_push, new_drag = motion.feedback(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change = float(np.max(np.abs(g - x)))
         good = load.converged and moved.motion.status != "failed"
         rounds += 1
-        if change <= AGREED * float(np.sum(load.force)) or rounds == ROUNDS:
+        if change <= motion.AGREED * float(np.sum(load.force)) or rounds == motion.ROUNDS:
             break
         joint = solve_joint(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
         if joint is not None and joint.done:
@@ -131,4 +122,4 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
             push, drag = x[:2].reshape(1, 2), x[2:]
             load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.inner))
         start = moved.motion.q
-    return CoupledBall(load, moved, change, rounds, good and change <= AGREED * float(np.sum(load.force)))
+    return CoupledBall(load, moved, change, rounds, good and change <= motion.AGREED * float(np.sum(load.force)))

@@ -7,40 +7,27 @@ import numpy as np
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.static import prepare, solve_static
+from rollbench.meshes import parts
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import (
-    SIDES,
-    BallErrors,
-    Balls,
-    Errors,
-    FourierTerm,
-    Ingredients,
-    Load,
-    Material,
-    Nut,
-    Scene,
-    Screw,
-    SideErrors,
-    Support,
-    Track,
-)
 from rollbench.meshes.sockets import fitted_socket
 
-STEEL = Material(210e9, 0.28)
+STEEL = parts.Material(210e9, 0.28)
 ALL_BUT_AXIAL = (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
 
 #: One error of every kind on every flank, all different.
-FLANK_ERRORS = Errors(
-    SL=SideErrors(profile=(1e-6, -3e-6, 2e-6), pitch=(FourierTerm(2.0, 3e-6, 1e-6),), pitch_along="axis"),
-    SR=SideErrors(profile=(-2e-6, 2e-6), roundness=(FourierTerm(1.0, 0.0, 4e-6),)),
-    NL=SideErrors(profile=(0.0, 0.0, 4e-6), pitch=(FourierTerm(0.5, 2e-6),), roundness=(FourierTerm(3.0, 1e-6),)),
-    NR=SideErrors(profile=(0.0, -2e-6), pitch=(FourierTerm(1.0, 0.0, 2e-6),), pitch_along="axis"),
+FLANK_ERRORS = parts.Errors(
+    SL=parts.SideErrors(profile=(1e-6, -3e-6, 2e-6), pitch=(parts.FourierTerm(2.0, 3e-6, 1e-6),), pitch_along="axis"),
+    SR=parts.SideErrors(profile=(-2e-6, 2e-6), roundness=(parts.FourierTerm(1.0, 0.0, 4e-6),)),
+    NL=parts.SideErrors(
+        profile=(0.0, 0.0, 4e-6), pitch=(parts.FourierTerm(0.5, 2e-6),), roundness=(parts.FourierTerm(3.0, 1e-6),)
+    ),
+    NR=parts.SideErrors(profile=(0.0, -2e-6), pitch=(parts.FourierTerm(1.0, 0.0, 2e-6),), pitch_along="axis"),
 )
 #: Keywords for ``replace`` that keep their pitch and roundness but make the flanks even.
-NO_PROFILES = {name: replace(FLANK_ERRORS.side(name), profile=()) for name in SIDES}
+NO_PROFILES = {name: replace(FLANK_ERRORS.side(name), profile=()) for name in parts.SIDES}
 
 
 def small_screw(
@@ -61,17 +48,17 @@ def small_screw(
     """Screw of 200 mm with ``count`` balls spread evenly over ``turns`` about its middle, held at its left end."""
     sign = 1.0 if hand == "right" else -1.0
     places = phase + sign * 2.0 * np.pi * turns * ((np.arange(count) + 0.5) / count - 0.5)
-    return Scene(
+    return parts.Scene(
         name="small",
         title="small screw",
-        track=Track(16.5e-3, lead, beta, hand=hand, phase=phase),
-        screw=Screw(0.2, 32e-3, 3.254e-3, STEEL),
-        nut=Nut(0.1, 54e-3, 48e-3, 3.3e-3, STEEL),
-        balls=Balls(2.778e-3, STEEL, tuple(places)),
-        errors=Errors(balls=BallErrors(oversize=oversize)),
-        supports=(Support(0.0, fixed),) if fixed else (),
-        loads=(Load(load_at, force, moment),),
-        ingredients=Ingredients(**ingredients),
+        track=parts.Track(16.5e-3, lead, beta, hand=hand, phase=phase),
+        screw=parts.Screw(0.2, 32e-3, 3.254e-3, STEEL),
+        nut=parts.Nut(0.1, 54e-3, 48e-3, 3.3e-3, STEEL),
+        balls=parts.Balls(2.778e-3, STEEL, tuple(places)),
+        errors=parts.Errors(balls=parts.BallErrors(oversize=oversize)),
+        supports=(parts.Support(0.0, fixed),) if fixed else (),
+        loads=(parts.Load(load_at, force, moment),),
+        ingredients=parts.Ingredients(**ingredients),
     )
 
 
@@ -111,15 +98,15 @@ def mirrored(scene):
         return (name, -value if name in ("uy", "rx", "rz") else value)
 
     def load(at, force, moment):
-        return Load(at, (force[0], -force[1], force[2]), (-moment[0], moment[1], -moment[2]))
+        return parts.Load(at, (force[0], -force[1], force[2]), (-moment[0], moment[1], -moment[2]))
 
     return replace(
         scene,
         track=replace(scene.track, hand="left" if scene.track.hand == "right" else "right", phase=-scene.track.phase),
         nut=replace(scene.nut, azimuth=-scene.nut.azimuth),
         balls=replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths)),
-        errors=replace(scene.errors, **{n: side(scene.errors.side(n)) for n in SIDES}),
-        supports=tuple(Support(s.at, tuple(value(*f) for f in s.fixed)) for s in scene.supports),
+        errors=replace(scene.errors, **{n: side(scene.errors.side(n)) for n in parts.SIDES}),
+        supports=tuple(parts.Support(s.at, tuple(value(*f) for f in s.fixed)) for s in scene.supports),
         loads=tuple(load(x.at, x.force, x.moment) for x in scene.loads),
     )
 

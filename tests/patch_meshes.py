@@ -1,7 +1,5 @@
 """Shared by the tests of fine patches: a cube with a socket, patches in groove and ball, condensed ones."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache, partial
 

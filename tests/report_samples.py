@@ -1,13 +1,31 @@
 """Shared by the tests of reports: a figure, a table, a loaded screw, a report of them, and the files of a folder."""
 
 import math
+import shutil
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.reports.records import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
+
+CHROMIUM = shutil.which("chromium")
+WITH_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+
+
+def image(draw, what, path):
+    """The bytes of a PNG that a function draws, where this machine can."""
+    try:
+        draw(what, path)
+    except RuntimeError as error:
+        if "libgl1" in str(error) or "OpenGL" in str(error):
+            pytest.skip(str(error))
+        raise
+    data = path.read_bytes()
+    assert data.startswith(b"\x89PNG\r\n\x1a\n")
+    return data
 
 
 def figure(name="loads", **changes):
@@ -26,14 +44,9 @@ def figure(name="loads", **changes):
 
 
 def table(name="printed"):
-    columns = (
-        Quantity("q", "Quantity, of all", format="s"),
-        Quantity("force", "Force", "N"),
-        Quantity("error", "Error", "%", ".2f"),
-        Quantity("class", "Class", format="s"),
-        Quantity("verdict", "Verdict", format="s"),
-        Quantity("ok", "Met"),
-    )
+    first, force = Quantity("q", "Quantity, of all", format="s"), Quantity("force", "Force", "N")
+    words = (Quantity(word.lower(), word, format="s") for word in ("Class", "Verdict"))
+    columns = (first, force, Quantity("error", "Error", "%", ".2f"), *words, Quantity("ok", "Met"))
     rows = (
         {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
         {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "contradicted", "ok": False},
@@ -55,11 +68,10 @@ def screw(scene="lin-case1", **changes):
 
 
 def report(*items):
+    empty = Table("empty", "None", [Quantity("a", "A")], [])
     sections = (
         Section("first", "First & foremost", items or (Text(["A < B."]), table(), figure())),
-        Section(
-            "second", "Second", (Text(["one", "two <i>"], bullets=True), Table("empty", "None", [Quantity("a", "A")], []))
-        ),
+        Section("second", "Second", (Text(["one", "two <i>"], bullets=True), empty)),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
     return Report("Report <1>", "Sub & title", provenance, paged(*sections))

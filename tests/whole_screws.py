@@ -51,13 +51,7 @@ def contacts_in(groove, force, angle, azimuth):
 
 def scene_of(groove, azimuth=(0.0,)):
     """A screw with the kinematics of the groove."""
-    steel = Material(groove.young, groove.poisson)
+    steel, radius = Material(groove.young, groove.poisson), groove.groove_radius
     track = Track(groove.pitch_radius, abs(groove.lead), groove.contact_angle, "left" if groove.lead < 0.0 else "right")
-    return Scene(
-        "one",
-        "one",
-        track,
-        Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
-        Nut(0.1, 0.05, 0.1, groove.groove_radius, steel),
-        Balls(groove.ball_radius, steel, tuple(azimuth)),
-    )
+    screw, nut = Screw(0.2, 2.0 * groove.pitch_radius, radius, steel), Nut(0.1, 0.05, 0.1, radius, steel)
+    return Scene("one", "one", track, screw, nut, Balls(groove.ball_radius, steel, tuple(azimuth)))

@@ -1,5 +1,6 @@
 """``import rollbench``: the commands' answers as records with units, and the module's own packages."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ def solved() -> rollbench.Solution:
 
 
 def test_solve_is_what_the_command_prints(solved: rollbench.Solution, command) -> None:
-    _, printed = command.json("solve", "lin-case1", "--model", "lin", "--json")
+    printed = command.answer("solve", "lin-case1", "--model", "lin")
     assert solved.converged
     assert solved["summary.loads"] == printed["summary"]["loads"]
     np.testing.assert_allclose(solved.load[:, 0], [ball["load_N"]["SL"] for ball in printed["balls"]])
@@ -35,23 +36,19 @@ def test_values_have_units(solved: rollbench.Solution) -> None:
 
 
 def test_results_are_tables_in_a_notebook(solved: rollbench.Solution) -> None:
-    page = solved._repr_html_()
-    assert "<th colspan='3' style='text-align:left'>axial</th></tr>" in page
-    assert "<td style='text-align:left'>displacement</td>" in page
-    assert ">µm</td>" in page
+    left = "style='text-align:left'"
+    for words in (f"<th colspan='3' {left}>axial</th></tr>", f"<td {left}>displacement</td>", ">µm</td>"):
+        assert words in solved._repr_html_()
     assert "rigidities: contacts alone" in str(solved)
     assert len(solved.balls().splitlines()) == 33
     assert "<script>" not in rollbench.Result({"a<script>": 1.0})._repr_html_()
 
 
 def test_a_scene_is_a_record_that_can_be_changed(tmp_path: Path) -> None:
-    from dataclasses import replace
-
     scene = rollbench.read("lin-case1")
     half = replace(scene, loads=tuple(replace(x, force=tuple(0.5 * f for f in x.force)) for x in scene.loads))
-    assert rollbench.solve(half, "lin").load.sum() == pytest.approx(
-        0.5 * rollbench.solve(scene, "lin").load.sum(), rel=0.02
-    )
+    less, whole = (rollbench.solve(one, "lin").load.sum() for one in (half, scene))
+    assert less == pytest.approx(0.5 * whole, rel=0.02)
     (tmp_path / "bad.toml").write_text("[track]\nlead = 3\n")
     with pytest.raises(rollbench.InputError):
         rollbench.read(tmp_path / "bad.toml")

@@ -10,7 +10,7 @@ import pytest
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.definitions import _known, definition
-from rollbench.comparison.registration import data_files
+from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.template import template
 
 #: Keys that number, name or count, in tables whose headings say what they are.
@@ -33,14 +33,10 @@ def leaves(value: object, path: str = "") -> Iterator[tuple[str, object]]:
 
 
 COMMANDS = (
-    "solve lin-case1 --model lin",
-    "solve lin-case3 --model lin --stiffness-at 400_mm",
-    "solve double-nut --model lin",
-    "solve lin-random --model lin --members 3 --balls",
-    "friction lin-case3 --model lin --mu 0.1",
-    "friction lin-case1 --model lin --mu 0.1",
+    *("solve lin-case1 --model lin", "solve double-nut --model lin", "compare lin-case1 --model lin"),
+    *("solve lin-case3 --model lin --stiffness-at 400_mm", "solve lin-random --model lin --members 3 --balls"),
+    *("friction lin-case3 --model lin --mu 0.1", "friction lin-case1 --model lin --mu 0.1"),
     "check lin-case1 --model lin --no-compute --limit angle=1",
-    "compare lin-case1 --model lin",
 )
 
 
@@ -54,24 +50,23 @@ def answered(command: str) -> object:
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory) -> list[tuple[str, object]]:
-    turning = tmp_path_factory.mktemp("definitions") / "turning.toml"
-    turning.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[motion]\nspeed = "60 rpm"\n')
-    bearings = turning.with_name("bearings.toml")
-    bearings.write_text(template("support-bearings"))
-    cases = turning.with_name("lin.toml")  # its only case has the stored runs of lin-case1
-    cases.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[[cases]]\nname = "case1"\nshare = 1\n')
-    sets = turning.with_name("sets.toml")
-    sets.write_text(f'{data_files("scenes")["double-nut"].read_text()}\n[[cases]]\nname = "one"\nshare = 1\n')
-    of_cases = [f"{one} {cases} --model lin" for one in ("solve", "friction", "compare", "check --no-compute")]
-    commands = (*COMMANDS, *of_cases, *(f"solve {file} --model lin" for file in (turning, bearings, sets)))
+    one, two = (scene_text(name) for name in ("lin-case1", "double-nut"))
+    scenes = {
+        "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1
+        "turning": f'{one}\n[motion]\nspeed = "60 rpm"\n',
+        "bearings": template("support-bearings"),
+        "sets": f'{two}\n[[cases]]\nname = "one"\nshare = 1\n',
+    }
+    folder = tmp_path_factory.mktemp("definitions")
+    for name, text in scenes.items():
+        (folder / f"{name}.toml").write_text(text)
+    of_cases = [f"{word} {folder}/lin.toml --model lin" for word in ("friction", "compare", "check --no-compute")]
+    commands = (*COMMANDS, *of_cases, *(f"solve {folder}/{name}.toml --model lin" for name in scenes))
     return list(chain.from_iterable(leaves(answered(command)) for command in commands))
 
 
-def test_every_number_is_defined(printed):
+def test_every_number_is_defined_and_every_definition_is_of_something_printed(printed):
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}
     assert not sorted(path for path in numbers if definition(path) is None and path.rsplit(".")[-1] not in NO_QUANTITY)
-
-
-def test_every_definition_is_of_something_printed(printed):
     paths = {path for path, _ in printed}
     assert not [pattern.pattern for pattern, _ in _known() if not any(map(pattern.fullmatch, paths))]

@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 import sysconfig
 import tarfile
 import venv
@@ -13,6 +11,8 @@ from pathlib import Path
 import pytest
 from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
+from tests.processes import python as here_python
+from tests.processes import ran
 
 import rollbench
 from rollbench.comparison.provenance import inputs
@@ -20,6 +20,7 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 
 ROOT = Path(__file__).parents[3]
+ALONE = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 BEFORE = "import meshes, compare, reports\nimport rollbench\n"
 AFTER = "import rollbench\nfound = rollbench.solve('lin-case1')\nimport meshes, compare, reports\n"
 SOLVE = """
@@ -63,8 +64,8 @@ def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_one_package(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0] for name in names} == {"rollbench", f"rollbench-{rollbench.__version__}.dist-info"}
-    assert {"rollbench/__main__.py", "rollbench/py.typed", "rollbench/fixture.py"} <= set(names)
-    assert {"rollbench/comparison/api/calls.py", "rollbench/lowfi/jit.py"} <= set(names)
+    files = ("__main__.py", "py.typed", "fixture.py", "comparison/api/calls.py", "lowfi/jit.py")
+    assert {f"rollbench/{file}" for file in files} <= set(names)
     assert not [name for name in names if name.startswith("rollbench/reports/validation")]
     assert len(names) == len(set(names))
 
@@ -83,10 +84,7 @@ def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, 
     (tmp_path / "meshes").mkdir()
     for file in ("meshes/__init__.py", "compare.py", "reports.py"):
         (tmp_path / file).write_text("OWN = True\n")
-    alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run(
-        [python, "-c", order + SOLVE], cwd=tmp_path, env=alone, capture_output=True, text=True, check=False
-    )
+    done = ran(python, "-c", order + SOLVE, cwd=tmp_path, env=ALONE)
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").load.max(), rel=1e-9)
 
@@ -99,9 +97,7 @@ def test_a_report_is_verified_alike_from_the_wheel_and_from_here(python: Path) -
         "from rollbench.comparison.reference.store import shipped_store; "
         "print(json.dumps(inputs([shipped_store()], {name: scene_text(name) for name in scene_names()})))"
     )
-    alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run([python, "-P", "-c", code], env=alone, capture_output=True, text=True, check=True)
-    there = json.loads(done.stdout)
+    there = json.loads(ran(python, "-P", "-c", code, env=ALONE).stdout)
     here = inputs([shipped_store()], {name: catalogue.scene_text(name) for name in catalogue.scene_names()})
     assert len(here) > 200
     assert there == here
@@ -112,7 +108,7 @@ def test_the_names_of_the_library_are_loaded_when_used() -> None:
         "import sys, rollbench; print(sorted(dir(rollbench)), [m for m in sys.modules if m.startswith('rollbench.')], "
         "'numpy' in sys.modules); rollbench.solve; rollbench.compare; print(callable(rollbench.compare))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = here_python("-c", code)
     assert done.stdout.splitlines() == [f"{sorted(rollbench.__all__)} [] False", "True"]
     assert {"mesh_study", "sweep", "report"} <= set(rollbench.__all__)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
@@ -128,8 +124,7 @@ def test_types_of_the_library_are_checked_in_a_users_script(python: Path, tmp_pa
         "rollbench.solve(17)\n"
         "word: int = rollbench.check('lin-case1').word\n"
     )
-    mypy = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--cache-dir", str(tmp_path / "cache")]
-    command = [*mypy, "--python-executable", str(python), "mine.py"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    mypy = "-m", "mypy", "--follow-imports=silent", "--cache-dir", tmp_path / "cache", "--python-executable", python
+    done = here_python(*mypy, "mine.py", cwd=tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
     assert [line.split(":")[1] for line in done.stdout.splitlines() if ": error:" in line] == ["6", "7"]

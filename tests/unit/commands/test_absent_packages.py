@@ -1,18 +1,16 @@
 """What still works where a Python package is not installed: `ONLY_FOR` of `meshes.libraries` says what does not."""
 
-import os
-import subprocess
 import sys
 import venv
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
+from tests.processes import ran
 
 from rollbench.comparison.wings.doctor.command import requirements
 from rollbench.lowfi import jit
 from rollbench.meshes import libraries
 
-TOP = Path(__file__).parents[3]
 CHECK = ("check", "lin-case1", "--no-compute")
 DESIGN = ("--vary", "errors.balls.oversize=4 um:7 um", "--samples", "2")
 SWEEP = ("sweep", "two-balls", *DESIGN, "--model", "lin", "--out", "out")
@@ -45,15 +43,13 @@ CASES = [
 
 
 def run(words, folder, before=(sys.executable, "-m", "tests.without"), **variables):
-    done = subprocess.run(
-        [*before, *words], cwd=folder, env={**os.environ, **variables}, capture_output=True, text=True, check=False
-    )
+    done = ran(*before, *words, cwd=folder, environ=variables)
     return done.returncode, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(("package", "words", "code", "said"), CASES[:4])
 def test_commands_without_a_package(package, words, code, said, tmp_path):
-    found, text = run([package, *words], tmp_path, PYTHONPATH=str(TOP))
+    found, text = run([package, *words], tmp_path, PYTHONPATH=str(ROOT))
     assert (found, said in text, "Traceback" in text) == (code, True, False), text
 
 
@@ -63,13 +59,13 @@ def installed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("environment")
     venv.create(folder, with_pip=True)
     python = str(folder / "bin" / "python")
-    pip(python, "install", str(TOP))
+    pip(python, "install", str(ROOT))
     return python
 
 
 def pip(python, what, *words):
-    constraints = ["-c", str(TOP / ".ci" / "constraints.txt")] if what == "install" else []
-    subprocess.run([python, "-m", "pip", "-q", what, *constraints, *words], check=True)
+    constraints = ["-c", str(ROOT / ".ci" / "constraints.txt")] if what == "install" else []
+    ran(python, "-m", "pip", "-q", what, *constraints, *words, timeout=None).check_returncode()
 
 
 @pytest.mark.survey

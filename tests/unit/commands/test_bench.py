@@ -34,42 +34,29 @@ def test_timing_is_a_median_after_an_uncounted_run():
     assert calls == 4 * ["reset", "work"]
 
 
-def test_runs_begin_from_the_same_state_and_solve():
-    energy = Energy(shipped("lin-case1"))
-    energy.cold()
-    first = energy.prepared.force.copy()
-    assert first.max() > 100.0
-    energy.reset()
-    assert energy.prepared.force.max() == 0.0
-    energy.cold()
-    assert (energy.prepared.force == first).all()
-
-
-def test_warm_start_carries_one_per_cent_more_load():
+def test_runs_begin_from_the_same_state_and_a_warm_one_carries_one_per_cent_more_load():
     scene = shipped("lin-case1")
-    energy, source = Energy(scene), Source(scene)
+    energy, before, source = Energy(scene), Energy(scene), Source(scene)
+    before.cold()
+    first = before.prepared.force.copy()
+    assert first.max() > 100.0
+    before.reset()
+    assert before.prepared.force.max() == 0.0
+    before.cold()
+    assert (before.prepared.force == first).all()
     energy.change_load()
     energy.warm()
-    rise = abs(float((energy.prepared.force[:, 0] * energy.prepared.normal[:, 0, 1]).sum()))
-    before = Energy(scene)
-    before.cold()
-    base = abs(float((before.prepared.force[:, 0] * before.prepared.normal[:, 0, 1]).sum()))
+    rise, base = (abs(float((p.force[:, 0] * p.normal[:, 0, 1]).sum())) for p in (energy.prepared, before.prepared))
     assert rise / base == pytest.approx(1.01, rel=1e-4)
     source.change_load()
     source.solve()
     assert source.status == "converged"
 
 
-def test_failed_source_gives_no_ratio():
-    scene = shipped("lin-case1")
-    task = Source(scene)
+def test_failed_source_gives_no_ratio_and_a_power_law_its_exponent():
+    task = Source(shipped("lin-case1"))
     task.begin = task.begin * 0.0  # no contact anywhere: singular
-    assert bench._source_seconds(task, 1) is None
-    assert bench._ratio(None, 1.0) is None
-    assert bench._ratio(3.0, 2.0) == 1.5
-
-
-def test_exponent_of_a_power_law():
+    assert (bench._source_seconds(task, 1), bench._ratio(None, 1.0), bench._ratio(3.0, 2.0)) == (None, None, 1.5)
     assert bench._power([10, 100, 1000], [3.0, 300.0, 30000.0]) == pytest.approx(2.0)
 
 
@@ -77,8 +64,7 @@ def test_command_line_that_fails_is_not_measured(monkeypatch):
     done = type("Done", (), {"stdout": "", "stderr": "No module named rollbench.comparison.__main__\n", "returncode": 1})
     monkeypatch.setattr(startup, "launch", lambda _: (0.1, done))
     job = command_line_job()
-    assert job.seconds is None
-    assert job.note == "not measured: No module named rollbench.comparison.__main__"
+    assert (job.seconds, job.note) == (None, "not measured: No module named rollbench.comparison.__main__")
 
 
 def once_alike():
@@ -136,21 +122,11 @@ def test_all_jobs(monkeypatch):
     assert len({j.job for j in jobs}) == len(jobs)
     json.dumps([asdict(j) for j in jobs], allow_nan=False)
     named = {j.job: j for j in jobs}
-    compiled = (
-        "cold solve, case 1",
-        "cold solve, all sides",
-        "cold solve, no guess",
-        "cold solve, source partition",
-        "warm re-solve, case 1",
-        "ensemble, per member",
-    )
-    for name in compiled:
-        ratio = named[name].ratio
-        assert ratio is not None
-        assert ratio > 1.0
+    cold = (f"cold solve, {what}" for what in ("case 1", "all sides", "no guess", "source partition"))
+    for name in (*cold, "warm re-solve, case 1", "ensemble, per member"):
+        assert named[name].ratio > 1.0
     assert all(j.ratio is None for j in jobs if j.job.startswith("source"))
-    assert named["cold solve, case 1"].unknowns == 193
-    assert named["cold solve, all sides"].unknowns == 385
+    assert [named[f"cold solve, {what}"].unknowns for what in ("case 1", "all sides")] == [193, 385]
     for name in ("set-up, case 1", "imports", "compile the kernels", "load the kernels", "250 balls, cold"):
         assert isinstance(named[name], Job)
         assert named[name].seconds is not None
@@ -172,11 +148,10 @@ def test_commands_as_typed_and_what_they_cannot_do_without():
     assert row["floor"] + row["modules"] + row["work"] == pytest.approx(row["seconds"])
     assert row["misses"] == pytest.approx(found.seconds / 1e-3)
     failed = Wait("none", "no-such-command", 1.0, "import sys", module="errors").measured()
-    assert failed.seconds is None
-    assert waits.spent_table([failed]).rows[0]["misses"] is None
+    assert (failed.seconds, waits.spent_table([failed]).rows[0]["misses"]) == (None, None)
     assert all(one.module and one.aim for one in TYPED)
-    assert TYPED[0].job == "list, as typed"
-    assert LONG[9].words == "report --all --out {folder}/report --store {folder}/runs"
+    said = TYPED[0].job, LONG[9].words
+    assert said == ("list, as typed", "report --all --out {folder}/report --store {folder}/runs")
 
 
 def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path):
@@ -195,6 +170,8 @@ def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path
     assert [row["measured"] for row in waits.spent_table(waits.kept([tmp_path])).rows] == [one.when, other.when]
     with pytest.raises(InputError, match="--long"):
         next(waits.long_jobs(["frist"], None))
+    with pytest.raises(InputError, match="add --long"):
+        bench_command(["audit"])
 
 
 @pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
@@ -203,11 +180,6 @@ def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
     assert (longer.ball_count, longer.nut.length) == (count, pytest.approx(length))
     assert np.diff(longer.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
     assert longer.time.steps == 200
-
-
-def test_names_of_long_jobs_are_refused_without_long():
-    with pytest.raises(InputError, match="add --long"):
-        bench_command(["audit"])
 
 
 def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):

@@ -4,14 +4,17 @@ import io
 import json
 import re
 import shlex
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from tests.processes import python
 
+from rollbench.comparison.commands import listing
 from rollbench.comparison.commands.arguments import commands
+from rollbench.comparison.commands.arguments.order import ORDER
+from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
@@ -42,8 +45,7 @@ def test_json_is_exactly_one_object(command) -> None:
 
 @pytest.mark.parametrize("model", ["lin", "source", "mei", "mei-nut"])
 def test_every_model_runs_from_the_command_line(command, model: str) -> None:
-    code, data = command.json("solve", "lin-case1", "--model", model, "--json")
-    assert code == 0
+    data = command.answer("solve", "lin-case1", "--model", model)
     assert data["model"] == model
     axial = sum(b["load_N"]["SL"] for b in data["balls"])
     assert axial == pytest.approx(5000.0 / 0.70711 / 0.98193, rel=0.02)
@@ -51,9 +53,8 @@ def test_every_model_runs_from_the_command_line(command, model: str) -> None:
 
 @pytest.mark.parametrize("scene", ["lin-case3", "double-nut"])
 def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command, scene) -> None:
-    code, out, _ = command("solve", scene, "--model", "lin", "--balls")
-    _, whole, _ = command("solve", scene, "--model", "lin", "--balls", "--assumptions")
-    assert code == 0
+    words = "solve", scene, "--model", "lin", "--balls"
+    out, whole = command.said(*words), command.said(*words, "--assumptions")
     assert "SL" in out
     behind = ("\nassumed: ", "\nleft out: ", "\nbalance of the ", "\nsolver: ")
     assert not any(text in out for text in behind)
@@ -64,13 +65,10 @@ def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path) -> None:
-    from rollbench.comparison.scenes.catalogue import scene_text
-
     text = scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
     (tmp_path / "free.toml").write_text(text)
-    code, out, err = command("solve", str(tmp_path / "free.toml"), "--json")
-    assert code == 1
-    assert err == ""
+    code, out, err = command("solve", tmp_path / "free.toml", "--json")
+    assert (code, err) == (1, "")
     data = json.loads(out)
     assert data["status"].startswith("not held: screw motion along the helix")
     assert data["balls"][0]["load_N"]["SL"] is None
@@ -78,35 +76,29 @@ def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path
 
 def test_new_writes_a_scene_that_solves_and_never_overwrites(command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    assert command("new", str(file))[0] == 0
-    assert command("solve", str(file), "--json")[0] == 0
+    command.said("new", file)
+    command.answer("solve", file)
     before = file.read_text()
     assert "existing file" in command.refused("new", file)
     assert file.read_text() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml"]
-    assert command("new", str(tmp_path / "no" / "mine.toml"))[0] == 2
+    assert command("new", tmp_path / "no" / "mine.toml").code == 2
 
 
 @pytest.mark.parametrize("kind", ["bearing", *(k.replace(" ", "-") for k in FRICTION_ONLY)])
 def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    code, out, _ = command("new", str(file), "--kind", kind)
-    assert code == 0
-    advised = out.split("rollbench ")[1].split()[0]
+    advised = command.said("new", file, "--kind", kind).split("rollbench ")[1].split()[0]
     assert advised == ("solve" if kind == "bearing" else "friction")
-    assert command(advised, str(file), "--json")[0] == 0
+    command.answer(advised, file)
 
 
 def test_list_and_schema(command) -> None:
-    code, out, _ = command("list")
-    assert code == 0
-    assert "lin-case1" in out
-    assert "lin-B1" in out
-    assert "scenes, linear pair\n  lin-pair-a" in out
-    code, out, _ = command("list", "--json")
-    assert "lin-screw-run" in json.loads(out)["scenes"]["screw run"]
-    code, schema = command.json("schema")
-    assert code == 0
+    out = command.said("list")
+    for words in ("lin-case1", "lin-B1", "scenes, linear pair\n  lin-pair-a"):
+        assert words in out
+    assert "lin-screw-run" in command.answer("list")["scenes"]["screw run"]
+    schema = json.loads(command.said("schema"))
     assert len(schema["oneOf"]) == 8
     assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
@@ -117,66 +109,51 @@ def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
         f"import sys\nfrom rollbench.comparison.cli import main\ntry:\n    main({tokens!r})\nexcept SystemExit:\n    "
         f"pass\nprint([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
-    assert done.stderr.strip() == "[]"
+    assert python("-c", code).stderr.strip() == "[]"
 
 
-def test_report_refuses_a_foreign_folder_before_it_runs_anything(command, tmp_path: Path) -> None:
+def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     assert "--out" in command.refused("report", "--out", tmp_path)
     assert (tmp_path / "thesis.txt").read_text() == "mine"
-
-
-def test_report_of_one_section(command, tmp_path: Path) -> None:
-    code, out, _ = command("report", "--only", "hertz", "--out", str(tmp_path / "r"))
-    assert code == 0
-    assert "[1/2] hertz" in out
+    assert "[1/2] hertz" in command.said("report", "--only", "hertz", "--out", tmp_path / "r")
     assert 'href="reference.html"' in (tmp_path / "r" / "index.html").read_text()
     assert "only as printed" in (tmp_path / "r" / "reference.html").read_text()
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
 
 
 def test_help_begins_with_what_one_starts_with(command) -> None:
-    from rollbench.comparison.commands.arguments.order import ORDER
-
-    _, out, _ = command("--help")
+    out = command.said("--help")
     places = [out.index(heading) for heading in ORDER]
     assert places == sorted(places)
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
     listed = {name for names in ORDER.values() for name in names}
     assert listed <= {*commands()}
-    _, out, _ = command("compare", "--help")
-    assert "refined, the default" in " ".join(out.split())
+    assert "refined, the default" in " ".join(command.said("compare", "--help").split())
+    # paragraphs are wrapped whole, and no empty default is shown
+    out = command.said("check", "--help")
+    assert '""' not in out
+    assert "2 where there are fewer" in " ".join(out.replace("│", " ").split())
+    prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
+    assert min(map(len, prose[1:-1])) > 60
+    assert "--empty" not in command.said("mesh-study", "--help")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_knows_commands_and_options(shell: str, command) -> None:
-    code, out, _ = command("completion", shell)
-    assert code == 0
+    out = command.said("completion", shell)
     for words in ("mesh-study", "stiffness-at", "rollbench"):
         assert words in out
 
 
 def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rollbench.comparison.commands import listing
-
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(listing, "_lines", stopped)
     code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
-
-
-def test_help_wraps_paragraphs_whole_and_shows_no_empty_default(command) -> None:
-    _, out, _ = command("check", "--help")
-    assert '""' not in out
-    assert "2 where there are fewer" in " ".join(out.replace("│", " ").split())
-    prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
-    assert min(map(len, prose[1:-1])) > 60
-    _, out, _ = command("mesh-study", "--help")
-    assert "--empty" not in out
 
 
 class Terminal(io.StringIO):
@@ -187,9 +164,7 @@ class Terminal(io.StringIO):
 
 
 @pytest.mark.parametrize("tokens", [("list",), ("check", "unseen-40x10", "--no-compute", "--loads", "{loads}")])
-def test_no_line_is_wider_than_the_terminal(
-    tokens: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command
-) -> None:
+def test_no_line_is_wider_than_the_terminal(tokens, monkeypatch, tmp_path, command) -> None:
     loads = tmp_path / "loads-of-a-program-with-a-long-name.csv"
     loads.write_text("ball,flank,newton\n" + "".join(f"{ball},SL,200\n" for ball in range(1, 58)))
     out = Terminal()

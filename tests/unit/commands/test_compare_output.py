@@ -4,26 +4,13 @@ import csv
 import io
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 from rich.console import Console
 
-from rollbench.comparison.commands.comparing.compare_output import (
-    ANSWERS,
-    Comparison,
-    answers_json,
-    answers_of,
-    answers_table,
-    beside,
-    compared,
-    is_itself,
-    others,
-    table,
-    verdict,
-    write_files,
-)
+from rollbench.comparison.commands.comparing import compare_output as output
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.comparison import Loads, compared_models, options_for
 from rollbench.comparison.models.model_form import estimate, shipped_points
@@ -52,47 +39,47 @@ def loads(scene: Scene, model: str, factor: float) -> Loads:
 def case() -> tuple[Scene, list[Any], Reference, Any]:
     scene = catalogue.scene("lin-case1")
     exact = loads(scene, "3D reference", 1.0)
-    runs = cast("Any", (SimpleNamespace(level=1, moving=0.0),))
+    runs: Any = (SimpleNamespace(level=1, moving=0.0),)
     found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
-    models = [beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))]
-    return scene, models, found, beside(scene, exact, None)
+    models = [
+        output.beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
+    ]
+    return scene, models, found, output.beside(scene, exact, None)
 
 
-def test_the_verdict_speaks_of_the_default_model_and_of_one_level(case: Any) -> None:
-    _, models, found, itself = case
-    text = verdict(Comparison(tuple(models), itself, None, TOTAL), found)
+def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case: Any) -> None:
+    scene, models, found, itself = case
+    text = output.verdict(output.Comparison(tuple(models), itself, None, TOTAL), found)
     assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
     assert "3D reference on level 1, uncertain by 3.61 % in all: discretisation 0.20 % by experience with other" in text
     assert "modelling choices 3.00 %, most where the nut is held; inputs 2.00 %, most angle; large" in text
-
-
-def test_the_other_models_have_their_sentence(case: Any) -> None:
-    scene, models, found, itself = case
-    mesh = beside(scene, loads(scene, "3D level 2", 1.02), found)
-    (line,) = others(Comparison((*models, mesh), itself, None, TOTAL))
+    mesh = output.beside(scene, loads(scene, "3D level 2", 1.02), found)
+    (line,) = output.others(output.Comparison((*models, mesh), itself, None, TOTAL))
     assert line.startswith("lin-source-partition is off by 10.72 % of the mean load on the worst contact (ball 32")
     assert line.endswith("and by 10.00 % of a contact's own load")
 
 
-def test_the_table_fits_80_columns_with_the_reference_first(case: Any) -> None:
-    _, models, _, itself = case
+def shown(table: Any) -> list[str]:
+    """Lines of a table that fits 80 columns."""
     stream = io.StringIO()
-    Console(file=stream, width=80).print(table(models, itself))
+    Console(file=stream, width=80).print(table)
     lines = stream.getvalue().splitlines()
     assert max(map(len, lines)) <= 80
-    assert [line.split()[0] for line in lines] == ["model", "3D", "refined", "lin-source-partition"]
     assert "…" not in stream.getvalue()
+    return lines
 
 
-def test_the_run_that_is_the_reference_is_no_row(case: Any) -> None:
-    scene, _, found, _ = case
-    assert is_itself(loads(scene, "3D level 1", 1.0), found)
-    assert not is_itself(loads(scene, "3D source mesh", 1.0), found)
+def test_the_table_has_the_reference_first_and_once(case: Any) -> None:
+    scene, models, found, itself = case
+    lines = shown(output.table(models, itself))
+    assert [line.split()[0] for line in lines] == ["model", "3D", "refined", "lin-source-partition"]
+    assert output.is_itself(loads(scene, "3D level 1", 1.0), found)
+    assert not output.is_itself(loads(scene, "3D source mesh", 1.0), found)
 
 
 def test_every_contact_is_written_beside_its_reference(case: Any, tmp_path: Path) -> None:
     scene, models, found, _ = case
-    said = write_files(scene, models, found, tmp_path)
+    said = output.write_files(scene, models, found, tmp_path)
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
     assert len(rows) == 2 * scene.ball_count
     assert float(rows[0]["refined_N"]) == pytest.approx(1.01 * float(rows[0]["reference_N"]))
@@ -103,41 +90,34 @@ def test_every_contact_is_written_beside_its_reference(case: Any, tmp_path: Path
 
 def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
     _, models, found, itself = case
-    whole = Comparison(tuple(models), itself, None, TOTAL)
-    stream = io.StringIO()
-    Console(file=stream, width=80).print(answers_table(whole))
-    lines = stream.getvalue().splitlines()
-    assert len(lines) == 1 + len(ANSWERS)
-    assert max(map(len, lines)) <= 80
+    whole = output.Comparison(tuple(models), itself, None, TOTAL)
+    lines = shown(output.answers_table(whole))
+    assert len(lines) == 1 + len(output.ANSWERS)
     assert lines[0].split()[1:4] == ["refined", "3D", "reference"]
     assert [float(cell) for cell in lines[1].split()[-3:]] == [233.3, 231.0, 1.0]
     assert lines[5].split()[-1] == f"{100.0 * (1.01 ** (1.0 / 3.0) - 1.0):+.2f}"
-    data = answers_json(whole, found)
+    data = output.answers_json(whole, found)
     assert (data["levels"], data["uncertainty_percent"]) == ([1], pytest.approx(50.0 / found.load[found.load > 0.0].mean()))
     assert data["uncertainty"] == TOTAL.as_json()
     assert data["uncertainty"]["total_percent"] == pytest.approx(np.sqrt(0.2**2 + 3.0**2 + 2.0**2 + 0.1**2))
     assert data["uncertainty"]["shared_by_all_percent"] is None
     assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}
-    assert all(answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in ANSWERS)
+    assert all(output.answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in output.ANSWERS)
 
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Path) -> None:
     scene = catalogue.scene("unseen-short-nut")
     found = reference(scene, (tmp_path, shipped_store()))
-    assert found is not None
-    whole = compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, shipped_store()))
+    whole = output.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, shipped_store()))
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
     wanted = estimate(scene, result, [p for p in shipped_points() if p.scene != scene.name])
-    assert whole.expected.percent == pytest.approx(wanted.percent, rel=1e-9)
-    assert whole.expected.distance == pytest.approx(wanted.distance, rel=1e-9)
+    assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
     assert whole.expected.distance > estimate(scene, result).distance, "not expected of itself"
-    assert f"expected: {whole.expected.percent:.2f} %" in verdict(whole, found)
-    assert whole.total.text in verdict(whole, found)
+    assert f"expected: {whole.expected.percent:.2f} %" in output.verdict(whole, found)
+    assert whole.total.text in output.verdict(whole, found)
     assert whole.total.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
-    assert condensed.error is not None
-    assert refined.error is not None
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
     assert whole.itself.displacement == pytest.approx(condensed.displacement, rel=0.01)
 

@@ -8,15 +8,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3] / ".import"
 PACKAGES = ("lowfi", "hifi", "meshes", "comparison", "reports")
-MODULES = [
-    "rollbench",
-    *sorted(
-        ".".join(path.relative_to(ROOT).with_suffix("").parts)
-        for package in PACKAGES
-        for path in (ROOT / "rollbench" / package).rglob("*.py")
-        if ">>> " in path.read_text(encoding="utf-8")
-    ),
-]
+FILES = [path for package in PACKAGES for path in (ROOT / "rollbench" / package).rglob("*.py")]
+WITH_EXAMPLES = [path.relative_to(ROOT).with_suffix("") for path in FILES if ">>> " in path.read_text(encoding="utf-8")]
+MODULES = ["rollbench", *sorted(".".join(path.parts) for path in WITH_EXAMPLES)]
 
 
 def test_there_are_examples():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.helpers import with_ingredients
 
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.wings.members.ensemble import one_pass, run_ensemble, work_of
@@ -22,11 +23,15 @@ def with_errors(sigma, oversize=0.0, distribution="normal", **others):
     return replace(BASE, errors=replace(BASE.errors, balls=drawn, **others))
 
 
-def assert_same_loads(scene, result, members):
+WITH_PITCH = with_errors(1e-6, SL=PITCH)
+
+
+def assert_same_loads(scene, result, members, first=0):
     for m in range(members):
-        single = solve_static(scene, engine="compiled", member=m)
+        single = solve_static(scene, engine="compiled", member=first + m)
         assert result.statuses[m] == single.status
         np.testing.assert_allclose(result.loads[m], single.load, rtol=0, atol=1e-9 * np.nanmax(single.load))
+        assert result.works[m] == pytest.approx(work_of(scene, single), rel=1e-9, nan_ok=True)
 
 
 @pytest.mark.parametrize(
@@ -38,21 +43,13 @@ def assert_same_loads(scene, result, members):
         pytest.param(with_errors(2e-6, -5e-6), 0, id="clearance"),
         pytest.param(replace(with_errors(2e-6), loads=()), 6, id="no load"),
         pytest.param(replace(BASE, loads=(Load(0.0, (0.0, 0.0, -3000.0)),)), 0, id="pushed the other way"),
-        pytest.param(replace(BASE, ingredients=replace(BASE.ingredients, screw="rigid")), 0, id="rigid screw"),
-        pytest.param(replace(BASE, ingredients=replace(BASE.ingredients, partition="source")), 0, id="15 mm elements"),
+        pytest.param(with_ingredients(BASE, screw="rigid"), 0, id="rigid screw"),
+        pytest.param(with_ingredients(BASE, partition="source"), 0, id="15 mm elements"),
         pytest.param(with_errors(1e-6, SL=SideErrors(pitch=(FourierTerm(1.0, sin=3e-6),))), 0, id="with pitch error"),
         pytest.param(with_errors(1e-6, SL=PITCH, NR=ROUND), 0, id="random pitch and roundness"),
         pytest.param(replace(with_errors(0.0, 7e-6, SL=PITCH), loads=()), 6, id="preloaded, random pitch"),
-        pytest.param(
-            replace(with_errors(1e-6, SL=PITCH), ingredients=replace(BASE.ingredients, partition="source")),
-            0,
-            id="random pitch on 15 mm elements",
-        ),
-        pytest.param(
-            replace(with_errors(1e-6, SL=PITCH), ingredients=replace(BASE.ingredients, screw="rigid")),
-            0,
-            id="random pitch of a rigid screw",
-        ),
+        pytest.param(with_ingredients(WITH_PITCH, partition="source"), 0, id="random pitch on 15 mm elements"),
+        pytest.param(with_ingredients(WITH_PITCH, screw="rigid"), 0, id="random pitch of a rigid screw"),
     ],
 )
 def test_fast_path_equals_single_solves(scene, all_sides):
@@ -90,22 +87,12 @@ def test_numbers_do_not_depend_on_threads():
     np.testing.assert_allclose(one.works, two.works, rtol=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("change", "fast"),
-    [
-        ({}, True),
-        ({"profile": (1e-6,)}, True),
-        ({"profile": (1e-6, 1e-6)}, False),
-        ({"profile_sigma": (1e-6,)}, False),
-        ({"pitch": (FourierTerm(1.0, sigma=1e-6),)}, True),
-        ({"roundness": (FourierTerm(2.0, sigma=1e-6),)}, True),
-    ],
-)
-def test_fast_path_serves_exact_arcs_only(change, fast):
-    assert one_pass(with_errors(1e-6, NR=SideErrors(**change))) is fast
-
-
-def test_general_path():
+def test_fast_path_serves_exact_arcs_only():
+    term = (FourierTerm(2.0, sigma=1e-6),)
+    arcs = ({}, {"profile": (1e-6,)}, {"pitch": term}, {"roundness": term})
+    others = ({"profile": (1e-6, 1e-6)}, {"profile_sigma": (1e-6,)})
+    fast = [one_pass(with_errors(1e-6, NR=SideErrors(**change))) for change in (*arcs, *others)]
+    assert fast == [True] * 4 + [False] * 2
     scene = with_errors(1e-6, SL=SideErrors(profile_sigma=(1e-6,)))
     result = run_ensemble(scene, 3)
     assert (result.all_sides, result.general) == (0, 3)
@@ -119,13 +106,7 @@ def test_members_without_equilibrium_are_reported():
     assert np.isnan(result.loads).all()
 
 
-def test_number_of_members():
-    assert len(run_ensemble(replace(BASE, members=4)).statuses) == 4
-
-
-def test_members_from_a_number_on_and_their_work():
-    result = run_ensemble(BASE, 2, first=4)
-    for k, member in enumerate((4, 5)):
-        single = solve_static(BASE, engine="compiled", member=member)
-        np.testing.assert_allclose(result.loads[k], single.load, rtol=0, atol=1e-9 * single.load.max())
-        assert result.works[k] == pytest.approx(work_of(BASE, single), rel=1e-9)
+def test_members_from_a_number_on_as_many_as_the_scene_says():
+    result = run_ensemble(replace(BASE, members=4), first=4)
+    assert len(result.statuses) == 4
+    assert_same_loads(BASE, result, 4, first=4)

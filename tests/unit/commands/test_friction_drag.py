@@ -12,18 +12,14 @@ from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.meshes.parts import Errors, Friction
 
 
-def test_drag_is_the_friction_torque_of_the_scene_without_loads():
+def test_drag_is_the_friction_torque_of_the_scene_without_loads_and_without_preload_nothing():
     scene = mine()
     bare = answer(replace(scene, loads=())).data["torque"]
     assert answer(scene).data["torque"]["drag_torque_Nmm"] == pytest.approx(bare["friction_torque_Nmm"], rel=1e-9)
     assert bare["drag_torque_Nmm"] == bare["friction_torque_Nmm"]
-    assert bare["efficiency_forward_percent"] is None, "no efficiency of a load that is round-off"
     assert bare["axial_load_N"] == 0.0
-    assert bare["self_locking"] is None
-    assert bare["load_moves"] is None
-
-
-def test_drag_without_preload_is_nothing():
+    unknown = [bare[key] for key in ("efficiency_forward_percent", "self_locking", "load_moves")]
+    assert unknown == [None] * 3, "no efficiency of a load that is round-off"
     loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).data
     assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"], loose["drag_note"]) == (0.0, None, None)
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.friction.run import Run, judged, run_data, run_lines
+from rollbench.comparison.wings.friction.run import judged, run_data, run_lines
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 from rollbench.lowfi.friction.screw.travel import Observed, StepError, simulate
 from rollbench.meshes.parts import Time
@@ -39,8 +40,7 @@ def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
     ends = np.cumsum(over["covers_deg"])
     assert np.array(over["angle_deg"]) == pytest.approx(ends - 0.5 * np.array(over["covers_deg"]))
     energy = run["energy"]
-    assert energy["largest_imbalance"] < 1e-8
-    assert energy["largest_torque_imbalance"] < 1e-8
+    assert max(energy["largest_imbalance"], energy["largest_torque_imbalance"]) < 1e-8
     assert energy["torque_work_J"] + energy["load_work_J"] == pytest.approx(energy["loss_J"], rel=1e-8)
     assert abs(energy["balance_J"]) < 1e-8 * energy["loss_J"]
     json.dumps(answer.data, allow_nan=False)
@@ -50,9 +50,8 @@ def test_figure_3_24_can_be_drawn_from_the_histories(answer):
     """Distances of neighbours over the angle, and dots where they touch; sums close the track."""
     run = answer.data["run"]
     balls, circuit = run["balls"], run["circuits"][0]
-    assert [b["place"] for b in balls] == list(range(8))
-    assert [b["next"] for b in balls] == [*range(1, 8), 0]
-    assert [b["index"] for b in balls] == [1, 2, 3, 4, 5, 6, None, None]
+    indices = [1, 2, 3, 4, 5, 6, None, None]
+    assert [(b["place"], b["next"], b["index"]) for b in balls] == [(k, (k + 1) % 8, indices[k]) for k in range(8)]
     spacing, force = (np.array([b[k] for b in balls]) for k in ("spacing_deg", "force_on_next_N"))
     assert spacing.sum(axis=0) == pytest.approx(np.full(len(spacing[0]), circuit["length_deg"]), abs=1e-9)
     touch = force > 0.0
@@ -73,28 +72,21 @@ def test_error_of_the_steps_stands_in_every_result(answer):
         assert 0.0 <= error[f"{name}_torque_percent"] < 1.0
     assert "error of the steps" in answer.text
     assert "mean absolute error" in error["quantity"]
-
-
-def test_steps_are_chosen_where_none_are_given():
+    # and steps are chosen where none are given
     found = solve_scene(with_time(sparse(), angle=0.5, output="torque"), Choices("lin")).data["run"]
-    assert found["step_error"]["small"] is True
-    assert found["steps"] == found["step_error"]["steps"][-1]
+    assert (found["step_error"]["small"], found["steps"]) == (True, found["step_error"]["steps"][-1])
     assert "balls" not in found
 
 
-@pytest.mark.parametrize("name", ["torque", "mean", "largest", "least", "share"])
-@pytest.mark.parametrize(("size", "good"), [(0.005, True), (0.02, False), (2.2, False)])
-def test_an_error_above_the_goal_has_not_converged_in_the_step(name, size, good):
-    history = simulate(setting(sparse()), 0.02, 4)
-    found = {key: Observed(size if key == name else 0.001) for key in ("torque", "mean", "largest", "least", "share")}
-    run = judged(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
-    assert run.converged is good
-    if not good:
-        assert run.status.startswith("not converged in the step: the error of 4 steps is some ")
-        assert run.status.endswith("more than the goal of 1 %: take more steps")
-
-
-def test_a_run_of_few_steps_whose_error_nobody_knows_has_not_converged():
+def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_step():
+    history, names = simulate(setting(sparse()), 0.02, 4), ("torque", "mean", "largest", "least", "share")
+    for name, size in product(names, (0.005, 0.02, 2.2)):
+        found = {key: Observed(size if key == name else 0.001) for key in names}
+        run = judged(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
+        assert run.converged is (size < 0.01)
+        if not run.converged:
+            assert run.status.startswith("not converged in the step: the error of 4 steps is some ")
+            assert run.status.endswith("more than the goal of 1 %: take more steps")
     run = judged(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
     assert run.status.startswith("not converged in the step")
     assert run_data(run)["step_error_unknown"] == "fewer than 4 steps"
@@ -107,7 +99,6 @@ def test_a_run_that_failed_says_so():
     assert not run.converged
     assert run_data(run)["converged"] is False
     assert "contact loads" in run_lines(run)[0][1]
-    assert isinstance(run, Run)
 
 
 def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
@@ -129,14 +120,11 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
     assert data["energy"]["loss_J"] == pytest.approx(0.005 * float((full.torque[:3] * TURN.speed).sum()))
 
 
-def test_models_that_cannot_run_in_time_are_refused():
+def test_zero_friction_runs_without_loss_and_models_that_cannot_run_in_time_are_refused():
     with pytest.raises(InputError, match=r"--model.*lin or refined"):
         solve_scene(with_time(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), angle=0.1, steps=4), Choices("mei"))
-
-
-def test_zero_friction_runs_without_loss():
     scene = replace(with_time(sparse(), angle=0.1, steps=4), friction=replace(MU, screw=0.0, nut=0.0))
     found = solve_scene(scene, Choices("lin"))
     assert found.converged
-    assert found.data["run"]["torque"]["mean_Nmm"] == 0.0
-    assert found.data["run"]["torque"]["ball_to_ball_most_percent_of_groove"] is None
+    torque = found.data["run"]["torque"]
+    assert (torque["mean_Nmm"], torque["ball_to_ball_most_percent_of_groove"]) == (0.0, None)

@@ -2,38 +2,36 @@
 
 import csv
 import re
-import sys
 from pathlib import Path
 
 import pytest
 import yaml
+from tests.copies import ROOT, docs_module
 
-TOP = Path(__file__).resolve().parents[3]
-DOCS = TOP / "docs"
-PAGES = sorted(DOCS.rglob("*.md"))
+DOCS = ROOT / "docs"
+#: Pages of the manual, and those that a reader opens first.
+PAGES = [*sorted(DOCS.rglob("*.md")), *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"))]
+drawings, generate = map(docs_module, ("drawings", "generate"))
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reference")
-    sys.path.insert(0, str(DOCS))
-    try:
-        import generate
-
-        generate.pages(folder)
-    finally:
-        sys.path.remove(str(DOCS))
+    generate.pages(folder)
     return folder
 
 
-def test_reference_has_every_command_key_and_quantity(written: Path) -> None:
+def test_reference_has_every_command_key_and_quantity_with_its_unit(written: Path) -> None:
     commands = (written / "commands.md").read_text(encoding="utf-8")
     for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
         assert f"## `rollbench {name}`" in commands
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
     for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases"):
         assert table in scene
-    assert "`loads.max_N`" in (written / "quantities.md").read_text(encoding="utf-8")
+    text = (written / "quantities.md").read_text(encoding="utf-8")
+    units = {"axial.rigidity_N_per_um": "N/µm", "loads.worst_ball": "–", "rigidities_N_per_um.with_bodies": "N/µm"}
+    assert "`loads.max_N`" in text
+    assert all(f"| `{key}` | {unit} |" in text for key, unit in units.items())
     assert "Table B.1" in (written / "misprints.md").read_text(encoding="utf-8")
 
 
@@ -60,33 +58,17 @@ def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
     assert sum("rollbench check" in step.get("run", "") for step in job["steps"]) == 1
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_named_files_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests)/[\w./*-]+)`", text):
-        assert list(TOP.glob(named)), named
+    for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests|docs)/[\w./*-]+)`", text):
+        assert page.name == "CHANGELOG.md" or list(ROOT.glob(named.rstrip("/"))), named
     for target in re.findall(r"\]\(([^)#:]+?)(?:#[^)]*)?\)", text):
         file = page.parent / target
         assert file.exists() or file.stem in ("commands", "quantities", "scene-file", "misprints"), target
 
 
-def test_first_page_states_the_report_s_errors() -> None:
-    rows = list(
-        csv.DictReader((TOP / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8").splitlines())
-    )
-    text = re.sub(r"\s+", " ", (DOCS / "index.md").read_text(encoding="utf-8"))
-    for model in ("refined", "lin"):
-        row = next(r for r in rows if (r["model"], r["error"]) == (model, "worst contact load, of the mean load"))
-        assert f"{float(row['median']):.1f} %" in text
-    assert f"{row['scenes']} screws" in text
-
-
 def test_every_drawing_is_made_and_shown(tmp_path: Path, written: Path) -> None:
-    sys.path.insert(0, str(DOCS))
-    try:
-        import drawings
-    finally:
-        sys.path.remove(str(DOCS))
     drawings.draw(tmp_path)
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
     for drawn in tmp_path.glob("*.svg"):
@@ -96,20 +78,13 @@ def test_every_drawing_is_made_and_shown(tmp_path: Path, written: Path) -> None:
     assert [key for key in keys.split() if key not in lengths] == []
 
 
-def test_quantities_have_units(written: Path) -> None:
-    text = (written / "quantities.md").read_text(encoding="utf-8")
-    for row in (
-        "| `axial.rigidity_N_per_um` | N/µm |",
-        "| `loads.worst_ball` | – |",
-        "| `rigidities_N_per_um.with_bodies` | N/µm |",
-    ):
-        assert row in text
-
-
 @pytest.mark.parametrize(("page", "model"), [("refined-model", "refined"), ("beam-model", "lin")])
-def test_stated_errors_of_models_are_the_report_s(page: str, model: str) -> None:
-    rows = csv.DictReader((TOP / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8").splitlines())
+def test_errors_of_models_on_their_page_and_the_first_are_the_report_s(page: str, model: str) -> None:
+    survey = (ROOT / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(survey.splitlines())
     row = next(r for r in rows if (r["model"], r["error"]) == (model, "worst contact load, of the mean load"))
-    text = (DOCS / "theory" / f"{page}.md").read_text(encoding="utf-8")
+    first, text = ((DOCS / file).read_text(encoding="utf-8") for file in ("index.md", f"theory/{page}.md"))
+    for words in (f"{float(row['median']):.1f} %", f"{row['scenes']} screws"):
+        assert words in re.sub(r"\s+", " ", first)
     assert f"{float(row['median']):.1f} %" in text
     assert re.search(rf"{float(row['p95']):.2g} %\s+at the\s+95th percentile", text)

@@ -15,9 +15,7 @@ WRITERS = {"printing.py", "validation.py", "report.py"}
 def writes(path: Path) -> bool:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         called = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
-        if called and "file" not in [k.arg for k in node.keywords]:
-            return True
-        if isinstance(node, ast.Attribute) and node.attr == "stdout":
+        if (called and "file" not in [k.arg for k in node.keywords]) or getattr(node, "attr", "") == "stdout":
             return True
     return False
 
@@ -27,14 +25,10 @@ def test_one_module_prints_answers():
     assert {path.name for path in folder.rglob("*.py") if writes(path)} == WRITERS
 
 
-def test_json_is_one_value_and_text_is_not_computed_for_it(capsys):
-    parts = (1 // 0 for _ in (1,))
-
-    assert print_answer(Answer(lambda: {"a": 1}, parts, 3), as_json=True) == 3
+def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):
+    assert print_answer(Answer(lambda: {"a": 1}, (1 // 0 for _ in (1,)), 3), as_json=True) == 3
     assert capsys.readouterr().out == '{\n  "a": 1\n}\n'
 
-
-def test_parts_are_printed_as_they_come(capsys):
     def parts():
         yield "first"
         assert capsys.readouterr().out == "first\n"

@@ -16,10 +16,8 @@ KEPT = ("percent", "million_revolutions", "hours")
 @pytest.mark.parametrize("ending", [ending for ending in UNITS if ending not in KEPT])
 def test_the_factor_of_a_unit_is_that_of_pint(ending):
     pint = pytest.importorskip("pint")
-    unit = UNITS[ending]
-    assert pint.application_registry.get().Quantity(
-        1.0, unit.pint
-    ).to_base_units().magnitude * unit.factor == pytest.approx(1.0)
+    one = pint.application_registry.get().Quantity(1.0, UNITS[ending].pint)
+    assert one.to_base_units().magnitude * UNITS[ending].factor == pytest.approx(1.0)
 
 
 def test_a_record_is_read_in_the_units_of_its_keys():
@@ -34,10 +32,8 @@ def test_a_record_is_read_in_the_units_of_its_keys():
 def test_rows_say_the_columns_of_their_table():
     error = Quantity("error", "largest error", "%", ".2f")
     table = Table.of("t", "t", [{"scene": "a"}, {"scene": "b", error: 1.0}])
-    assert [(q.key, q.label, q.format) for q in table.columns] == [
-        ("scene", "scene", "s"),
-        ("error", "largest error", ".2f"),
-    ]
+    columns = [(q.key, q.label, q.format) for q in table.columns]
+    assert columns == [("scene", "scene", "s"), ("error", "largest error", ".2f")]
     assert table.rows == [{"scene": "a"}, {"scene": "b", "error": 1.0}]
 
 
@@ -47,8 +43,8 @@ def test_rows_say_the_columns_of_their_table():
         (1234.56, 4.3, "1235"),
         (1234.56, 0.43, "1235"),
         (12.3456, 0.43, "12.35"),
-        (12.3456, 5.0, "12.3"),
-        (-838.6, 900.0, "-840"),
+        (12.3456, 5, "12.3"),
+        (-838.6, 9e2, "-840"),
     ],
 )
 def test_people_see_one_digit_beyond_the_first_that_the_error_touches(value: float, error: float, text: str) -> None:
@@ -57,11 +53,6 @@ def test_people_see_one_digit_beyond_the_first_that_the_error_touches(value: flo
 
 
 def test_a_friction_torque_known_to_a_factor_has_two_digits() -> None:
-    data = {
-        "friction": {
-            "friction_torque_Nmm": 838.6123,
-            "efficiency_forward_percent": 94.8571,
-            "efficiency_backward_percent": None,
-        }
-    }
-    assert entries._friction(data) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"
+    efficiencies = {"efficiency_forward_percent": 94.8571, "efficiency_backward_percent": None}
+    data = {"friction_torque_Nmm": 838.6123, **efficiencies}
+    assert entries._friction({"friction": data}) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"

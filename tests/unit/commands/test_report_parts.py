@@ -17,10 +17,12 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.reports.records import Section, Table
 
 
-def test_every_part_has_a_module_with_a_section():
+def test_every_part_has_a_module_with_a_section_and_stands_on_one_of_twelve_pages_at_most():
     assert len({part.name for part in PARTS}) == len(PARTS)
     for part in PARTS:
         assert callable(import_module(f"rollbench.comparison.{part.module}").section)
+    assert {part.page for part in PARTS} <= PAGES.keys()
+    assert len([name for name in PAGES if name not in WHOLE]) + 1 <= 12  # and the first one
 
 
 def test_wanted_parts():
@@ -31,11 +33,6 @@ def test_wanted_parts():
     assert {p.name for p in quick}.isdisjoint({*COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
     with pytest.raises(InputError, match="no-such"):
         wanted_parts(["no-such"])
-
-
-def test_every_section_stands_on_a_named_page_and_there_are_twelve_at_most():
-    assert {part.page for part in PARTS} <= PAGES.keys()
-    assert len([name for name in PAGES if name not in WHOLE]) + 1 <= 12  # and the first one
 
 
 def test_a_page_opens_with_the_first_conclusion_or_the_verdicts_of_its_tables():
@@ -52,7 +49,6 @@ def test_a_page_opens_with_the_first_conclusion_or_the_verdicts_of_its_tables():
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     study = Study((tmp_path, shipped_store()))
     found = study.reference("lin-case1")
-    assert found is not None
     rungs = ladder.climb(study.scene("lin-case1"), found, None)[:2]
     monkeypatch.setattr(ladder, "ladder", lambda _: rungs)
     save_model_form(study)

@@ -1,13 +1,13 @@
 """Pinned lines of what a command needs, and the gate in an environment of just these."""
 
 import os
-import subprocess
 import sys
 import venv
 from pathlib import Path
 
 import pytest
 from hatchling.builders.wheel import WheelBuilder
+from tests.processes import ran
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.doctor import requirements as module
@@ -27,22 +27,15 @@ def names(command: str) -> set[str]:
     return {line.partition("==")[0] for line in lines(command)}
 
 
-def test_every_line_is_the_version_of_this_environment() -> None:
-    for line in lines("all"):
-        name, _, pinned = line.partition("==")
+def test_commands_need_no_more_than_they_say_in_the_versions_of_this_environment() -> None:
+    for name, _, pinned in (line.partition("==") for line in lines("all")):
         assert version(name) == pinned
-
-
-def test_commands_need_no_more_than_they_say() -> None:
     assert {"numpy", "scipy", "pydantic", "rich", "attrs", "markdown-it-py"} <= names("check"), "with what these need"
     assert not names("check") & {*ONLY_FOR, "llvmlite", "vtk", "jinja2"}
     assert names("solve") - names("check") == {"numba", "llvmlite"}
     assert names("solve") < names("compare") < names("report") == names("all")
     assert {"gmsh", "scikit-fem", "pymetis", "matplotlib"} <= names("compare")
     assert {"vtk", "typst", "trimesh"} <= names("report")
-
-
-def test_what_is_left_out_is_said() -> None:
     text = "\n".join(run_requirements("check").parts)
     assert all(f"# without {name}: " in text for name in ONLY_FOR)
     assert all(line.startswith("#") or "==" in line for line in text.splitlines())
@@ -63,17 +56,12 @@ def test_the_gate_runs_in_an_environment_of_these_lines_alone(tmp_path: Path) ->
     venv.create(tmp_path / "small", with_pip=False)
     python = tmp_path / "small" / "bin" / "python"
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"} | {"ROLLBENCH_CACHE": str(tmp_path / "cache")}
-
-    def run(*command: object) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [str(x) for x in command], cwd=tmp_path, env=clean, capture_output=True, text=True, timeout=280, check=False
-        )
-
     pip = (sys.executable, "-m", "pip", "--python", python, "install", "-q", "--no-deps")
     for what in (("-r", tmp_path / "requirements.txt"), (wheel,)):
-        installed = run(*pip, *what)
+        installed = ran(*pip, *what, cwd=tmp_path, env=clean)
         assert installed.returncode == 0, installed.stderr
-    found = run(tmp_path / "small" / "bin" / "rollbench", "check", "lin-case1", "--no-compute", "--max-error", "7")
+    check = "check", "lin-case1", "--no-compute", "--max-error", "7"
+    found = ran(tmp_path / "small" / "bin" / "rollbench", *check, cwd=tmp_path, env=clean)
     assert found.returncode == 0, found.stderr
     assert found.stdout.startswith("PASS: lin-case1, refined: "), found.stdout
     size = sum(path.stat().st_size for path in (tmp_path / "small").rglob("*") if not path.is_symlink())

@@ -1,5 +1,7 @@
 """``compare`` and ``mesh-study`` of scenes of rolling balls: rows, store, refusals."""
 
+from unittest.mock import Mock
+
 import pytest
 
 from rollbench.comparison.commands.comparing import kinds as rolling_choices
@@ -22,9 +24,7 @@ def _coarse(monkeypatch, tmp_path):
 
 
 def test_compare_sets_low_order_printed_and_3d_side_by_side(command, tmp_path):
-    code, data = command.json("compare", "lin-pair-a", "--levels", "2", "--json", "--store", tmp_path)
-    rows = data["rows"]
-    assert code == 0
+    rows = command.answer("compare", "lin-pair-a", "--levels", "2", "--store", tmp_path)["rows"]
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
     assert (force["printed"], force["printed_ansys"]) == (4.01, 3.96)
     assert force["low"] == pytest.approx(4.065, rel=1e-3)
@@ -39,8 +39,7 @@ def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
     computed = []
     real = rolling.compute
     monkeypatch.setattr(rolling, "compute", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
-    code, rows = command.json("mesh-study", "lin-rotary-3", "--levels", "2", "--json", "--store", tmp_path)
-    assert code == 0
+    rows = command.answer("mesh-study", "lin-rotary-3", "--levels", "2", "--store", tmp_path)
     assert computed == [2]
     assert {r["level"] for r in rows} == {"1", "2"}
     for r in rows:
@@ -62,6 +61,8 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
+    kept = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
+    assert uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
 def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
@@ -71,46 +72,30 @@ def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
     assert len(keys | {runs.key_of(one, 1)}) == 4
 
 
-def test_whole_screws_and_rolling_balls_are_not_mixed():
-    with pytest.raises(InputError, match="name them apart"):
-        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", "rolling study", {})
-
-
 def row(low, reference, bar):
     error = 100.0 * (low - reference) / reference
     return RollingRow("a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0)
 
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
-    assert within(row(4.07, 4.0, 0.0))
-    assert not within(row(4.1, 4.0, 0.0))
-    assert within(row(4.1, 4.0, 0.03))
-    assert not within(row(4.2, 4.0, 1.0))
-
-
-def test_one_grid_has_no_uncertainty(tmp_path):
-    run = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
-    assert uncertainty(run, "torque N mm") == float("inf")
+    cases = ((4.07, 0.0), (4.1, 0.0), (4.1, 0.03), (4.2, 1.0))
+    assert [within(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):
     monkeypatch.setitem(runs.BODIES, "finite", Sizes(cells=(2, 2), growth=3.0, degree=2))
-    code, data = command.json("compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--json", "--store", tmp_path)
-    rows = data["rows"]
-    assert code == 0
+    words = "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", tmp_path
+    rows = command.answer(*words)["rows"]
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
     assert force["half_space"] == pytest.approx(force["reference"], rel=0.02)
     assert force["half_space"] != force["reference"]
-    assert sorted(p.name.rsplit("-", 1)[0] for p in tmp_path.glob("*.json")) == [
-        "rolling-lin-pair-a-finite-level1",
-        "rolling-lin-pair-a-level1",
-    ]
+    kept = sorted(p.name.rsplit("-", 1)[0] for p in tmp_path.glob("*.json"))
+    assert kept == ["rolling-lin-pair-a-finite-level1", "rolling-lin-pair-a-level1"]
 
 
-def test_a_process_that_ends_for_want_of_memory_is_bad_input(monkeypatch):
-    def ended(*_):
-        raise MemoryError("ended from outside")
-
-    monkeypatch.setattr(balls, "prepare_bodies", ended)
+def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_balls_are_bad_input(monkeypatch):
+    monkeypatch.setattr(balls, "prepare_bodies", Mock(side_effect=MemoryError("ended from outside")))
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
+    with pytest.raises(InputError, match="name them apart"):
+        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", "rolling study", {})

@@ -3,25 +3,22 @@
 import csv
 import io
 import json
-import os
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.io import mmread
+from tests.processes import COMMAND, ran
 
 from rollbench.comparison.commands.comparing.compare_output import compared
 from rollbench.comparison.commands.solving.entries import block, entries
 from rollbench.comparison.commands.solving.files import dmig, market
 from rollbench.comparison.commands.solving.summary import answers_json
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.answers import gather, tangent_of
 from rollbench.comparison.models.load_cases import Solved
 from rollbench.comparison.models.loading import lift_off, preload, solve_scaled
 from rollbench.comparison.models.model_form import estimate
@@ -35,34 +32,33 @@ from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic_system, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic
 from rollbench.lowfi.statics.axis import solve as axis_solve
-from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.parts import BallErrors, Errors, Scene
+from rollbench.meshes.parts import BallErrors, Errors
 
 QUIET = Options(discretisation=False)
 LABELS = ("loads", "axial", "contact", "ellipse", "static", "preload", "friction", "life", "ratings", "error")
 
 
 @pytest.fixture(scope="module")
-def solved() -> tuple[Scene, StaticResult, Answers]:
+def solved():
     scene = replace(catalogue.scene("lin-case3"), friction=None)
     result = run_model(scene, "lin", QUIET)
     return scene, result, gather(scene, result, "lin", QUIET)
 
 
-@pytest.mark.parametrize("width", [60, 80, 100])
-def test_the_block_has_eleven_entries_and_is_never_wider(solved: tuple[Scene, StaticResult, Answers], width: int) -> None:
-    lines = block(Solved(*solved), width).split("\n")
-    assert max(map(len, lines)) <= width
-    assert tuple(line.split()[0] for line in lines if not line.startswith(" ")) == LABELS
-
-
-def test_what_is_not_covered_is_said_without_a_doubled_label(solved: tuple[Scene, StaticResult, Answers]) -> None:
+def test_the_block_has_eleven_entries_is_never_wider_and_says_what_is_not_covered(solved) -> None:
+    for width in (60, 80, 100):
+        lines = block(Solved(*solved), width).split("\n")
+        assert max(map(len, lines)) <= width
+        assert tuple(line.split()[0] for line in lines if not line.startswith(" ")) == LABELS
+    text = dict(entries(Solved(*solved)))["axial"]
+    by_formulas = r"secant \S+, tangent \S+ by this model; contacts alone \S+, contacts and bodies \S+ by formulas"
+    assert re.search(by_formulas, text), "rigidities of formulas are not presented as bounds"
     scene, result, found = solved
     uncovered = replace(estimate(scene, result), percent=None)
     assert dict(entries(Solved(scene, result, found, uncovered)))["error"].startswith("not covered by the comparisons")
 
 
-def test_the_json_holds_the_numbers_of_the_result(solved: tuple[Scene, StaticResult, Answers]) -> None:
+def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
     scene, result, found = solved
     data = json.loads(json.dumps(answers_json(Solved(scene, result, found)), allow_nan=False))
     assert data["loads"]["max_N"] == pytest.approx(result.load.max())
@@ -72,25 +68,21 @@ def test_the_json_holds_the_numbers_of_the_result(solved: tuple[Scene, StaticRes
     # by pressure, which the screw's flank has more of at the same force
     assert data["worst_contact"]["side"].startswith("S")
     assert data["worst_contact"]["force_N"] == pytest.approx(data["loads"]["max_N"], rel=1e-3)
-    assert data["friction"] is None
-    assert "--mu" in data["friction_words"]
+    assert (data["friction"], "--mu" in data["friction_words"]) == (None, True)
     alone, tangent = data["rigidities_N_per_um"]["contacts_alone"], data["axial"]["tangent_N_per_um"]
     assert 0.5 * alone < tangent < 1.5 * alone
 
 
-def test_preload_is_what_the_flanks_press_without_load(solved: tuple[Scene, StaticResult, Answers]) -> None:
+def test_preload_is_what_the_flanks_press_without_load(solved) -> None:
     scene, _, found = solved
     bare = solve_scaled(scene, 0.0, "lin", QUIET)
     held = preload(scene, bare)
-    assert held == found.preload
-    assert held.loaded == 4 * scene.ball_count
+    assert (held, held.loaded) == (found.preload, 4 * scene.ball_count)
     assert held.axial == pytest.approx(slope_of(scene) * bare.load[:, 0].sum(), rel=0.02)
 
 
-def test_the_first_contact_is_lost_where_lift_off_says(solved: tuple[Scene, StaticResult, Answers]) -> None:
+def test_the_first_contact_is_lost_where_lift_off_says(solved) -> None:
     scene, _, found = solved
-    assert found.lift is not None
-    assert found.lift.factor is not None
     before, after = (solve_scaled(scene, f * found.lift.factor, "lin", QUIET) for f in (0.98, 1.02))
     assert before.load.min() > 0.0
     assert after.load[found.lift.ball - 1, ["SL", "SR", "NL", "NR"].index(found.lift.side)] == 0.0
@@ -101,8 +93,6 @@ def test_lift_off_below_the_scenes_load_and_without_preload() -> None:
     scene = replace(catalogue.scene("lin-case3"), errors=Errors(balls=BallErrors(oversize=2e-6)))
     result, bare = run_model(scene, "lin", QUIET), solve_scaled(scene, 0.0, "lin", QUIET)
     found = lift_off(scene, result, bare, "lin", QUIET)
-    assert found is not None
-    assert found.factor is not None
     assert 0.0 < found.factor < 1.0
     assert solve_scaled(scene, 0.97 * found.factor, "lin", QUIET).load.min() > 0.0
     assert solve_scaled(scene, 1.03 * found.factor, "lin", QUIET).load.min() == 0.0
@@ -134,8 +124,7 @@ def test_a_model_without_bodies_has_no_tangent() -> None:
 def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None:
     curve, matrix = tmp_path / "curve.csv", tmp_path / "k.mtx"
     files = "--curve", curve, "--stiffness-at", "8 mm", "--matrix", matrix
-    code, out, _ = command("solve", "bearing-9", "--model", "lin", *files)
-    assert code == 0
+    out = command.said("solve", "bearing-9", "--model", "lin", *files)
     rows = list(csv.DictReader(curve.read_text().splitlines()))
     assert len(rows) == 16
     assert float(rows[10]["axial_force_N"]) == pytest.approx(2963.065, rel=1e-4)
@@ -154,37 +143,22 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None
 )
 def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     """No box-drawing, no colours, no line wider than 100."""
-    out = subprocess.run(
-        [sys.executable, "-P", "-m", "rollbench", *words],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**os.environ, "FORCE_COLOR": ""},
-    ).stdout
+    done = ran(*COMMAND, *words, environ={"FORCE_COLOR": ""})
+    out = done.stdout
+    assert done.returncode == 0, done.stderr
     assert not any(c in out for c in "┃│━─\x1b")
     assert max(map(len, out.splitlines())) <= 100
 
 
-def strict(text: str) -> dict[str, Any]:
-    def refuse(word: str) -> None:
-        raise AssertionError(word)
-
-    return dict(json.loads(text, parse_constant=refuse))
-
-
 @pytest.mark.parametrize("model", ["lin", "source"])
-def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(
-    monkeypatch: pytest.MonkeyPatch, command, model: str
-) -> None:
+def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(monkeypatch, command, model) -> None:
     """A screw of more balls than elastic bodies take has loads and no tangent, and says why."""
     monkeypatch.setattr(elastic_system, "LARGEST", 20)
-    code, text, _ = command("solve", "lin-case1", "--model", model, "--json")
-    axial = strict(text)["summary"]["axial"]
-    assert (code, axial["tangent_N_per_um"]) == (0, None)
+    words = "solve", "lin-case1", "--model", model
+    axial = command.answer(*words)["summary"]["axial"]
+    assert axial["tangent_N_per_um"] is None
     assert axial["tangent_words"].endswith("limited to 20")
-    code, text, _ = command("solve", "lin-case1", "--model", model)
-    assert code == 0
-    assert "no tangent: balls.count of 32 balls" in " ".join(text.split())
+    assert "no tangent: balls.count of 32 balls" in " ".join(command.said(*words).split())
     with pytest.raises(Refusal, match="limited to 20"):
         tangent_of(catalogue.scene("lin-case1"), 0.4, model, QUIET)
 
@@ -213,20 +187,17 @@ def numbers(value: Any) -> list[float]:
         ("double-nut", "refined", axis_elastic),
     ],
 )
-def test_what_did_not_converge_prints_no_numbers_as_answers(
-    monkeypatch: pytest.MonkeyPatch, command, tmp_path: Path, scene: str, model: str, module: ModuleType
-) -> None:
+def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command, tmp_path, scene, model, module) -> None:
     if scene == "double-nut":
         scene = str(tmp_path / "two.toml")
         text = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
         Path(scene).write_text(text, encoding="utf-8")
-    whole = command("solve", scene, "--model", model, "--json").out
+    whole = command.answer("solve", scene, "--model", model)
     monkeypatch.setattr(module, "MAX_ITERATIONS", 1)
-    code, text, _ = command("solve", scene, "--model", model, "--json")
-    data = strict(text)
+    code, data = command.json("solve", scene, "--model", model, "--json")
     assert (code, data["status"][:13]) == (1, "not converged")
-    assert data.keys() == strict(whole).keys()
-    assert numbers(strict(whole)["balls"])
+    assert data.keys() == whole.keys()
+    assert numbers(whole["balls"])
     assert not [key for key in ANSWERS if numbers(data.get(key))]
     code, text, _ = command("solve", scene, "--model", model, "--balls")
     assert code == 1
@@ -248,40 +219,30 @@ def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
         ((), ()),
         ((('force = "5 % of C"', 'oversize = "60 um"'),), ("contact pressure", "static safety", "above C =")),
         (((', "5.7 kN"]', ', "900 kN"]'),), ("contact pressure", "below 1")),
-        (
-            (('at = "800 mm"\nfix = ["ux", "uy"]', 'at = "800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'),),
-            ("rotations of",),
-        ),
+        ((('"800 mm"\nfix = ["ux", "uy"]', '"800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'),), ("rotations of",)),
     ],
     ids=["as written", "oversize", "load", "bent"],
 )
-def test_a_line_above_the_answers_says_what_leaves_the_models(
-    tmp_path: Path, command, changes: tuple[tuple[str, str], ...], said: tuple[str, ...]
-) -> None:
+def test_a_line_above_the_answers_says_what_leaves_the_models(tmp_path, command, changes, said) -> None:
     file = changed_40x10(tmp_path, *changes)
-    code, out, _ = command("solve", file, "--model", "lin")
-    assert code == 0
-    lines = out.splitlines()
+    lines = command.said("solve", file, "--model", "lin").splitlines()
     head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("loads "))])
     assert ("WARNING" in head) is bool(said)
     assert all(word in head for word in said), head
     assert sum("WARNING" in line for line in lines) == bool(said)
-    code, out, _ = command("solve", file, "--model", "lin", "--strict", "--json")
-    assert code == bool(said)
-    data = json.loads(out)
-    assert (data["warning"] is not None) is bool(said)
+    code, data = command.json("solve", file, "--model", "lin", "--strict", "--json")
+    assert (code, data["warning"] is not None) == (bool(said), bool(said))
     assert len(data["warnings"]) >= len(said)
 
 
 def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
-    text = catalogue.scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
+    text = scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
     (tmp_path / "a.toml").write_text(text, encoding="utf-8")
-    code, out, _ = command("solve", str(tmp_path / "a.toml"), "--model", "lin", "--strict")
+    code, out, _ = command("solve", tmp_path / "a.toml", "--model", "lin", "--strict")
     assert code == 1
     lines = out.splitlines()
     head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("axial "))])
-    assert "WARNING outside what the models mean: nut 1: " in head
-    assert "nut 2: preload" in head
+    assert re.search("WARNING outside what the models mean: nut 1: .*nut 2: preload", head)
 
 
 @pytest.mark.parametrize(
@@ -294,8 +255,7 @@ def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, com
     found, _, error = command("solve", file, "--model", "lin")
     assert found == code
     if code:
-        assert "material.youngs_modulus" in error
-        assert "1 GPa to 1000 GPa" in error
+        assert re.search("material.youngs_modulus.*1 GPa to 1000 GPa", error)
         file = changed_40x10(tmp_path, ('name = "bearing steel"', f"unusual = true\n{material}"), *rest)
         assert command("solve", file, "--model", "lin").code == 0
 
@@ -304,7 +264,6 @@ def test_compare_counts_displacements_from_where_solve_does() -> None:
     scene = catalogue.scene("lin-case3")
     stores = (shipped_store(),)
     found = reference(scene, stores)
-    assert found is not None
     whole = compared(scene, [MODELS["lin"]], found, stores)
     solved = gather(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
     (row,) = (b for b in whole.models if b.label == "lin")
@@ -312,10 +271,3 @@ def test_compare_counts_displacements_from_where_solve_does() -> None:
     assert whole.start != 0.0
     bare = float(np.interp(scene.nut.position, whole.itself.answer.stations, whole.itself.answer.line[:, 2]))
     assert whole.itself.displacement == pytest.approx(bare - whole.start, rel=1e-12)
-
-
-def test_rigidities_of_formulas_are_not_presented_as_bounds(solved: tuple[Scene, StaticResult, Answers]) -> None:
-    text = dict(entries(Solved(*solved)))["axial"]
-    assert re.search(
-        r"secant \S+, tangent \S+ by this model; contacts alone \S+, contacts and bodies \S+ by formulas", text
-    )

@@ -1,7 +1,5 @@
 """Where the program runs: outputs nobody reads, folders that cannot be written, what killed processes left."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
@@ -10,8 +8,11 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from tests.processes import COMMAND, python, ran
 
+from rollbench.comparison import provenance
 from rollbench.comparison.cli import main
+from rollbench.comparison.commands.reporting import report, scene_page
 from rollbench.comparison.commands.reporting.verify import Checked
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -20,8 +21,6 @@ from rollbench.comparison.writing import need_writable, replace_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
 from rollbench.reports.cells import harmless
-
-COMMAND = [sys.executable, "-P", "-m", "rollbench"]
 
 
 def dead_process():
@@ -45,18 +44,10 @@ def test_a_full_output_ends_in_one_line(words, monkeypatch, capsys):
     assert capsys.readouterr().err == SAID
 
 
-@FULL
-def test_a_process_whose_output_is_full_says_nothing_more_at_its_end():
-    with open("/dev/full", "w") as full:
-        done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert (done.returncode, done.stderr) == (74, SAID)
-
-
-def test_a_closed_output_ends_quietly():
-    done = subprocess.run(
-        ["/bin/sh", "-c", '"$@" >&-', "sh", *COMMAND, "list"], stderr=subprocess.PIPE, text=True, check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
+@pytest.mark.parametrize(("to", "ended"), [pytest.param("/dev/full", (74, SAID), marks=FULL), ("&-", (0, ""))])
+def test_a_process_whose_output_is_full_or_closed_says_nothing_more_at_its_end(to, ended):
+    done = ran("/bin/sh", "-c", f'"$@" >{to}', "sh", *COMMAND, "list")
+    assert (done.returncode, done.stderr) == ended
 
 
 @pytest.mark.parametrize("words", [("list",), ("solve", "--help"), ("list", "--json")])
@@ -71,8 +62,8 @@ def test_a_reader_who_goes_away_is_told_by_the_code(words):
 @pytest.mark.parametrize("end", ["2>&-", pytest.param("2>/dev/full", marks=FULL)])
 @pytest.mark.parametrize("words", [("solve", "no-such-scene"), ("solve", "--no-such-option")])
 def test_bad_input_ends_with_2_whoever_reads_of_it(end, words):
-    done = subprocess.run(["/bin/sh", "-c", f'"$@" {end}', "sh", *COMMAND, *words], stdout=subprocess.PIPE, check=False)
-    assert (done.returncode, done.stdout) == (2, b"")
+    done = ran("/bin/sh", "-c", f'"$@" {end}', "sh", *COMMAND, *words)
+    assert (done.returncode, done.stdout) == (2, "")
 
 
 def test_kernels_are_kept_elsewhere_where_the_cache_cannot_be_written(tmp_path, monkeypatch, capsys):
@@ -103,15 +94,6 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
 
 
-def test_an_output_is_tried_before_it_is_computed(tmp_path):
-    (tmp_path / "file").write_text("")
-    for bad in (tmp_path, tmp_path / "file" / "x.npz"):
-        with pytest.raises(InputError):
-            need_writable(bad)
-    need_writable(tmp_path / "new" / "x.npz")
-    assert list((tmp_path / "new").iterdir()) == []
-
-
 def test_no_code_comes_from_the_working_folder(tmp_path):
     """A numpy.py beside a scene was executed by children of pictures and bench."""
     (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
@@ -122,20 +104,14 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
         "numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
     root = str(Path(__file__).parents[3] / ".import")
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", code],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": root},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": root})
     assert "working folder ran" not in done.stdout + done.stderr
     assert "rollbench.reports.nowhere" in done.stdout
     assert str(tmp_path) not in done.stdout
 
 
-def test_control_characters_of_a_scene_are_escaped():
+def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
+    assert Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
     text = scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
     scene = scene_file.loads(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")
@@ -148,19 +124,19 @@ def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
     assert harmless(text) == ("'" if runs else "") + text
 
 
-def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
-    from rollbench.comparison.commands.reporting import scene_page
-
+def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
     (tmp_path / "file").write_text("")
+    for bad in (tmp_path, tmp_path / "file" / "x.npz"):
+        with pytest.raises(InputError):
+            need_writable(bad)
+    need_writable(tmp_path / "new" / "x.npz")
+    assert list((tmp_path / "new").iterdir()) == []
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
 
 
 def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monkeypatch):
-    from rollbench.comparison import provenance
-    from rollbench.comparison.commands.reporting import report
-
     said = iter(["f" * 40, ""])
     provenance.commit.cache_clear()
     monkeypatch.setattr(provenance.subprocess, "run", lambda *_, **__: SimpleNamespace(stdout=next(said, "M times.json")))
@@ -187,21 +163,16 @@ from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Panel, Series
 print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0, 1.0], "line")])])))
 """
-    drawn = [
-        subprocess.run([sys.executable, "-P", "-c", program], cwd=place, capture_output=True, text=True, check=False)
-        for place in (tmp_path, tmp_path.parent)
-    ]
+    drawn = [python("-P", "-c", program, cwd=place) for place in (tmp_path, tmp_path.parent)]
     assert [one.returncode for one in drawn] == [0, 0], drawn[0].stderr
     assert drawn[0].stdout == drawn[1].stdout
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        pytest.param(["compare"], marks=pytest.mark.slow),  # its hint names bodies that it condenses from nothing
-        ["solve", "--loads-csv", "b\x1b.csv"],
-    ],
-)
+#: Its hint names bodies that it condenses from nothing.
+COMPARE = pytest.param(["compare"], marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("words", [COMPARE, ["solve", "--loads-csv", "b\x1b.csv"]])
 def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeypatch, command):
     name = "a\x1b[31mred\x07.toml"
     (tmp_path / name).write_text(catalogue.scene_text("two-balls"), encoding="utf-8")
@@ -209,10 +180,6 @@ def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeyp
     for said in (command(*words, name), command("new", "c\x1b.toml", "--like", "40x10")):
         assert "\x1b" not in said.out + said.err
         assert "\\x1b" in said.out + said.err
-
-
-def test_escape_characters_of_a_report_s_files_are_not_printed_raw():
-    assert Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
 
 
 @pytest.mark.parametrize("words", [["list"], ["solve", "no-such-scene"]])

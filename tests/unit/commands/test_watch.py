@@ -1,17 +1,11 @@
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from tests.processes import COMMAND, ran
 
 from rollbench.comparison import watch
 
 SCENES = Path(__file__).parents[2] / "property" / "scenes"
-
-
-def run(*words, timeout=120):
-    command = [sys.executable, "-P", "-m", "rollbench", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 
 
 @pytest.mark.parametrize(
@@ -20,16 +14,14 @@ def run(*words, timeout=120):
     ids=lambda w: w[0],
 )
 def test_a_limit_of_time_ends_a_solution_in_one_line(words):
-    done = run(*words, "--time-limit", "0.05", "--json")
-    assert done.returncode == 1
-    assert done.stdout == ""
+    done = ran(*COMMAND, *words, "--time-limit", "0.05", "--json", timeout=120)
+    assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.splitlines()[-1].endswith("stopped: the limit of time, 0.05 s, is reached")
     assert "Traceback" not in done.stderr
 
 
 def test_a_limit_that_is_not_reached_changes_nothing(command):
-    code, found = command.json("solve", "lin-case1", "--model", "lin", "--time-limit", "600", "--json")
-    assert (code, found["status"]) == (0, "converged")
+    assert command.answer("solve", "lin-case1", "--model", "lin", "--time-limit", "600")["status"] == "converged"
 
 
 def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, capsys):

@@ -40,28 +40,19 @@ def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bo
     assert [("loads" in text) for text in texts] == [True] + [False] * (len(texts) - 1)
 
 
-def test_a_table_that_fits_stays_as_it_is() -> None:
+def test_a_table_that_fits_stays_as_it_is_and_what_follows_stands_below_the_text() -> None:
     table = balls(ruled=False)
     assert fitted(table, 300) == [table]
-
-
-def test_what_follows_stands_below_the_text() -> None:
     text = "  scene      a screw of a catalogue with a long title\n  other      short"
-    assert wrapped(text, 40).splitlines() == [
-        "  scene      a screw of a catalogue with",
-        "             a long title",
-        "  other      short",
-    ]
+    first, rest = "  scene      a screw of a catalogue with", "             a long title"
+    assert wrapped(text, 40).splitlines() == [first, rest, "  other      short"]
     assert wrapped("FAIL: a verdict that goes on for more than forty columns", 40).splitlines()[1].startswith("  ")
 
 
 def test_numbers_are_flush_right_and_empty_columns_left_out() -> None:
     rows = [{"name": "a", "order": None, "value": 1.0}, {"name": "longer", "order": None, "value": -12.345678}]
-    assert [line.rstrip() for line in shown(aligned(rows), 80).splitlines()] == [
-        "name    value",
-        "a           1",
-        "longer -12.35",
-    ]
+    lines = [line.rstrip() for line in shown(aligned(rows), 80).splitlines()]
+    assert lines == ["name    value", "a           1", "longer -12.35"]
 
 
 def test_paths_and_commands_stay_whole() -> None:

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_parts import GridParts
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.crosscheck import command as crosscheck_command
 from rollbench.comparison.wings.crosscheck import section as crosscheck
 from rollbench.comparison.wings.crosscheck import study as crosscheck_study
 from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
@@ -59,7 +59,7 @@ LIMIT = np.array([[500.0, 0.0, 0.0, 480.0], [250.0, 40.0, 41.0, 260.0]])
 MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 3.0, LENGTHS[10]
 
 
-def a_run(b_over_h: float, growth: float, stiffness: float, **changes) -> CrossRun:
+def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> CrossRun:
     """A run of loads that obey the law of the fit, with contacts of one half axis."""
     e = element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
     found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
@@ -71,13 +71,8 @@ def a_run(b_over_h: float, growth: float, stiffness: float, **changes) -> CrossR
 
 
 RUNS = (
-    a_run(0.8, 0.6, 2e17),
-    a_run(1.1, 0.6, 2e17),
-    a_run(1.5, 0.6, 2e17),
-    a_run(1.1, 0.8, 2e17),
-    a_run(1.1, 0.4, 2e17),
-    a_run(1.1, 0.6, 1e18),
-    a_run(1.5, 0.6, 2e17, nlgeom=True, load=2.0 * LIMIT),
+    *(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4))),
+    *(a_run(1.1, 0.6, 1e18), a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT)),
 )
 DATA = CrossData("two-balls", "k", "0", "4", RUNS)
 
@@ -85,40 +80,27 @@ DATA = CrossData("two-balls", "k", "0", "4", RUNS)
 def ours(loads: list[np.ndarray]) -> Reference:
     """A reference of runs with these loads."""
 
-    class Run:
-        def __init__(self, level, load):
-            self.level, self.load = level, load
-
-    runs = tuple(Run(k, x) for k, x in enumerate(loads, start=1))
+    runs = tuple(SimpleNamespace(level=k, load=x) for k, x in enumerate(loads, start=1))
     return Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), GridParts(1.0))
 
 
-def test_what_calculix_prints_is_read():
+def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
     forces, moved = read_dat(DAT)
     assert forces == {"BALL1_SL": (300.0, -2.01252e-5, 400.0)}
     assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
     assert read_cvg(CVG) == (2, 1.133e-3)
-
-
-def test_a_deck_is_known_by_what_it_says():
-    assert digest("*NODE\n1, 2\n") == digest("** remark\n*NODE\n1, 2")
-    assert digest("*NODE\n1, 2\n") == digest("*CONTROLS, X\n4, 8\n*NODE\n1, 2\n")
-    assert digest("*NODE\n1, 2\n") != digest("*NODE\n1, 3\n")
-
-
-def equal(runs):
-    """The same runs with equal loads on all contacts, so that all have one half axis."""
-    return [replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in runs]
+    plain, remark, controls = "*NODE\n1, 2\n", "** remark\n*NODE\n1, 2", "*CONTROLS, X\n4, 8\n*NODE\n1, 2\n"
+    assert digest(plain) == digest(remark) == digest(controls) != digest("*NODE\n1, 3\n")
 
 
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
-    found = extrapolate(equal(RUNS))
+    """Equal loads on all contacts, so that all have one half axis."""
+    found = extrapolate([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
     assert (found.order, found.length) == (ORDER, LENGTH)
     np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)
     finest = min(element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS)
     np.testing.assert_allclose(found.uncertainty, 0.1 * 26.0 * finest * (LIMIT > 0.0), atol=1e-5)
-    assert found.by_elements[0, 0] == pytest.approx(26.0 * finest)
-    assert found.by_stiffness[0, 0] == pytest.approx(-2.0)
+    assert (found.by_elements[0, 0], found.by_stiffness[0, 0]) == pytest.approx((26.0 * finest, -2.0))
     assert found.fixed == ()
 
 
@@ -151,31 +133,27 @@ def manufactured(noise: float) -> tuple[np.ndarray, list[CrossRun]]:
     return limit, runs
 
 
-@pytest.mark.parametrize("noise", [0.02, 0.1])
-def test_the_uncertainty_covers_what_the_law_leaves_out(noise):
-    limit, runs = manufactured(noise)
-    found = extrapolate(runs)
-    off, finest = np.abs(found.load - limit), np.abs(runs[-1].load - limit)
-    assert np.mean(off <= found.uncertainty) >= 0.95
-    assert off.mean() < 0.8 * finest.mean()
-    assert found.uncertainty.mean() < (2.5 if noise < 0.05 else 5.0) * finest.mean()
-    # the law's share was measured on a mesh whose loads are up to 14 % larger
-    np.testing.assert_allclose(found.by_stiffness, -0.002 * limit, rtol=0.15)
-
-
-def test_scatter_shows_in_the_uncertainty():
-    quiet, loud = (extrapolate(manufactured(noise)[1]) for noise in (0.02, 0.1))
+def test_the_uncertainty_covers_what_the_law_leaves_out_and_shows_scatter():
+    extrapolated = []
+    for noise, most in ((0.02, 2.5), (0.1, 5.0)):
+        limit, runs = manufactured(noise)
+        found = extrapolate(runs)
+        off, finest = np.abs(found.load - limit), np.abs(runs[-1].load - limit)
+        assert np.mean(off <= found.uncertainty) >= 0.95
+        assert off.mean() < 0.8 * finest.mean()
+        assert found.uncertainty.mean() < most * finest.mean()
+        # the law's share was measured on a mesh whose loads are up to 14 % larger
+        np.testing.assert_allclose(found.by_stiffness, -0.002 * limit, rtol=0.15)
+        extrapolated.append(found)
+    quiet, loud = extrapolated
     assert loud.misfit > 2.0 * quiet.misfit
     assert loud.uncertainty.mean() > 1.5 * quiet.uncertainty.mean()
 
 
-def test_too_few_runs_are_refused():
+def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes_give_a_range():
     for kept, why in ((RUNS[1:2] + RUNS[5:6], "one mesh only"), ((RUNS[0], RUNS[5]), "varies, but on no mesh")):
         with pytest.raises(ValueError, match=why):
             extrapolate(kept)
-
-
-def test_what_is_not_varied_is_named_and_two_meshes_give_a_range():
     found = extrapolate(RUNS[:2])
     assert found.fixed == ("growth", "contact stiffness")
     assert not found.by_stiffness.any()
@@ -231,19 +209,16 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
     np.testing.assert_allclose(limit.load, data.runs[-1].load, atol=0.1 * limit.load.max())
 
 
-def test_the_key_is_of_what_a_scene_says(monkeypatch):
+def test_the_key_is_of_what_a_checked_scene_says(monkeypatch):
+    with pytest.raises(InputError, match="two-balls, lin-case1-cut"):
+        checked_scene("lin-case1")
     before = scene_key("two-balls")
-    text = crosscheck_command.checked_scene("two-balls").title
+    text = checked_scene("two-balls").title
     original = catalogue.scene_text("two-balls")
     monkeypatch.setattr(catalogue, "scene_text", lambda _: original + "# a remark\n")
     assert scene_key("two-balls") == before
     monkeypatch.setattr(catalogue, "scene_text", lambda _: original.replace(text, "Another"))
     assert scene_key("two-balls") != before
-
-
-def test_only_checked_scenes_are_known():
-    with pytest.raises(InputError, match="two-balls, lin-case1-cut"):
-        checked_scene("lin-case1")
 
 
 def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
@@ -255,13 +230,12 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
 
     monkeypatch.setattr(crosscheck_study, "run_calculix", solved)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
-    data = run_study(checked_scene("two-balls"), tmp_path, lambda _: None)
+    data = run_study(checked_scene("two-balls"), tmp_path, print)
     np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
-    assert data.runs[0].weak == pytest.approx(0.001)
-    assert data.runs[0].unbalanced == pytest.approx(0.0, abs=1e-12)
+    assert (data.runs[0].weak, data.runs[0].unbalanced) == pytest.approx((0.001, 0.0), abs=1e-12)
     assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
-    (half,) = run_study(checked_scene("two-balls"), tmp_path, lambda _: None).runs
+    (half,) = run_study(checked_scene("two-balls"), tmp_path, print).runs
     np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
     assert (half.half, half.weak) == (True, pytest.approx(0.002))
 
@@ -277,19 +251,16 @@ def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, mon
     monkeypatch.setattr(crosscheck_study, "run_calculix", run)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.9)])
     with pytest.raises(InputError, match="not to be solved"):
-        run_study(checked_scene("two-balls"), tmp_path, lambda _: None, (replace(RUNS[0], deck="another"),))
-    stored = replace(RUNS[0], deck=solved[0])
-    said = []
+        run_study(checked_scene("two-balls"), tmp_path, print, (replace(RUNS[0], deck="another"),))
+    stored, said = replace(RUNS[0], deck=solved[0]), []
     data = run_study(checked_scene("two-balls"), tmp_path, said.append, (RUNS[1], stored))
-    assert data.runs == (stored,)
-    assert len(solved) == 1
-    assert "stored" in said[0]
+    assert (data.runs, len(solved), "stored" in said[0]) == ((stored,), 1, True)
 
 
 def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path, monkeypatch):
     save(tmp_path, replace(DATA, key=scene_key("two-balls")))
     monkeypatch.setattr(Study, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
-    found = crosscheck.section(Study(), lambda _: None, tmp_path)
+    found = crosscheck.section(Study(), print, tmp_path)
     tables = {x.name: x for x in found.items if hasattr(x, "columns")}
     assert set(tables) == {"crosscheck-two-balls", "crosscheck-meshes-two-balls", "crosscheck-runs-two-balls"}
     assert len(tables["crosscheck-two-balls"].rows) == 6

@@ -1,10 +1,8 @@
 """CITATION.cff says the version that the package has and the authors of the licence."""
 
-from pathlib import Path
+from tests.copies import ROOT
 
 from rollbench.comparison import __version__
-
-ROOT = Path(__file__).parents[3]
 
 
 def test_the_citation_is_of_this_version_and_its_authors():

@@ -10,7 +10,7 @@ from rollbench.comparison.wings.evidence.registry import by_table, evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import FAULTS, printed_table
 
 
-def test_sheet_keeps_the_order_of_the_table_and_leaves_the_rest_open():
+def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
     sheet = Sheet("lin-3.3")
     sheet.claim("sign_region", True, "why")
     sheet.number("mu", 0.1)
@@ -18,9 +18,6 @@ def test_sheet_keeps_the_order_of_the_table_and_leaves_the_rest_open():
     assert [e.printed for e in found] == list(load_table("lin-3.3"))
     filed = {e.printed.key: judge(e)[0] for e in found if e.agrees is not None}
     assert filed == {"mu": "input", "sign_region": "reproduced"}
-
-
-def test_sheet_refuses_a_key_that_is_not_printed():
     with pytest.raises(KeyError, match=r"lin-3\.3: no printed entry 'my'"):
         Sheet("lin-3.3").number("my", 1.0)
     with pytest.raises(KeyError, match="no printed entry"):
@@ -30,8 +27,7 @@ def test_sheet_refuses_a_key_that_is_not_printed():
 def test_compared_value_follows_the_class():
     row = next(r for r in load_table("lin-3.2") if r.cls == "as-printed")
     e = Evidence(row, value=2.0 * row.value, as_printed=row.value, reading=1.5 * row.value)
-    assert judge(e)[0] == "only as printed"
-    assert e.error_percent == 0.0
+    assert (judge(e)[0], e.error_percent) == ("only as printed", 0.0)
     assert e.reading_error_percent == pytest.approx(50.0)
 
 
@@ -61,15 +57,11 @@ def test_shared_remarks_stand_once_and_round_off_is_zero():
     assert printed_table("a", "A", [Evidence(zero, 1.0, 1.0)]).rows[0]["error"] is None
 
 
-def test_no_screws_are_drawn_unless_asked_for():
+def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():
     study = Study(members=0)
+    for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
+        assert [e.printed for e in by_table()[name].compute(study)] == list(load_table(name))
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.2")}
     assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True
     assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.computed)
-
-
-def test_every_computation_fills_its_own_table_only():
-    study = Study(members=0)
-    for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in by_table()[name].compute(study)] == list(load_table(name))

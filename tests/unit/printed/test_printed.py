@@ -2,9 +2,9 @@
 
 import math
 from collections import Counter
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.printed import printed_data
@@ -16,24 +16,13 @@ from rollbench.comparison.wings.evidence.sections import verdicts
 from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
-MAKERS = (
-    "MASTA, ",
-    "NSK, ",
-    "Jones and Harris, ",
-    "CONTACT, ",
-    "Ansys VM63, ",
-    "SNFA, ",
-    "GMN, ",
-    "THK, ",
-    "HIWIN, ",
-    "Rexroth, ",
-)
+MAKERS = ("MASTA", "NSK", "Jones and Harris", "CONTACT", "Ansys VM63", "SNFA", "GMN", "THK", "HIWIN", "Rexroth")
 SOURCES = {
     "lin": "Lin (2019), ",
     "smith": "Smith (1994), ",
     "liu": "Liu et al. (2025), ",
     "kalker": "Kalker (1990), ",
-    "external": MAKERS,
+    "external": tuple(f"{maker}, " for maker in MAKERS),
 }
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
 
@@ -45,6 +34,8 @@ def row(table, key):
 
 def test_tables_are_shipped():
     assert set(TABLES) >= {"lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-2.2", "lin-4.3.2"}
+    with pytest.raises(InputError, match="external-contact"):
+        printed_data.load_table("lin-B2")
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -65,17 +56,16 @@ def test_every_row_is_complete(name):
 def test_b1_agrees_with_itself():
     """B.2 between the table's own rows: rho_eq is the geometric mean of R' and R'', to the digits printed."""
     v = {r.key: r.value for r in printed_data.load_table("lin-B1")}
-    assert math.sqrt(v["R1_S"] * v["R2_S"]) == pytest.approx(v["rho_eq_S"], abs=2e-3)
-    assert math.sqrt(v["R1_N"] * v["R2_N"]) == pytest.approx(v["rho_eq_N"], abs=2e-3)
+    for side in "SN":
+        assert math.sqrt(v[f"R1_{side}"] * v[f"R2_{side}"]) == pytest.approx(v[f"rho_eq_{side}"], abs=2e-3)
     # The screw's R' goes with rho'' and its R'' with rho', as the remark says.
     assert 1.0 / (1.0 / 2.778 + 1.0 / v["rho2_S"]) == pytest.approx(v["R1_S"], abs=1e-3)
     assert 1.0 / (1.0 / 2.778 + 1.0 / v["rho1_S"]) == pytest.approx(v["R2_S"], rel=2e-3)
 
 
 def test_speed_ratio_follows_from_table_2_2():
-    ratios = [
-        row("lin-2.2", f"time_ansys_{i}").value * 3600.0 / row("lin-2.2", f"time_proposed_{i}").value for i in (1, 2, 3)
-    ]
+    ansys, proposed = ([row("lin-2.2", f"time_{of}_{i}").value for i in (1, 2, 3)] for of in ("ansys", "proposed"))
+    ratios = [3600.0 * one / other for one, other in zip(ansys, proposed, strict=True)]
     printed = row("lin-2.4.1", "speed_ratio")
     assert printed.cls == "hard"
     assert min(ratios) > printed.value
@@ -119,60 +109,48 @@ def test_good_row():
     assert r.tolerance == 0.1
 
 
-@pytest.mark.parametrize(
-    ("text", "key"),
-    [
-        (ROW.replace('"hard"', '"firm"'), "row[0].class"),
-        (ROW.replace('class = "hard"', ""), "row[0].class"),
-        (ROW.replace('key = "a"', ""), "row[0].key"),
-        (ROW.replace('label = "b"', 'label = ""'), "row[0].label"),
-        (ROW.replace('printed = "1.20"', ""), "row[0].printed"),
-        (ROW + 'claim = "both"\n', "row[0].printed"),
-        (ROW.replace('"1.20"', '"1,20"'), "row[0].printed"),
-        (ROW.replace('"1.20"', "1.20"), "row[0].printed"),
-        (ROW.replace('"1.20"', '"nan"'), "row[0].printed"),
-        (ROW.replace('"hard"', '"band"'), "row[0].origin"),
-        (ROW.replace('"hard"', '"band"') + 'origin = "x"\n', "row[0].low"),
-        (ROW.replace('"hard"', '"band"') + 'origin = "x"\nlow = 2\nhigh = 1\n', "row[0].low"),
-        (ROW + "low = 1\n", "row[0].low"),
-        (ROW + "high = 1\n", "row[0].high"),
-        (ROW.replace('"hard"', '"as-printed"'), "row[0].remark"),
-        (ROW + 'kind = "claim"\n', "row[0].kind"),
-        (ROW.replace('"hard"', '"input"') + 'kind = "zero"\n', "row[0].kind"),
-        (ROW + "tolerance = -1\n", "row[0].tolerance"),
-        (ROW + "tolerance = nan\n", "row[0].tolerance"),
-        (ROW + 'tolerance = "1"\n', "row[0].tolerance"),
-        (ROW + 'colour = "red"\n', "row[0].colour"),
-        (ROW + ROW, "row[1].key"),
-        ('title = "none"\n', "file"),
-        ("row = 3\n", "file"),
-        ("[[row]\n", "file"),
-    ],
-)
+BAND = ROW.replace('"hard"', '"band"')
+#: Faulty texts by the key at fault.
+FAULTY = {
+    "row[0].class": (ROW.replace('"hard"', '"firm"'), ROW.replace('class = "hard"', "")),
+    "row[0].key": (ROW.replace('key = "a"', ""),),
+    "row[0].label": (ROW.replace('label = "b"', 'label = ""'),),
+    "row[0].printed": (
+        *(ROW.replace('printed = "1.20"', ""), ROW + 'claim = "both"\n'),
+        *(ROW.replace('"1.20"', other) for other in ('"1,20"', "1.20", '"nan"')),
+    ),
+    "row[0].origin": (BAND,),
+    "row[0].low": (BAND + 'origin = "x"\n', BAND + 'origin = "x"\nlow = 2\nhigh = 1\n', ROW + "low = 1\n"),
+    "row[0].high": (ROW + "high = 1\n",),
+    "row[0].remark": (ROW.replace('"hard"', '"as-printed"'),),
+    "row[0].kind": (ROW + 'kind = "claim"\n', ROW.replace('"hard"', '"input"') + 'kind = "zero"\n'),
+    "row[0].tolerance": tuple(f"{ROW}tolerance = {value}\n" for value in ("-1", "nan", '"1"')),
+    "row[0].colour": (ROW + 'colour = "red"\n',),
+    "row[1].key": (ROW + ROW,),
+    "file": ('title = "none"\n', "row = 3\n", "[[row]\n"),
+}
+
+
+@pytest.mark.parametrize(("text", "key"), [(text, key) for key, texts in FAULTY.items() for text in texts])
 def test_faulty_rows_are_refused(text, key):
     with pytest.raises(InputError) as caught:
         printed_data.parse_table(text, "t")
-    assert caught.value.key == key
-    assert caught.value.file == "t.toml"
-    assert "\n" not in str(caught.value)
-
-
-def test_unknown_table():
-    with pytest.raises(InputError, match="external-contact"):
-        printed_data.load_table("lin-B2")
+    assert (caught.value.key, caught.value.file, "\n" in str(caught.value)) == (key, "t.toml", False)
 
 
 def test_remarks_have_one_full_stop_between_them():
-    assert sentences("one", "", "two.", "Band: three.") == "one. two. Band: three."
-    assert sentences("one.", "") == "one."
-    assert sentences("", "") == ""
+    for parts, text in (
+        (("one", "", "two.", "Band: three."), "one. two. Band: three."),
+        (("one.", ""), "one."),
+        (("", ""), ""),
+    ):
+        assert sentences(*parts) == text
 
 
 def test_a_band_is_not_called_reproduced():
     entry = next(r for r in printed_data.load_table("lin-3.4.4") if r.cls == "band" and r.value is not None)
-    assert judge(Evidence(entry, entry.low))[0] == "band"
-    assert judge(Evidence(entry, entry.high + 1.0))[0] == "contradicted"
-    assert judge(Evidence(entry))[0] == "not identifiable"
+    judged = [judge(Evidence(entry, value))[0] for value in (entry.low, entry.high + 1.0, None)]
+    assert judged == ["band", "contradicted", "not identifiable"]
 
 
 def all_rows():
@@ -186,22 +164,16 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            assert judge(Evidence(r, value=r.value))[0] == "input"
-            assert judge(Evidence(r, value=2.0 * r.value + 1.0))[0] == "contradicted"
+            judged = [judge(Evidence(r, value=value))[0] for value in (r.value, 2.0 * r.value + 1.0)]
+            assert judged == ["input", "contradicted"]
 
 
 def test_hard_entries_by_kind():
     lin = [r for r in all_rows() if r.table.startswith("lin")]
     kinds = Counter(r.kind for r in lin if r.cls == "hard")
     assert kinds == {"claim": 25, "arithmetic": 6, "zero": 6, "number": 6}
-    assert {r.key for r in lin if r.cls == "hard" and r.kind == "number"} == {
-        "gamma_low",
-        "psi",
-        "occupation",
-        "a_eps1_analytic",
-        "a_eps2_analytic",
-        "a_force_analytic",
-    }
+    numbers = {"gamma_low", "psi", "occupation", *(f"a_{of}_analytic" for of in ("eps1", "eps2", "force"))}
+    assert {r.key for r in lin if r.cls == "hard" and r.kind == "number"} == numbers
     for r in all_rows():
         assert (r.kind == "claim") == bool(r.claim)
         assert r.kind != "zero" or r.value == 0.0
@@ -223,16 +195,14 @@ def test_counts_of_the_report_keep_kinds_apart():
     assert all(f"{of_audit[key]} {key}" in said for key in VERDICTS)
     assert said.endswith("Those reproduced are 1 computed numbers and 1 claims in words.")
     table = {row["kind"]: row for row in verdicts.kinds_table(audited).rows}
-    assert table["input, taken over"]["input"] == 1
-    assert table["input, taken over"]["contradicted"] == 1
-    assert table["arithmetic on printed numbers"]["identity"] == 1
+    over = table["input, taken over"]
+    assert (over["input"], over["contradicted"], table["arithmetic on printed numbers"]["identity"]) == (1, 1, 1)
     assert sum(row["all"] for row in table.values()) == len(found)
 
 
 def test_manual_and_report_name_what_was_inferred_from_printed_results():
-    manual = " ".join((Path(__file__).parents[3] / "docs" / "trust.md").read_text(encoding="utf-8").split()).replace(
-        "µ", "u"
-    )
+    text = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
+    manual = " ".join(text.split()).replace("µ", "u")
     for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
         assert what in verdicts.INFERRED
         assert what in manual

@@ -3,9 +3,9 @@
 import ast
 from collections import Counter
 from importlib import import_module
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
@@ -16,28 +16,22 @@ from rollbench.comparison.wings.evidence.registry import by_table, evidence, not
 pytestmark = pytest.mark.wing
 BY_TABLE, NOT_COMPUTED = by_table(), not_computed()
 COMPUTATIONS = tuple(BY_TABLE.values())
-ROOT = Path(__file__).parents[3]
 TRACES = list(traces())
 
 
 def test_every_printed_entry_is_traced_once():
-    assert Counter((t.table, t.key) for t in TRACES) == Counter(
-        (r.table, r.key) for name in tables() for r in load_table(name)
-    )
+    entries = Counter((r.table, r.key) for name in tables() for r in load_table(name))
+    assert Counter((t.table, t.key) for t in TRACES) == entries
     assert set(BY_TABLE) | set(NOT_COMPUTED) == set(tables())
     assert not set(BY_TABLE) & set(NOT_COMPUTED)
     assert len(BY_TABLE) == len(COMPUTATIONS)
 
 
 @pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
-def test_computation_resolves_to_a_function(computation):
+def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_entry_of_the_table(computation):
+    """The file's function test_entry is parametrised with the keys of the table."""
     module, name = computation.function.split(":")
     assert callable(getattr(import_module(module), name))
-
-
-@pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
-def test_the_test_file_asserts_every_entry_of_the_table(computation):
-    """Its function test_entry is parametrised with the keys of the table."""
     tree = ast.parse((ROOT / computation.test).read_text(encoding="utf-8"))
     (entry,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "test_entry")
     assert "check(key)" in ast.unparse(entry)
@@ -76,22 +70,21 @@ def test_only_what_needs_no_scene_has_none():
 
 def test_evidence_of_a_table_is_in_its_order_and_computed_once():
     study = Study()
-    assert [e.printed for e in evidence(study, "lin-B1")] == list(load_table("lin-B1"))
-    assert evidence(study, "lin-B1")[0] is evidence(study, "lin-B1")[0]
+    first, again = (evidence(study, "lin-B1") for _ in range(2))
+    assert [e.printed for e in first] == list(load_table("lin-B1"))
+    assert first[0] is again[0]
 
 
 def test_command(command):
-    _, rows = command.json("list", "--trace", "--json")
+    rows = command.answer("list", "--trace")
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
     assert row["computation"] == "rollbench.comparison.sources.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/sources/lin/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
-    assert "F_IR_II" in command("list", "--trace").out
+    assert "F_IR_II" in command.said("list", "--trace")
 
-
-def test_one_table_in_a_pipe_breaks_no_name(command):
-    _, rows = command.json("list", "--trace", "--table", "smith-5", "--json")
+    rows = command.answer("list", "--trace", "--table", "smith-5")
     assert [(r["table"], r["key"]) for r in rows] == [("smith-5", row.key) for row in load_table("smith-5")]
     assert {r["key"]: r["no_scene"] for r in rows}["accuracy_ball"] == "measured by the source: shown, not computed"
     out = command("list", "--table", "smith-5").out

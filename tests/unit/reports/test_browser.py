@@ -5,19 +5,17 @@ One start of the browser opens every page at both widths in frames of one page, 
 
 import json
 import re
-import shutil
-import subprocess
 from html import unescape
 from pathlib import Path
 
 import pytest
-from tests.report_samples import paged
+from tests.processes import ran
+from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged
 
 from rollbench.reports.html import write
 from rollbench.reports.records import Figure, Panel, Quantity, Report, Section, Series, Summary, Table, Text
 
-CHROMIUM = shutil.which("chromium")
-pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium"), pytest.mark.xdist_group("browser")]
+pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser")]
 WIDTHS = {1400: 900, 390: 844}
 PAGES = ("index.html", "loads.html", "tables.html")
 #: Opens the pages, waits, works on each, and writes what it found into itself.
@@ -57,60 +55,38 @@ def folder(tmp_path_factory):
 def seen(request, folder):
     """What the browser found, page by page, and what it wrote on its console."""
     scheme = 0 if request.param == "dark" else 1
-    command = [
-        CHROMIUM,
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--allow-file-access-from-files",
-        "--enable-logging=stderr",
-    ]
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files"]
     command += [f"--blink-settings=preferredColorScheme={scheme}", f"--user-data-dir={folder / request.param}"]
-    command += ["--virtual-time-budget=20000", "--dump-dom", (folder / "work.html").as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    command += ["--enable-logging=stderr", "--virtual-time-budget=20000", "--dump-dom", (folder / "work.html").as_uri()]
+    done = ran(*command, timeout=120)
     result = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, re.DOTALL)
     assert result is not None, done.stderr[-2000:]
     console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     return request.param, json.loads(unescape(result[1])), console
 
 
-def test_nothing_on_the_console(seen):
-    assert seen[2] == []
-
-
-def test_both_widths_have_no_overflow_and_one_panel_a_row_on_a_phone(seen):
-    pages = seen[1]
+def test_both_widths_have_no_overflow_one_panel_a_row_on_a_phone_and_nothing_on_the_console(seen):
+    _, pages, console = seen
+    assert console == []
     assert len(pages) == len(PAGES) * len(WIDTHS)
     assert {name: page["overflow"] for name, page in pages.items() if page["overflow"] > 0} == {}
-    assert pages["loads.html 1400"]["columns"] == [2]
-    assert pages["loads.html 390"]["columns"] == [1]
+    assert [pages[f"loads.html {width}"]["columns"] for width in WIDTHS] == [[2], [1]]
 
 
-def test_first_screen_answers_without_scrolling(seen):
+def test_first_screen_answers_without_scrolling_and_tables_fit(seen):
     for width, height in WIDTHS.items():
         assert 200 < seen[1][f"index.html {width}"]["bottom"] < height
+        assert seen[1][f"tables.html {width}"]["clipped"] == [False, False]
 
 
-def test_contents_and_bar_stay(seen):
+def test_contents_and_bar_stay_and_search_finds_on_other_pages(seen):
     for name, page in seen[1].items():
-        assert page["stays"] == 0
-        assert page["contents"] is name.endswith("1400")
-        assert page.get("menu", True) is True
-
-
-def test_tables_fit_the_page(seen):
-    assert seen[1]["tables.html 1400"]["clipped"] == [False, False]
-    assert seen[1]["tables.html 390"]["clipped"] == [False, False]
-
-
-def test_search_finds_on_other_pages(seen):
-    for page in seen[1].values():
-        assert page["hits"] == ["tables.html#table-narrow"]
-        assert page["none"] == "nothing found"
+        assert (page["stays"], page["contents"], page.get("menu", True)) == (0, name.endswith("1400"), True)
+        assert (page["hits"], page["none"]) == (["tables.html#table-narrow"], "nothing found")
 
 
 def test_values_under_the_pointer(seen):
-    for name in ("index.html 1400", "index.html 390", "loads.html 1400", "loads.html 390"):
+    for name in (f"{page}.html {width}" for page in ("index", "loads") for width in WIDTHS):
         page = seen[1][name]
         assert page["tip"] == "refined\nball: 2\nload / N: 220.5"
         assert page["shown"]

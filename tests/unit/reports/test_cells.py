@@ -2,12 +2,11 @@
 
 import csv
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.processes import python
 from tests.report_samples import table
 
 from rollbench.reports import cells
@@ -46,19 +45,17 @@ class TestCells:
         assert raw.startswith(b'"Quantity, of all",Force [N],Error [%],Class,Verdict,Met\r\n')
         with open(tmp_path / "t.csv", newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
-        assert float(rows[1][1]) == 1.0 / 3.0
-        assert rows[1] == ['<b>"a"</b>', repr(1.0 / 3.0), "-0.5", "hard", "reproduced", "true"]
-        assert rows[2] == ["b, c", "", "nan", "open", "contradicted", "false"]
-        assert rows[3] == ["two\nlines", "210000000.0", "", "as-printed", "open", "true"]
-        assert len(rows) == 4
+        assert rows[1:] == [
+            ['<b>"a"</b>', repr(1.0 / 3.0), "-0.5", "hard", "reproduced", "true"],
+            ["b, c", "", "nan", "open", "contradicted", "false"],
+            ["two\nlines", "210000000.0", "", "as-printed", "open", "true"],
+        ]
 
 
 def test_records_import_neither_matplotlib_nor_pyvista():
     heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
     code = f"import sys, rollbench.reports.records; print(sorted({heavy} & set(sys.modules)))"
-    root = Path(cells.__file__).parents[1]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
-    assert done.stdout.strip() == "[]"
+    assert python("-c", code, cwd=Path(cells.__file__).parents[1]).stdout.strip() == "[]"
 
 
 def test_two_columns_of_one_heading_are_refused():

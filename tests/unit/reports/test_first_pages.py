@@ -26,11 +26,8 @@ def test_pages_hold_question_answer_table_and_limits_as_they_are_written():
     assert (data["question"], data["answer"], data["origin"]) == ("How far?", "Up to 2 µm.", "rollbench 1.0, date a day")
     assert [c["label"] for c in data["columns"]] == ["name", "largest error"]
     assert data["rows"] == [['a "b" #c *d* [e] \\ µm', "1.23"]]
-    assert (data["coverage"], data["limits"], data["caption"]) == (
-        ["covers #this"],
-        ["limits *that*"],
-        "Error against run time. In µm.",
-    )
+    assert (data["coverage"], data["limits"]) == (["covers #this"], ["limits *that*"])
+    assert data["caption"] == "Error against run time. In µm."
 
 
 def test_a_report_has_a_pdf_of_two_pages_and_may_be_replaced(tmp_path):

@@ -16,8 +16,7 @@ def test_what_is_saved_is_read_and_a_release_is_not_rewritten(tmp_path):
     save_rows(tmp_path, HISTORY, (ONE,))
     assert load_releases([tmp_path / "none", tmp_path]) == (ONE,)
     other = Release("0.1", "later", "def", {})
-    assert added((ONE,), other) == (ONE,)
-    assert added((), other) == (other,)
+    assert [added(rows, other) for rows in ((ONE,), ())] == [(ONE,), (other,)]
 
 
 def test_the_package_has_rows_of_its_releases():
@@ -30,8 +29,8 @@ def test_the_package_has_rows_of_its_releases():
 
 
 def test_numbers_of_a_report_are_those_of_its_points():
-    def point(label: str, error: float, cold: float, memory: float | None, kind: str = "model") -> TimePoint:
-        return TimePoint(label, kind, error, 0.0, None, None, cold, None, 1, memory, label)  # type: ignore[arg-type]
+    def point(label, error, cold, memory, kind="model"):
+        return TimePoint(label, kind, error, 0.0, None, None, cold, None, 1, memory, label)
 
     lin, solid = MODELS["lin"].label, "3D reference, level"
     points = {
@@ -42,14 +41,12 @@ def test_numbers_of_a_report_are_those_of_its_points():
     found = Study().references(("lin-case1", "lin-case3"))
     release = history.measured(points, found, "abc")
     assert (release.version, release.commit) == (__version__, "abc")
-    assert release.values["error"]["lin"] == 9.0
-    assert release.values["error"]["refined"] is None
+    assert [release.values["error"][model] for model in ("lin", "refined")] == [9.0, None]
     assert release.values["cold"] == {"refined": None, "lin": 2.0, "mei": None, "3D reference": 40.0}
     assert release.values["memory"] == {"refined": None, "lin": 90.0, "mei": None, "3D reference": 900.0}
     assert 0.0 < release.values["u"]["3D reference"] < 1.0
     table = history.history_table([("0.1", ONE), ("this report", release)])
-    assert len(table.rows) == 2 * len(QUANTITIES)
-    assert table.note == "0.1: a remark"
+    assert (len(table.rows), table.note) == (2 * len(QUANTITIES), "0.1: a remark")
     figure = history.history_figure([("0.1", ONE), ("this report", release)])
     assert [s.x for s in figure.panels[0].series if s.label == "lin"] == [[1.0, 2.0]]
 

@@ -6,17 +6,7 @@ import pytest
 
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.bench.sections.overview import (
-    KINDS,
-    answer,
-    coverage,
-    family_of,
-    front,
-    off,
-    standing_table,
-    standings,
-    time_figure,
-)
+from rollbench.comparison.wings.bench.sections import overview
 from rollbench.comparison.wings.bench.sections.reference_time import TimePoint
 from rollbench.reports.panels import draw_parts
 
@@ -43,44 +33,40 @@ POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
 
 
 def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
-    found = {s.name: s for s in standings(POINTS)}
+    found = {s.name: s for s in overview.standings(POINTS)}
     refined = found["refined"]
     assert (refined.scenes, refined.worst, refined.worst_scene, refined.median) == (3, 3.0, "c", 2.0)
     assert (refined.low, refined.high) == (pytest.approx(1.8), pytest.approx(2.3))
     assert (refined.rms, refined.worst_rms, refined.cold, refined.within) == (1.0, 1.5, 2.0, 3)
-    assert (found["mei"].scenes, found["mei"].worst) == (2, 40.0)
-    assert found["lin"].within == 1
+    assert (found["mei"].scenes, found["mei"].worst, found["lin"].within) == (2, 40.0, 1)
     assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
-    assert off(POINTS["a"][-1]) == pytest.approx(0.1)
-    assert standing_table(standings(POINTS)).rows[0]["name"] == "mei"
-
-
-def test_front_holds_what_nothing_beats_in_both() -> None:
-    assert [s.name for s in front(standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
+    assert overview.off(POINTS["a"][-1]) == pytest.approx(0.1)
+    assert overview.standing_table(overview.standings(POINTS)).rows[0]["name"] == "mei"
+    # the front holds what nothing beats in both
+    assert [s.name for s in overview.front(overview.standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
 
 
 def test_answer_names_errors_and_the_reference_in_forty_words() -> None:
-    said = answer(POINTS, [0.12, 0.68], 7.41)
+    said = overview.answer(POINTS, [0.12, 0.68], 7.41)
     assert said == (
         "On 3 screws and bearings the contact loads are wrong by at most 3.0 % (refined) or 18.0 % (lin) of the mean load. "
         "Uncertainty of the 3D reference: 0.1 to 0.7 %, 7.4 % with unprinted choices and tolerances."
     )
     assert len(said.split()) <= 40
-    assert answer(POINTS, []).endswith("Uncertainty of the 3D reference: unknown (one mesh level only).")
+    assert overview.answer(POINTS, []).endswith("Uncertainty of the 3D reference: unknown (one mesh level only).")
 
 
 @pytest.mark.parametrize("all_names", [True, False])
 def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names: bool) -> None:
-    figure = time_figure(POINTS, "f", (8.0, 4.0), all_names=all_names)
+    figure = overview.time_figure(POINTS, "f", (8.0, 4.0), all_names=all_names)
     panel, solves = figure.panels
     light = [s for s in panel.series if s.light]
     assert sum(len(s.x) for s in light) == 3 * 6 - 1
     mids = [s for s in panel.series if s.texts]
     texts = [text for s in mids for text in s.texts if text]
-    assert sorted(texts) == sorted(
-        ["refined", "lin", "3D level 1", "3D level 3"] + (["mei", "source"] if all_names else [])
-    )
-    assert set(KINDS) <= set(texts)
+    wanted = ["refined", "lin", "3D level 1", "3D level 3"] + (["mei", "source"] if all_names else [])
+    assert sorted(texts) == sorted(wanted)
+    assert set(overview.KINDS) <= set(texts)
     assert all(s.bars is not None for s in mids)
     line, limit = (s for s in panel.series if s.style == "line")
     assert set(limit.y) == {7.0}
@@ -92,9 +78,9 @@ def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names:
 
 
 def test_every_model_has_a_family() -> None:
-    families = {family_of(point(model.label, 1.0, 1.0)) for model in MODELS.values()}
+    families = {overview.family_of(point(model.label, 1.0, 1.0)) for model in MODELS.values()}
     assert len(families) == 4
-    assert family_of(point("3D reference, the source's mesh", 1.0, 1.0, "source mesh")) == "3D reference"
+    assert overview.family_of(point("3D reference, the source's mesh", 1.0, 1.0, "source mesh")) == "3D reference"
 
 
 @pytest.mark.parametrize(
@@ -107,6 +93,6 @@ def test_every_model_has_a_family() -> None:
 )
 def test_nothing_that_a_report_has_none_of_is_counted(names, said, not_said) -> None:
     study = Study()
-    words = " ".join(coverage({name: study.scene(name) for name in names}, study.references(names)))
+    words = " ".join(overview.coverage({name: study.scene(name) for name in names}, study.references(names)))
     assert said in words
     assert not [word for word in not_said if f" {word}" in f" {words}".replace("20 ", "").replace("40 ", "")]

@@ -1,7 +1,5 @@
 """Run times that are kept: written, read, and taken in place of new processes."""
 
-from __future__ import annotations
-
 import pytest
 
 from rollbench.comparison.models.study import Study
@@ -46,8 +44,7 @@ def test_ways_to_assemble_are_kept_ones_unless_the_study_is_timed(monkeypatch):
     kept = kept_times.load_times([shipped_store()]).assembly
     assert len({(cost.mesh, cost.way) for cost in kept}) == 8
     monkeypatch.setattr(reference_time, "assembly_costs", lambda: KEPT.assembly)
-    assert reference_time.assembly_ways(Study()) == kept
-    assert reference_time.assembly_ways(Study(timed=True)) == KEPT.assembly
+    assert [reference_time.assembly_ways(Study(timed=timed)) for timed in (False, True)] == [kept, KEPT.assembly]
 
 
 @pytest.mark.parametrize("timed", [False, True])
@@ -66,7 +63,6 @@ def test_a_report_starts_processes_only_where_it_is_timed(monkeypatch, timed):
     (lin,) = [p for p in points if p.label == reference_time.MODELS["lin"].label]
     kept = kept_times.load_times([shipped_store()]).times["lin-case1", "lin"]
     assert (lin.cold, lin.warm) == ((0.5, 0.25) if timed else (kept.cold, kept.warm))
-    assert ("lin" in started) is timed
-    assert bool(started) is timed
+    assert ("lin" in started, bool(started)) == (timed, timed)
     kept_now = reference_time.kept_now({"lin-case1": points}, {})
     assert kept_now.times["lin-case1", "lin"].cold == lin.cold

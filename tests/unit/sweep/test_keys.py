@@ -14,15 +14,9 @@ def test_forms():
     assert (two.low, two.high, two.unit) == (1.0, 5.0, "kN")
     assert [three.at(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
     assert [four.at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
-    assert one.at(0.5) == "3.5 um"
-    assert one.number("3.5 um") == 3.5
-    assert four.number("right") == 2.0
+    assert (one.at(0.5), one.number("3.5 um"), four.number("right")) == ("3.5 um", 3.5, 2.0)
+    assert read_vary(["nut.conformity=0.52,0.56"])[0].choices == (0.52, 0.56), "as TOML reads them"
     assert [three.number(4), one.number("1e-07 um"), one.number(" 2um ")] == [4.0, 1e-7, 2.0]
-
-
-def test_values_of_a_list_are_read_as_toml_reads_them():
-    (found,) = read_vary(["nut.conformity=0.52,0.56"])
-    assert found.choices == (0.52, 0.56)
 
 
 @pytest.mark.parametrize(
@@ -30,13 +24,8 @@ def test_values_of_a_list_are_read_as_toml_reads_them():
     ["", "track.lead", "track.lead=", "track..lead=1 mm:2 mm", "track.lead=1 mm:2 um", "track.lead=2 mm:1 mm", "a=1",
      "a=1,1", "a=1,,2", "a=x:y", "a=1:2:3", "a b=1,2"],
 )  # fmt: skip
-def test_other_forms_are_refused(text):
-    with pytest.raises(InputError, match="--vary"):
-        read_vary([text])
-
-
-def test_a_key_twice_and_no_key_are_refused():
-    for texts, words in ((["a=1,2", "a=3,4"], "each key once"), ([], "0 keys")):
+def test_other_forms_a_key_twice_and_no_key_are_refused(text):
+    for texts, words in (([text], "--vary"), (["a=1,2", "a=3,4"], "each key once"), ([], "0 keys")):
         with pytest.raises(InputError, match=words):
             read_vary(texts)
 

@@ -1,17 +1,11 @@
 """The manual's drawing of the house shows the imports, and these go down only."""
 
 import re
-import sys
 
 import pytest
-from tests.copies import ROOT
+from tests.copies import ROOT, docs_module
 
-sys.path.insert(0, str(ROOT / "docs"))
-try:
-    import house
-finally:
-    sys.path.remove(str(ROOT / "docs"))
-
+house = docs_module("house")
 FLOOR = {name: k for k, row in enumerate(house.ROWS) for name in row}
 PLANTED = """
 from . import records

@@ -1,8 +1,6 @@
 """What the test command without options leaves out: all of wings and sources, what is slow, and nothing else."""
 
 import ast
-import subprocess
-import sys
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -10,6 +8,7 @@ from pathlib import Path
 import pytest
 from tests.conftest import TESTS, imports_a_wing
 from tests.copies import ROOT
+from tests.processes import python
 
 from rollbench.comparison.registration import registered
 
@@ -41,36 +40,15 @@ def test_a_module_is_a_wing_s_where_it_or_a_helper_imports_one() -> None:
     }
     assert {path for path in modules if imports_a_wing(path)} == expected
     assert 100 < len(expected) < len(modules) - 100
-
-
-def test_the_packages_of_wings_are_those_that_registrations_name() -> None:
+    # and the packages of wings are those that registrations name
     folders = {folder for one in registered().values() for folder in one.folders}
-    assert {f"rollbench.{folder.replace('/', '.')}" for folder in folders} == {
-        of for of in OF_WINGS if "comparison" not in of
-    }
+    assert {f"rollbench.{folder.replace('/', '.')}" for folder in folders} == PHYSICS
 
 
-MARKED = """
-import pytest
-
-def test_plain(): pass
-
-@pytest.mark.slow
-def test_slow(): pass
-
-@pytest.mark.slow
-@pytest.mark.every_run
-def test_slow_of_every_run(): pass
-
-@pytest.mark.survey
-def test_survey(): pass
-
-@pytest.mark.each_wing
-def test_each_wing(): pass
-
-@pytest.mark.installs
-def test_installs(): pass
-"""
+MARKED = "import pytest\ndef test_plain(): pass\n" + "".join(
+    "".join(f"@pytest.mark.{mark}\n" for mark in marks) + f"def test_{'_of_'.join(marks)}(): pass\n"
+    for marks in (("slow",), ("slow", "every_run"), ("survey",), ("each_wing",), ("installs",))
+)
 #: Options, and the tests that they run: of the core (c), of a wing (w), through a helper (h) and of a source (s).
 RUNS = {
     "": "c-plain c-slow_of_every_run h-slow_of_every_run s-slow_of_every_run w-slow_of_every_run",
@@ -106,8 +84,7 @@ def marked(tmp_path_factory) -> Path:
 @pytest.mark.parametrize("options", RUNS)
 def test_a_command_runs_what_its_marks_say(marked, options: str) -> None:
     words = ["-m", options.removeprefix("-m ")] if options.startswith("-m") else options.split()
-    command = [sys.executable, "-m", "pytest", "-n0", "-vv", "-p", "no:cacheprovider", "-p", "no:rollbench", *words]
-    env = {"PYTHONPATH": f"{marked}:{ROOT / '.import'}", "PATH": ""}
-    done = subprocess.run(command, cwd=marked, env=env, capture_output=True, text=True)
+    command = "-m", "pytest", "-n0", "-vv", "-p", "no:cacheprovider", "-p", "no:rollbench", *words
+    done = python(*command, cwd=marked, env={"PYTHONPATH": f"{marked}:{ROOT / '.import'}", "PATH": ""})
     run = [line.partition(" PASSED")[0].partition("test_")[2] for line in done.stdout.splitlines() if " PASSED" in line]
     assert " ".join(sorted(one.replace(".py::test_", "-") for one in run)) == RUNS[options], done.stdout + done.stderr

@@ -2,34 +2,24 @@
 
 import ast
 import io
-import os
 import random
 import shutil
-import subprocess
-import sys
 import tokenize
 from pathlib import Path
 
 import pytest
 from tests.copies import ROOT, copy_of_tree, rollbench
+from tests.processes import python
 
 from rollbench.comparison.registration import HOOKS, load, registered
 
 WINGS = sorted(path.parent.name for path in ROOT.glob("compare/wings/*/registration.py"))
 #: Commands that go with a wing, and those of wings that need it.
-COMMANDS = {
-    "bench": {"bench"},
-    "benchmark": {"benchmark"},
-    "crosscheck": {"crosscheck"},
-    "doctor": {"doctor"},
-    "evidence": {"audit"},
-    "export": {"export", "benchmark"},
-    "members": {"bench"},
-    "mesh_study": {"mesh-study"},
-    "extremes": {"stability"},
-    "friction": {"friction"},
-}
-COMMANDS |= {"sweep": {"sweep", "stability"}, "bearings": set(), "random_errors": set(), "rolling": set()}
+COMMANDS = {name: {name} for name in ("bench", "benchmark", "crosscheck", "doctor", "friction")}
+COMMANDS |= {"evidence": {"audit"}, "export": {"export", "benchmark"}, "members": {"bench"}, "mesh_study": {"mesh-study"}}
+COMMANDS |= {"extremes": {"stability"}, "sweep": {"sweep", "stability"}}
+COMMANDS |= {name: set() for name in ("bearings", "random_errors", "rolling")}
+HERE = {"PYTHONPATH": str(ROOT / ".import")}
 #: Commands of the core that are run without a wing, and their exit codes.
 CORE = (("list",), ("solve", "two-balls"), ("check", "lin-case1", "--no-compute"), ("schema",))
 
@@ -58,13 +48,7 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
         "try:\n    main(['solve', 'two-balls'])\nexcept SystemExit:\n"
         "    print(*(name for name in sys.modules if name.startswith('rollbench')), file=sys.stderr)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(ROOT / ".import")},
-    )
+    done = python("-c", code, cwd=tmp_path, environ=HERE)
     assert "SL" in done.stdout or "N" in done.stdout
     doors = {"wings", "sources"}
     loaded = [name for name in done.stderr.split() if name.startswith("rollbench.")]
@@ -90,11 +74,8 @@ def test_a_solve_of_known_parts_loads_no_more_than_it_needs(tmp_path, command, m
         "atexit.register(lambda: print(*others(), *names(), sep='\\n', file=sys.stderr))\n"
         f"sys.argv = ['rollbench', *{command.split()}]\nmain()"
     )
-    env = os.environ | {"PYTHONPATH": str(ROOT / ".import"), "ROLLBENCH_CACHE": str(tmp_path / "cache")}
-    first, again = (
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=env)
-        for _ in range(2)
-    )
+    environ = HERE | {"ROLLBENCH_CACHE": str(tmp_path / "cache")}
+    first, again = (python("-c", code, cwd=tmp_path, environ=environ) for _ in range(2))
     assert again.stdout == first.stdout != ""
     loaded = again.stderr.split("\n")
     assert not {"numba", "scipy", "pydantic"} & set(loaded)
@@ -113,16 +94,11 @@ def lines_of_code(path):
     return len({line for t in tokens for line in range(t.start[0], t.end[0] + 1)} - documented)
 
 
-def without(wing, tmp_path):
-    """A copy of the tree without the folders of a wing."""
+def stands(wing, tmp_path):
+    """The core does what it does in a copy of the tree without the folders of a wing."""
     tree = copy_of_tree(tmp_path / "tree")
     for folder in (f"compare/wings/{wing}", *registered()[wing].folders):
         shutil.rmtree(tree / folder)
-    return tree
-
-
-def stands(wing, tmp_path):
-    tree = without(wing, tmp_path)
     for tokens in CORE:
         done = rollbench(tree, *tokens, cwd=tmp_path)
         assert done.returncode == 0, (wing, tokens, done.stderr)

@@ -10,15 +10,8 @@ from tests.copies import ROOT, copy_of_tree, python, rollbench
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("worked examples")]
 
 MODEL = """
-    Model(
-        "lin-rigid-screw",
-        "lin with a rigid screw",
-        "the source's model, screw rigid",
-        "screw and nut rigid, balls half spaces",
-        _lin,
-        compared=True,
-        ingredients=(("screw", "rigid"),),
-    ),
+    Model("lin-rigid-screw", "lin with a rigid screw", "the source's model, screw rigid", "screw and nut rigid", _lin,
+          compared=True, ingredients=(("screw", "rigid"),)),
 """
 #: Written so, or this module would be one that imports a wing.
 EVIDENCE, ENTRIES = "rollbench.comparison.wings.evidence", "tests.sources.entries"
@@ -81,9 +74,8 @@ def test_entry(key):
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory):
-    return copy_of_tree(
-        tmp_path_factory.mktemp("worked") / "tree", ("evidence_study.py", "sources/entries.py", "shipped_texts.py")
-    )
+    helpers = ("evidence_study.py", "sources/entries.py", "shipped_texts.py")
+    return copy_of_tree(tmp_path_factory.mktemp("worked") / "tree", helpers)
 
 
 def change(tree, file, pattern, new):
@@ -128,10 +120,9 @@ def test_a_model_takes_one_place(tree, tmp_path):
     solved = found(rollbench(tree, "solve", "two-balls", "--model", "lin-rigid-screw", "--json", cwd=tmp_path))
     assert (solved["model"], solved["status"]) == ("lin-rigid-screw", "converged")
     words = ("compare", "lin-case1", "--model", "lin", "lin-rigid-screw", "--json")
-    data = found(rollbench(tree, *words, cwd=tmp_path))
-    answers = data["scenes"][0]["answers"]
-    loads = {name: answers[name]["loads"]["max_N"] for name in answers}
-    assert loads["lin-rigid-screw"] != pytest.approx(loads["lin"], rel=1e-3)
+    answers = found(rollbench(tree, *words, cwd=tmp_path))["scenes"][0]["answers"]
+    rigid, elastic = (answers[name]["loads"]["max_N"] for name in ("lin-rigid-screw", "lin"))
+    assert rigid != pytest.approx(elastic, rel=1e-3)
 
 
 def test_a_contact_law_takes_one_place(tree, tmp_path):
@@ -172,11 +163,7 @@ def test_a_paper_takes_two_folders(tree, tmp_path):
 def test_contributing_says_these_places():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"(?m)^\| (a [^|]+?) \| ([^|]+) \|$", text))
-    assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == {
-        "meshes/parts.py",
-        "meshes/frozen_defaults.py",
-        "compare/scenes/schema.py",
-        "compare/template.toml",
-    }
+    key = {"meshes/parts.py", "meshes/frozen_defaults.py", "compare/scenes/schema.py", "compare/template.toml"}
+    assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == key
     assert re.findall(r"`([^`]+)`", rows["a model"]) == ["compare/models/registry.py"]
     assert re.findall(r"`([^`]+)`", rows["a paper"]) == ["compare/sources", "tests/sources"]
