@@ -29,7 +29,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.like import scene_like
 from rollbench.lowfi.rating.rigidity import slope_of
-from rollbench.lowfi.statics import elastic_system, static
+from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic
 from rollbench.lowfi.statics.axis import solve as axis_solve
 from rollbench.meshes.parts import BallErrors, Errors
@@ -153,7 +153,7 @@ def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
 @pytest.mark.parametrize("model", ["lin", "source"])
 def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(monkeypatch, command, model) -> None:
     """A screw of more balls than elastic bodies take has loads and no tangent, and says why."""
-    monkeypatch.setattr(elastic_system, "LARGEST", 20)
+    monkeypatch.setattr(elastic, "LARGEST", 20)
     words = "solve", "lin-case1", "--model", model
     axial = command.answer(*words)["summary"]["axial"]
     assert axial["tangent_N_per_um"] is None
