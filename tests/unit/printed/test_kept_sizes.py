@@ -55,7 +55,8 @@ def test_what_choices_change_is_counted_from_the_shipped_ones_without_half_space
     rows = []
     for k, (choice, (_, bodies)) in enumerate(variants().items()):
         value = 9.0 if bodies is None else 2.0 if "as shipped" in choice else 2.0 * (1.0 + 0.01 * k)
-        rows.append({"choice": choice, "values": dict.fromkeys(NAMES, value)})
+        forces_and_losses = dict.fromkeys(NAMES[:3], value)
+        rows.append({"choice": choice, "values": forces_and_losses | {"increase %": 5.0 + k}})
     (tmp_path / body_sizes.FILE).write_text(json.dumps({"variants": rows}))
     monkeypatch.setattr(body_sizes, "shipped_store", lambda: tmp_path)
     assert [body_sizes.choices_share(straight) for straight in (True, False)] == pytest.approx([0.06, 0.10])
