@@ -137,45 +137,23 @@ SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_option
 COARSE = (10, 10)
 
 
-@dataclass(frozen=True)
-class Fed:
-    """Loads and rolling that agree; push on the balls across the track ``(N, 2)`` [N]; evaluations; difference of loads and
-    friction over the largest load."""
-
-    loads: Loads
-    rolling: RollingResult
-    push: Array
-    rounds: int
-    change: float
-
-    @property
-    def converged(self) -> bool:
-        """Whether loads and friction agree, and both are solved."""
-        return self.loads.converged and self.rolling.converged and self.change <= AGREED
-
-
 def hold(cell: Cell, loads: Loads) -> Cell:
     """The cell with its inner body held where it settled."""
     moved = cell.rows @ loads.body if cell.pull.size else 0.0
     return replace(cell, offset=cell.offset + moved, rows=np.zeros((*cell.rows.shape[:2], 0)), pull=np.zeros(0))
 
 
-def solve_loaded(
-    layout: Layout, material: Material, cell: Cell, choices: Choices, *, feedback: bool, meet: bool = True
-) -> Fed:
-    """Loads of a cell and rolling under them; feedback: friction moves the balls, the inner body stays where it settled.
+def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool) -> tuple[Loads, bool]:
+    """Loads of a cell whose balls are moved by friction too while the inner body stays where it settled, and whether loads
+    and friction agree (`AGREED`) and both are solved.
 
     The force that friction exerts across the track is found by Anderson's acceleration, first on a coarse grid.
     """
     loads = cell_loads(cell)
-    if not feedback:
-        return Fed(loads, _roll(layout, material, loads, choices, meet), np.zeros((len(cell.push), 2)), 1, 0.0)
-    held, count = hold(cell, loads), 0
+    held = hold(cell, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
     def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
-        nonlocal count
-        count += 1
         pushed = cell_loads(replace(held, push=cell.push + push))
         rolling = _roll(layout, material, pushed, grid, meet, last.get(grid.shape))
         last[grid.shape] = rolling
@@ -190,8 +168,8 @@ def solve_loaded(
         grid = replace(choices, shape=shape)
         push = root(lambda x, grid=grid: missing(x, grid), push, method="anderson", options=SEARCH).x
     pushed, rolling, force = exerted(push.reshape(-1, 2) * scale, choices)
-    change = float(np.abs(force / scale - push.reshape(-1, 2)).max())
-    return Fed(pushed, rolling, push.reshape(-1, 2) * scale, count, change)
+    agree = np.abs(force / scale - push.reshape(-1, 2)).max() <= AGREED
+    return pushed, bool(agree and pushed.converged and rolling.converged)
 
 
 def _roll(

@@ -154,8 +154,7 @@ def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
     scenes = []
     for meet in (False, True):
         if coupled:
-            fed = solve_loaded(layout, material, cell, choices, feedback=True, meet=meet)
-            loads, good = fed.loads, fed.converged
+            loads, good = solve_loaded(layout, material, cell, choices, meet=meet)
         else:
             loads = cell_loads(cell)
             good = loads.converged
