@@ -65,7 +65,7 @@ PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "co
 SINGLE = (
     *(f"compare/wings/members/{name}.py" for name in ("blocks", "ensemble", "members")),
     "compare/wings/mesh_study/table.py",
-    *(f"compare/sections/{name}.py" for name in ("choices", "grid_coverage")),
+    *(f"compare/sections/{name}.py" for name in ("ladder", "grid_coverage")),
 )
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
