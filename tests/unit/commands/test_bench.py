@@ -26,6 +26,7 @@ from rollbench.comparison.wings.bench.prepared import Energy, Source
 from rollbench.comparison.wings.bench.startup import command_line_job
 from rollbench.comparison.wings.bench.waits import LONG, TYPED, Wait
 from rollbench.lowfi.jit import code_folder
+from rollbench.lowfi.statics.kernel.ball import MZ
 
 
 def test_timing_is_a_median_after_an_uncounted_run():
@@ -46,7 +47,7 @@ def test_runs_begin_from_the_same_state_and_a_warm_one_carries_one_per_cent_more
     assert (before.prepared.force == first).all()
     energy.change_load()
     energy.warm()
-    rise, base = (abs(float((p.force[:, 0] * p.normal[:, 0, 1]).sum())) for p in (energy.prepared, before.prepared))
+    rise, base = (abs(float((p.force[:, 0] * p.state.contact[:, 0, MZ]).sum())) for p in (energy.prepared, before.prepared))
     assert rise / base == pytest.approx(1.01, rel=1e-4)
     source.change_load()
     source.solve()

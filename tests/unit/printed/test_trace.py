@@ -6,6 +6,7 @@ from importlib import import_module
 
 import pytest
 from tests.copies import ROOT
+from tests.sources.entries import keys
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
@@ -35,8 +36,8 @@ def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_e
     tree = ast.parse((ROOT / computation.test).read_text(encoding="utf-8"))
     (entry,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "test_entry")
     assert "check(key)" in ast.unparse(entry)
-    constants = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant)}
-    assert computation.table in constants
+    (marked,) = import_module(computation.test.removesuffix(".py").replace("/", ".")).test_entry.pytestmark
+    assert set(keys(computation.table)) <= set(marked.args[1])
 
 
 def test_scenes_exist_and_every_pattern_is_needed():
