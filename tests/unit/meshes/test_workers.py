@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import pytest
 
@@ -68,7 +69,9 @@ def test_no_worker_outlives_the_process_that_started_it_and_nobody_waits_for_its
     """Both processes that a program prints are gone soon after its end. One worker is at work, the other has a result that
     is too large for a pipe that nobody reads, as their parent does nothing meanwhile."""
     program, stopped = PROGRAMS[name] if number == signal.SIGKILL else command(PROGRAMS[name]), name == "workers"
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as parent:
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # what runs in the background of a shell ignores it
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", program], preexec_fn=heard, **pipes) as parent:
         workers = [int(parent.stdout.readline()) for _ in range(2)]
         if stopped:
             os.kill(parent.pid, signal.SIGSTOP)
