@@ -242,7 +242,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     if other:
         return uncovered(other)
     known = np.array([_scaled(p.features, scales) for p in like])
-    away = np.linalg.norm(known - place, axis=1)
+    away = np.hypot.reduce(known - place, axis=1)  # of any size: a moment without loads lies far away
     nearest = like[int(away.argmin())].scene
     unlike = [*outside(scene), *_beyond(known, place)]
     if unlike:

@@ -15,7 +15,8 @@ from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
-from rollbench.lowfi.statics.validity import profile_warning, warnings_of
+from rollbench.lowfi.statics.validity import warnings_of
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.section import BeamSection
@@ -185,6 +186,14 @@ def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the 
     return Status("not converged", f"{body} is out of balance by {balance.largest:.1e} of the largest force or moment")
 
 
+def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
+    """The status; of what did not converge with the warning that its contact pattern is not unique, if it has that one."""
+    places = [w for w in warnings if w.kind == "profile"]
+    if status.kind != "not converged" or not places:
+        return status
+    return Status("not converged", "; ".join((status.reason, *places)), "not unique")
+
+
 def contacts_of(
     solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, both_ways: bool = False
 ) -> StaticResult:
@@ -231,8 +240,7 @@ def assemble_result(
     balance = equilibrium(solved, result.contact_point, result.force_direction)
     if not own_arms:
         status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
-    if status.kind == "not converged" and (places := profile_warning(solved, contact_angles(solved.normal))):
-        status = Status("not converged", "; ".join((status.reason, *places)), "not unique")
+    status = where_not_unique(status, result.warnings)
     assumed = (*problem.scene.assumed, *idealised)
     return replace(result, model=model, status=status, equilibrium=balance, assumed=assumed, left_out=left_out)
 

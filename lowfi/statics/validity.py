@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import Problem, SolvedState, nominal_hertz
+from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, nominal_hertz
+from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.near import close_pairs
 from rollbench.meshes.one_arc import is_one_arc
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.section import groove_section, nut_groove_range
 
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
@@ -42,7 +43,7 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
         *_counted_twice(problem, force, gamma),
         *contact_warnings(constants.pressure(force), constants.C_a * np.cbrt(force), problem.scene.balls.radius),
         *_wedged(problem, shift),
-        *profile_warning(solved, gamma),
+        *profile_warning(solved),
         *tilt_warning(problem, force, z, motion),
         *_rotation(z, motion),
     )
@@ -152,36 +153,38 @@ def _wedged(problem: Problem, shift: Array) -> list[Warned]:
     return [Warned("wedged", text)]
 
 
-def bent_profile(solved: SolvedState, gamma: Array) -> tuple[int, int, float] | None:
-    """Ball, side and share of the contact whose profile bends most against its distance from the groove's centre.
+def profile_warning(solved: SolvedState) -> list[Warned]:
+    """Whether an uneven profile lets a ball touch a flank in more places than one, or in none that balances.
 
-    The profile's centre of curvature lies beside the groove's by its slope rho' [m]; where that is of the size of the
-    distance of the ball's centre from there, a ball may touch one flank in more places than one. None without a profile.
+    The profile's centre of curvature lies beside the groove's by its slope rho' [m]: where that is of the size of the
+    distance of the ball's centre from there, there may be several places. The profile is a polynomial of the angle from
+    -180 to 180 deg: where it ends it jumps, and a ball that is pressed onto the jump balances on neither side of it.
     """
     profile = solved.problem.drawn.profile
     if not profile.shape[1] or solved.shifts is None:
-        return None
-    powers = np.arange(1, profile.shape[1])
-    angle = np.nan_to_num(gamma)
-    slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers, angle[..., None] ** (powers - 1)))
-    w = -solved.problem.drawn.centre + solved.centre[:, None, :] - solved.shifts
-    size = np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
-    share = np.where(solved.force > 0.0, slope / size, 0.0)
-    i, s = np.unravel_index(int(share.argmax()), share.shape)
-    return int(i), int(s), float(share[i, s])
-
-
-def profile_warning(solved: SolvedState, gamma: Array) -> list[Warned]:
-    """Whether an uneven profile lets a ball touch a flank in more places than one."""
-    worst = bent_profile(solved, gamma)
-    if worst is None or worst[2] <= PROFILE_SHARE:
         return []
-    text = (
-        f"the contact pattern is not unique: at ball {worst[0] + 1} the groove's profile error shifts the flank's centre "
-        f"of curvature by {100.0 * worst[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
-        "more than one place; the model finds one of them"
-    )
-    return [Warned("profile", text)]
+    powers, angle = np.arange(profile.shape[1]), contact_angles(solved.normal)
+    slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers[1:], angle[..., None] ** powers[:-1]))
+    jump = 2.0 * np.abs(profile[:, 1::2] @ np.pi ** powers[1::2])
+    w = SIGNS * (solved.centre[:, None, :] - solved.shifts - solved.problem.drawn.centre)
+    loaded, size = solved.force > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
+    share = np.where(loaded, slope / size, 0.0)
+    at_end = loaded & (size * (np.pi - np.abs(np.arctan2(w[..., 1], w[..., 0]))) < jump)
+    ball, side = np.unravel_index(int((share + at_end * share.max()).argmax()), share.shape)
+    if at_end[ball, side]:
+        why = (
+            f"the centre has gone to the far side of groove {SIDES[side]}'s, where the profile error, a polynomial of the "
+            f"angle, ends with a jump of {1e6 * jump[side]:.3g} um, so that it may balance on neither side of it"
+        )
+    elif share[ball, side] > PROFILE_SHARE:
+        why = (
+            "the groove's profile error shifts the flank's centre of curvature by "
+            f"{100.0 * share[ball, side]:.3g} % of its distance from the ball's, so that it may touch that flank in more "
+            "than one place; the model finds one of them"
+        )
+    else:
+        return []
+    return [Warned("profile", f"the contact pattern is not unique: at ball {ball + 1} {why}")]
 
 
 def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[Warned]:

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.axes import one_set
 from tests.helpers import small_screw
 
 from rollbench.comparison.scenes.scene_file import load
 from rollbench.lowfi.rating.rigidity import axial_force
+from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.proof import opening_motion, words_of
@@ -19,7 +21,7 @@ from rollbench.lowfi.statics.static import solve_static, unheld
 from rollbench.lowfi.statics.tangent import tangent_stiffness
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Load, Support
+from rollbench.meshes.parts import Load, SideErrors, Support
 
 SCENES = Path(__file__).parent / "scenes"
 
@@ -71,6 +73,23 @@ def test_a_ball_on_one_contact_is_no_equilibrium():
     assert "contact pattern is not unique" in result.status
     assert result.equilibrium.ball_residual > 1e-5
     assert result.solver.residual > 1e-5
+
+
+def test_so_it_is_on_a_shaft_of_several_sets():
+    result = solve_assembly(one_set(read(3570)))
+    assert result.status.cause == "not unique"
+
+
+def test_a_ball_pressed_onto_the_end_of_a_profile_has_no_equilibrium():
+    """The polynomial of a profile error jumps at 180 deg, where a ball far outside its groove lies. Without the
+    polynomial's slope there is no jump, and the loads are found."""
+    scene = read("2028-110")
+    even = replace(scene, errors=replace(scene.errors, NR=SideErrors(profile=(-0.686e-6,))))
+    result = solve_static(scene)
+    assert result.status.cause == "not unique"
+    assert "at ball 70 the centre has gone to the far side of groove NR's" in result.status
+    assert f"jump of {2e6 * np.pi * 0.31e-6:.3g} um" in result.status
+    assert solve_static(even).converged
 
 
 @pytest.mark.parametrize("solve", [solve_static, solve_elastic])

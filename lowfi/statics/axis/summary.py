@@ -25,6 +25,7 @@ from rollbench.lowfi.statics.summary import (
     judged,
     net_forces,
     round_off,
+    where_not_unique,
     wrench_of,
 )
 from rollbench.meshes.arrays import Array
@@ -74,7 +75,8 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     sets = tuple(by_name[s.name] for s in assembly.sets)
     balance = _balance(system, state, end, sets)
     housings = tuple(_housing(system, i, sets, state.q, end) for i in range(r - n))
-    status = judged_axis(end.status, system, balance, housings)
+    warnings = tuple(w.of(s.of.name) for s in sets if s.balls is not None for w in s.balls.warnings)
+    status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
     if status == "converged":
         status = crossed_row(system, sets, end.scale) or status
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
@@ -94,7 +96,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
         solver=end.report,
         assumed=(*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
         left_out=(*held, *end.left_out, *left_out(system)),
-        warnings=tuple(w.of(s.of.name) for s in sets if s.balls is not None for w in s.balls.warnings),
+        warnings=warnings,
     )
 
 
