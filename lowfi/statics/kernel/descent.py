@@ -11,7 +11,7 @@ from typing import Any
 from rollbench.lowfi.jit import kernel, system_of
 from rollbench.lowfi.statics.records import Options, Outcome, Progress
 
-from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
+from .search import GROWN, SOLVED, WHOLE_STEPS, first_trial, got_on, next_trial
 from .status import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SHIFTS, SINGULAR
 
 system = system_of(__name__)
@@ -44,13 +44,20 @@ def search(given: Any, state: Any, room: Any, energy: float, slope: float, limit
 
 
 @kernel
+def floor_of(given: Any, state: Any, options: Options, start: float) -> float:
+    """Least force [N] that residuals are measured by at the state; that of the start where only displacements are given,
+    which may meet no resistance in the end."""
+    return float(least_force(given, state, options)) if options.floor > 0.0 else start
+
+
+@kernel
 def minimise(given: Any, state: Any, options: Options, room: Any) -> Outcome:
     """Minimise the energy from the given state."""
-    tolerance, floor = options.tolerance, least_force(given, state, options)
+    tolerance, begin = options.tolerance, least_force(given, state, options)
     energy, scale = energy_at(given, state, room)
-    if floor == 0.0:
-        floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
-    scale = max(scale, floor)
+    if begin == 0.0:
+        begin = 1e-3 * scale
+    scale = max(scale, begin)
     residual = residual_at(given, state, options, room, scale)
     evaluations, amount, iteration, status, fresh = 1, 1e-3, 0, ITERATIONS, True
     progress = Progress(residual, energy, 0, 0)
@@ -75,13 +82,18 @@ def minimise(given: Any, state: Any, options: Options, room: Any) -> Outcome:
             move(given, state, room, 1.0)
             energy, scale = energy_at(given, state, room)
             evaluations += 1
-            worst = residual_at(given, state, options, room, max(scale, floor))
+            worst = residual_at(given, state, options, room, max(scale, floor_of(given, state, options, begin)))
             whole = worst <= GROWN * max(residual, tolerance)
         if not whole:
             energy, scale, used = search(given, state, room, before, slope, limit)
             evaluations += used
-        scale = max(scale, floor)
+        scale, last = max(scale, floor_of(given, state, options, begin)), residual
         residual = residual_at(given, state, options, room, scale)
+        if used > 0 and last <= SOLVED and residual > GROWN * last:
+            move(given, state, room, 0.0)
+            energy, scale = energy_at(given, state, room)
+            scale, residual = max(scale, floor_of(given, state, options, begin)), last
+            break
         amount = max(1e-3, amount * 0.1)
         if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
             status = CONVERGED

@@ -9,6 +9,8 @@ ROUNDING = 1e-14
 TRIALS = 60
 #: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
 WHOLE_STEPS, GROWN = 1e-7, 10.0
+#: Relative residual of a solution: it is the last one where a step from it, whole and searched along, makes that grow so.
+SOLVED = 1e-10
 #: Iterations in which the residual was not halved once, after which the iteration ends: at any residual, near the
 #: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only.
 PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2

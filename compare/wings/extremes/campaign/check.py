@@ -25,6 +25,8 @@ EXACT = 1e-12
 DIGITS = 4.0 * float(np.finfo(float).eps)
 #: Approach [m] of a contact force that counts as none, whatever the others are.
 NOTHING = 1e-11
+#: Nodes of a beam closer than this are one [m].
+ONE_NODE = 1e-5
 #: Share of the forces of a strained screw that double precision leaves out of balance.
 STRAINED = 1e-13
 #: Share of the largest force (or moment) that the pin of a motion which moves no flank may take, as the result states it.
@@ -155,18 +157,23 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
     drawn, (centre, axes) = specimen(scene, ball_layout(scene)), frames(scene)
     if drawn.profile.shape[1] or float(result.load.max()) <= nothing(result):
         return ""
-    z, u, w = result.centreline_z, result.centreline, result.centre_shift[:, None, :] - drawn.centre
+    z, u = result.centreline_z, result.centreline
     slope, beta = np.arctan2(scene.track.lead, 2.0 * np.pi * scene.track.pitch_radius), scene.track.contact_angle
-    furthest = 0.0
-    for s in (0, 1):
-        rise = 0.0 if choices.arm == "ball" else scene.balls.radius * np.sin(beta) * np.cos(slope) * WAYS[s, 1]
-        station = np.abs(z[None, :] - centre[:, 2:] - rise).argmin(axis=1)
-        from_axis = centre + np.einsum("na,nak->nk", drawn.centre[:, s], axes)
-        from_axis[:, 2] -= z[station]
-        moved = u[station, :3] + np.cross(u[station, 3:], from_axis)
-        furthest = max(furthest, float(np.abs(moved).max()))
-        w[:, s] -= np.einsum("nak,nk->na", axes, moved)
-    law = by_law(drawn, result.hertz_C, w)
+    law, furthest = np.full(result.load.shape, np.inf), 0.0
+    for nearest in (0, 1):  # the station next to the contact, or the second one, where nodes so close are one
+        w = result.centre_shift[:, None, :] - drawn.centre
+        for s in (0, 1):
+            rise = 0.0 if choices.arm == "ball" else scene.balls.radius * np.sin(beta) * np.cos(slope) * WAYS[s, 1]
+            apart = np.abs(z[None, :] - centre[:, 2:] - rise)
+            first, station = np.argsort(apart, axis=1)[:, [0, nearest]].T
+            station = np.where(np.take_along_axis(apart, station[:, None], axis=1)[:, 0] > ONE_NODE, first, station)
+            from_axis = centre + np.einsum("na,nak->nk", drawn.centre[:, s], axes)
+            from_axis[:, 2] -= z[station]
+            moved = u[station, :3] + np.cross(u[station, 3:], from_axis)
+            furthest = max(furthest, float(np.abs(moved).max()))
+            w[:, s] -= np.einsum("nak,nk->na", axes, moved)
+        here = by_law(drawn, result.hertz_C, w)
+        law = np.where(np.abs(here - result.load) < np.abs(law - result.load), here, law)
     if is_one_arc(scene):
         law[:, 1:3] = 0.0  # one arc a groove, which SL and NR stand for
     stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C
