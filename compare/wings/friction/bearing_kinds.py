@@ -25,6 +25,7 @@ from rollbench.lowfi.friction.contact.motion import (
     without_friction,
 )
 from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.statics.validity import size_warnings
 
 
@@ -35,7 +36,7 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
         return first
     if scene.law == "regularised":
         return balance_by_root(problem, Regularised(scene.creep), first.q)
-    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     found = balance_by_root(problem, law, first.q)
     return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
 
@@ -101,20 +102,20 @@ CONTACT_COLUMNS = (
 def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
     b = scene.bearing
-    load = rotary.bearing_load(b, scene.force, scene.displacement, scene.hertz)
+    load = rotary.bearing_load(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
-    at = rotary.ball_contacts(rough, load, scene.hertz)
+    at = rotary.ball_contacts(rough, load)
     motion = ball_motion(scene, rotary.motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = without_friction(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.speed
+    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.screw_speed
     power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
     data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
-        "hertz": answer.hertz_word(scene.hertz),
+        "hertz": answer.hertz_word(b.hertz),
         "coupled": False,
         "balls": [ball],
         "load_sum_N": number(load.force.sum()),

@@ -98,10 +98,13 @@ def ball_motion(
     return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
 
 
-def source_law(groove: ScrewGroove, sharpness: float) -> Sigmoid:
-    """The source's sigmoid for a ball screw: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70)."""
+def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
+    """The source's sigmoid: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70), omega_I sin(beta) of a bearing.
+
+    map_spacing: step in c/a of its interpolated maps; None: exact integrals.
+    """
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
-    return Sigmoid(sharpness, spin)
+    return Sigmoid(sharpness, spin, map_spacing)
 
 
 def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) -> Motion:

@@ -19,6 +19,8 @@ from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error,
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
 from rollbench.lowfi.friction.linear.loads import Loads
 from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction.screw.groove import Mode
+from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Quantity, Row
@@ -32,7 +34,7 @@ CASES = {name: source_cases.rotary(name).displacement for name in source_cases.R
 #: Slope of the normalised friction force, as printed.
 K_F = source_cases.k_f()
 #: The source's own law of friction, with what was inferred for it.
-PRINTED_LAW = rotary.source_law(
+PRINTED_LAW = source_law(
     ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
 )
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -47,14 +49,14 @@ YIELD, MULTIPLE = 370.0, 4.2
 def as_printed(case: str) -> rotary.Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
     scene = source_cases.rotary(case, printed=True)
-    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     return rotary.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
-def right(case: str, hertz: rotary.Mode = "right") -> rotary.Solution:
+def right(case: str, hertz: Mode = "right") -> rotary.Solution:
     """The same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
-    return rotary.solve_ball(ROTARY, AXIAL, CASES[case], hertz, fast=True)
+    return rotary.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
 
 @cache
@@ -81,7 +83,7 @@ def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         "R_P": 1e3 * b.pitch_radius,
         "beta": degrees(b.contact_angle),
         "F_x": AXIAL,
-        "omega_I": b.speed / (2.0 * np.pi),
+        "omega_I": b.screw_speed / (2.0 * np.pi),
         "mu": b.mu,
         "E": b.young,
         "nu": b.poisson,
@@ -263,7 +265,7 @@ def balance_rows() -> list[Row]:
             ("as printed", as_printed(case)),
         ):
             torque = rotary.inner_torque(ROTARY, s.load, s.motion)
-            power = torque * ROTARY.speed
+            power = torque * ROTARY.screw_speed
             rows.append(
                 {
                     "case": case,

@@ -16,7 +16,7 @@ from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 from rollbench.comparison.wings.friction.kinds import common
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
-from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode
+from rollbench.lowfi.friction.bearing.rotary import Bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 
@@ -57,7 +57,7 @@ class BearingBallKeys(common.SectionKeys):
 
 @dataclass(frozen=True)
 class BearingBallScene(KindScene):
-    """One ball: bearing, axial force [N], radial displacement [m], Hertz constants, law with its parameters.
+    """One ball: bearing, axial force [N], radial displacement [m], law with its parameters.
 
     creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
     """
@@ -66,7 +66,6 @@ class BearingBallScene(KindScene):
     bearing: Bearing
     force: float
     displacement: float
-    hertz: Mode
     law: Law
     creep: float
     sharpness: float
@@ -109,18 +108,20 @@ def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
         keys.balls.radius,
         body.groove,
         keys.track.pitch_radius,
+        0.0,
         keys.track.contact_angle,
         *common.elastic(keys.material),
         f.coefficient,
+        0.0,
         keys.motion.speed,
-        0.0 - body.oversize,
+        hertz=keys.ingredients.mode,
+        clearance=0.0 - body.oversize,
     )
     return BearingBallScene(
         *head_of(keys, name),
         bearing,
         keys.load.axial_force,
         keys.load.radial_displacement,
-        keys.ingredients.mode,
         f.law,
         f.creep or 0.0,
         f.sharpness or 0.0,

@@ -22,8 +22,7 @@ from rollbench.comparison.scenes.keys import (
 )
 from rollbench.comparison.scenes.kinds import KindKeys
 from rollbench.comparison.scenes.quantity import Quantity, key
-from rollbench.lowfi.friction.bearing.rotary import Mode
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]
