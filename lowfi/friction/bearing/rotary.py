@@ -23,15 +23,14 @@ from rollbench.lowfi.friction.contact.motion import (
 )
 from rollbench.lowfi.friction.contact.records import CellArrays
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
-from rollbench.lowfi.friction.screw import path
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
 from rollbench.meshes.arrays import Array
 
 SIDES = ("IL", "IR", "OR", "OL")
 #: Contacts of a screw (SL, SR, NL, NR) in the order of ``SIDES``, and back again; a screw's unknowns as those here.
 AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 #: Which way the contacts lie from the ball's centre along x and y, and which belong to the inner ring.
-SIGN_X, SIGN_Y, INNER = path.SIGN_Z[AROUND], path.SIGN_X[AROUND], path.ON_SCREW
+AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> Settled:
     `lowfi.friction.contact.rings` over the ring's axial displacement and the ball's centre. Contact forces are unique; with
     no force and play the ball floats, and its place is where the search ends.
     """
-    normals = np.stack([SIGN_X * np.sin(bearing.contact_angle), SIGN_Y * np.cos(bearing.contact_angle)], axis=1)
+    normals = np.stack([AXIAL * np.sin(bearing.contact_angle), RADIAL * np.cos(bearing.contact_angle)], axis=1)
     cell = CellArrays(
         start=bearing.reach * normals[None],
         interference=np.full((1, 4), -bearing.clearance),
@@ -112,8 +111,8 @@ def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
 
 def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
     """Torque [N m] about the axis that keeps the inner ring turning: friction's moment on the ball at its contacts."""
-    radius = bearing.pitch_radius + SIGN_Y * bearing.ball_radius * np.cos(load.angle)
-    along = -SIGN_X * np.sin(load.angle)  # of each contact's y on the axis
+    radius = bearing.pitch_radius + RADIAL * bearing.ball_radius * np.cos(load.angle)
+    along = -AXIAL * np.sin(load.angle)  # of each contact's y on the axis
     moments = radius * motion.friction.force[:, 1] + along * motion.friction.moment
     return float(np.sum(moments[INNER]))
 

@@ -15,10 +15,8 @@ from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.contact.rings import Settled
-from rollbench.lowfi.friction.screw.arrays import plain_array
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes, plain_array
 from rollbench.lowfi.friction.screw.load import Cell
-from rollbench.lowfi.friction.screw.path import ON_SCREW, contact_axes
 from rollbench.lowfi.jit import SCREW, kernels
 from rollbench.meshes.arrays import Array, Mask
 

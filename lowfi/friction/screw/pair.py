@@ -107,9 +107,8 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
 
 def sliding_speed(pair: Pair) -> float:
     """Sliding speed [m/s] at the ball-to-ball contact of a pair that touches."""
-    result, g = solve_pair(pair).touching, pair.groove
-    mu = g.mu if g.mu_balls is None else g.mu_balls
-    return float(result.motion.ball_loss[0]) / (mu * float(result.motion.ball_force[0]))
+    motion = solve_pair(pair).touching.motion
+    return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
 def implied_load(pair: Pair, force: float, increase: float) -> float:
@@ -119,8 +118,7 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
     pair only the kinematics enter: the sliding speed depends on its loads by per cents.
     """
     g = pair.groove
-    mu = g.mu if g.mu_balls is None else g.mu_balls
-    loss = 0.5 * mu * force * sliding_speed(pair) / increase
+    loss = 0.5 * g.between * force * sliding_speed(pair) / increase
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:

@@ -8,9 +8,9 @@ from scipy.optimize import minimize
 
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.bearing.rotary import (
+    AXIAL,
     INNER,
-    SIGN_X,
-    SIGN_Y,
+    RADIAL,
     ball_contacts,
     bearing_load,
     contact_maps,
@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, ba
 from rollbench.lowfi.friction.screw.motion import source_law
 
 BEARING = source_cases.rotary("I").bearing
-DIAGONAL = np.stack([SIGN_X, SIGN_Y], axis=1) * np.sqrt(0.5)
+DIAGONAL = np.stack([AXIAL, RADIAL], axis=1) * np.sqrt(0.5)
 ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])
 
 
@@ -54,7 +54,7 @@ def test_maps_are_rigid_body_kinematics():
     maps, drives = contact_maps(b, ANGLES)
     centre = np.array([0.0, b.pitch_radius, 0.0])
     for i in range(4):
-        n = np.array([SIGN_X[i] * np.sin(ANGLES[i]), SIGN_Y[i] * np.cos(ANGLES[i]), 0.0])
+        n = np.array([AXIAL[i] * np.sin(ANGLES[i]), RADIAL[i] * np.cos(ANGLES[i]), 0.0])
         y = -n
         x = np.cross(y, [0.0, 0.0, 1.0])
         seen = drives[i] + maps[i] @ q
@@ -77,7 +77,7 @@ def test_loads_balance_and_are_those_of_least_energy():
     """Against a search over ring and ball that knows only the energy, written for a ring of its own."""
     load = bearing_load(BEARING, 100.0, 6e-6)
     assert load.converged
-    n = np.stack([SIGN_X * np.sin(load.angle), SIGN_Y * np.cos(load.angle)], axis=1)
+    n = np.stack([AXIAL * np.sin(load.angle), RADIAL * np.cos(load.angle)], axis=1)
     assert load.force @ n == pytest.approx(0.0, abs=1e-9)
     assert -(load.force @ (n[:, 0] * INNER)) == pytest.approx(100.0, rel=1e-10)
     C, reach, scale = BEARING.constants.C, BEARING.groove_radius - BEARING.ball_radius, 1e-6
