@@ -17,7 +17,7 @@ from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
-from rollbench.lowfi.friction.linear.loads import Loads
+from rollbench.lowfi.friction.linear.bearing import Loads
 from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import source_law
@@ -157,11 +157,12 @@ def _worst_case(sheet: Sheet) -> None:
 
 
 def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
-    fields = (m.force[4:, 2::-1], m.ratio[4:, 2::-1])
+    difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
+    fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
-    top = float(error_percent(m.ratio.max(), 1.0))
+    top = float(error_percent(ratio.max(), 1.0))
     sheet.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
-    pairs = ((m.difference, m.difference_error), (m.force, m.force_error), (m.ratio - 1.0, m.ratio_error))
+    pairs = ((difference, m.difference.error), (force, m.force.error), (ratio - 1.0, m.ratio.error))
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
     sheet.claim(
@@ -170,11 +171,11 @@ def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
         f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
         f"at least {corner:.1%} at the corners",
     )
-    closing = m.difference > 1e-9
-    apart = float(np.abs(m.force[~closing]).max())
+    closing = difference > 1e-9
+    apart = float(np.abs(force[~closing]).max())
     sheet.claim(
         "sign_region",
-        bool(np.all(m.force[closing] > 0.0)) and apart < 1e-8,
+        bool(np.all(force[closing] > 0.0)) and apart < 1e-8,
         f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
     )
 

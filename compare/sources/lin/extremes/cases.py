@@ -18,9 +18,8 @@ from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.bearing.rotary import Bearing, solve_ball
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations
 from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import balanced_loads
 from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain

@@ -29,7 +29,7 @@ from rollbench.comparison.sources.lin.extremes.cases import pair_rows, root_rows
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
-from rollbench.lowfi.friction.linear.pair import PairMaps, maps
+from rollbench.lowfi.friction.linear.pair import BothModels, PairMaps, maps
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
 
@@ -164,13 +164,12 @@ def velocity_figure() -> Figure:
     return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)
 
 
-def map_panels(m: PairMaps, name: str, label: str) -> list[Panel]:
+def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
     """Numerical model, formula and their difference over rho, one curve per theta."""
     x = numbers(m.rho)
-    parts = (("numerical", name), ("formula", f"{name}_analytic"), ("formula less numerical", f"{name}_error"))
+    parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
-    for title, field in parts:
-        values: Array = getattr(m, field)
+    for title, values in parts:
         curves = [
             Series(f"θ = {degrees(t):+.0f}°", x, numbers(row), "line") for t, row in zip(m.theta, values, strict=True)
         ]
@@ -181,24 +180,25 @@ def map_panels(m: PairMaps, name: str, label: str) -> list[Panel]:
 def map_figures() -> tuple[Figure, Figure]:
     """Figures 3.14 and 3.15 as families of curves."""
     m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
+    short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
         "friction-difference",
         "Velocity difference of two balls (Figure 3.14)",
-        map_panels(m, "difference", "ε₁ − ε₂"),
+        map_panels(m, m.difference, "ε₁ − ε₂"),
         "The balls close in where the curve is above zero: θ and ρ of opposite sign. The formula is nearly straight in "
         "ρ and falls short by up to "
-        f"{np.abs(m.difference_error).max() / np.abs(m.difference).max():.0%} of the largest value at the corners.",
+        f"{short:.0%} of the largest value at the corners.",
         3,
     )
     second = Figure(
         "friction-force",
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
-        [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
+        [*map_panels(m, m.force, "force / N"), *map_panels(m, m.ratio, "loss ratio")],
         "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
-        f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
+        f"up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % of the baseline (printed as an "
         f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
-        f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
-        f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too.",
+        f"too small by up to {-m.force.error.min():.2f} N; its ratio is wrong by up to "
+        f"{np.abs(m.ratio.error).max():.2f} only, because its baseline is wrong too.",
         3,
     )
     return first, second
