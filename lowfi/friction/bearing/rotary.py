@@ -8,7 +8,8 @@ contact loads here: they lie in the x-y plane, friction along z.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -23,7 +24,8 @@ from rollbench.lowfi.friction.contact.motion import (
 )
 from rollbench.lowfi.friction.contact.records import CellArrays
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 
 SIDES = ("IL", "IR", "OR", "OL")
@@ -41,6 +43,19 @@ class Bearing(ScrewGroove):
     """
 
     clearance: float = 0.0
+
+    @cached_property
+    def constants(self) -> Constants:
+        """Hertz constants at the nominal contact angle: exact ones by the radius along the ring (R_P -+ R_B cos beta) / cos
+        beta, which is a helicoid's at no lead but for round-off; printed ones as those of a screw."""
+        if self.hertz != "right":
+            return super().constants
+        cos, ball = np.cos(self.contact_angle), 1.0 / self.ball_radius
+        inner, outer = (self.pitch_radius + s * self.ball_radius * cos for s in (-1.0, 1.0))
+        modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
+        across, along = np.full(2, ball - 1.0 / self.groove_radius), np.array([ball + cos / inner, ball - cos / outer])
+        h = hertz_constants(across, along, modulus)
+        return Constants(*(np.repeat(values, 2) for values in (h.C, h.C_a, h.C_b)))
 
 
 @dataclass(frozen=True)
@@ -138,37 +153,11 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
     return replace(least, motion=motion, torque=motion.loss / bearing.screw_speed)
 
 
-@dataclass(frozen=True)
-class Sweep:
-    """Series over the radial displacement u_y (n,) [m]: loads (n, 4) [N], losses (n, 4) [W], torque (n,) [N m].
-
-    motion (n, 3): omega_B, omega_x, omega_y [rad/s]; status: one word each.
-    """
-
-    u_y: Array
-    load: Array
-    loss: Array
-    torque: Array
-    motion: Array
-    status: tuple[str, ...] = field(default=())
-
-
-def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> Sweep:
-    """Sum of contact forces and friction torque against u_y (Figure 3.7), each point solved on its own.
+def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> list[Solution]:
+    """Solutions over the radial displacement u_y (n,) [m] (Figure 3.7), each on its own.
 
     law: the source's own way with that law, as ``solve_ball_as_printed``; without, least dissipation.
     """
-    solutions = [
-        solve_ball(bearing, force_x, float(u), fast=True)
-        if law is None
-        else solve_ball_as_printed(bearing, force_x, float(u), law, fast=True)
-        for u in u_y
-    ]
-    return Sweep(
-        u_y=np.asarray(u_y, dtype=float),
-        load=np.array([s.load.force for s in solutions]),
-        loss=np.array([s.motion.friction.loss for s in solutions]),
-        torque=np.array([s.torque for s in solutions]),
-        motion=np.array([s.motion.q for s in solutions]),
-        status=tuple(s.motion.status for s in solutions),
-    )
+    if law is None:
+        return [solve_ball(bearing, force_x, float(u), fast=True) for u in u_y]
+    return [solve_ball_as_printed(bearing, force_x, float(u), law, fast=True) for u in u_y]

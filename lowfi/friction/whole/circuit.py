@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from rollbench.lowfi.friction.screw.groove import contact_spacing
 from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Circulation, Motion, Scene
+from rollbench.meshes.parts import Circulation, Scene
 
-#: Speed where the scene gives none [rad/s].
-ONE_TURN = Motion(2.0 * np.pi)
 #: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
 CLOSE = 1e-9
 

@@ -16,7 +16,7 @@ from rollbench.lowfi.friction.whole.balls import Balls
 from rollbench.lowfi.friction.whole.chain import SceneGrooves, chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
 from rollbench.lowfi.friction.whole.feedback import feed_back, seats_at
-from rollbench.lowfi.friction.whole.settled import feeds_back
+from rollbench.lowfi.friction.whole.settings import feeds_back
 from rollbench.lowfi.friction.whole.torque import about_axis
 from rollbench.lowfi.statics.again import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult

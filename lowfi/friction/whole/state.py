@@ -12,7 +12,7 @@ from rollbench.lowfi.friction.whole.chain import chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of, spread
 from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, seats_of, second_states
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, from_motions
-from rollbench.lowfi.friction.whole.settled import feeds_back, will_compile
+from rollbench.lowfi.friction.whole.settings import feeds_back, will_compile
 from rollbench.lowfi.friction.whole.torque import ScrewTorque, sum_up
 from rollbench.lowfi.jit import CONTACT, afterwards, cached, loaded
 from rollbench.lowfi.statics.result import StaticResult
@@ -104,6 +104,11 @@ class FrictionState:
     coupled: bool
     neighbours: Neighbours | None = None
     second: tuple[int, ...] | None = None
+
+    @property
+    def settled(self) -> bool:
+        """Whether friction balances on every ball, and agrees with its place."""
+        return self.balls.converged and not self.unsettled
 
     @property
     def loaded(self) -> bool:

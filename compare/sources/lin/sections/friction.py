@@ -28,9 +28,8 @@ from rollbench.comparison.sources.lin.evidence.rotary_linear import (
 from rollbench.comparison.sources.lin.extremes.cases import pair_rows, root_rows
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
+from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, sweep
 from rollbench.lowfi.friction.linear.pair import BothModels, PairMaps, maps
-from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
@@ -111,25 +110,27 @@ def torque_figure() -> Figure:
     """Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
     true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
-    good = np.array([s == "exact" for s in printed.status])
+    good = np.array([s.motion.status == "exact" for s in printed])
     x, label = numbers(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
-    def curves(pick: Callable[[Sweep], Array], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+    def curves(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
         drawn = [
-            Series(name, x, numbers(np.where(ok, pick(s), np.nan), factor), "line", emphasis=name == "right")
-            for name, s, ok in laws
+            Series(
+                name, x, numbers(np.where(ok, [pick(s) for s in found], np.nan), factor), "line", emphasis=name == "right"
+            )
+            for name, found, ok in laws
         ]
         dots = [value_of("lin-3.2", f"{key}_{case}") for case in CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
-    losses = [Series(side, x, numbers(true.loss[:, i]), "line") for i, side in enumerate(SIDES)]
+    losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
     panels = (
-        Panel("sum of contact forces", label, "force / N", curves(lambda s: s.load.sum(axis=1), "F_sum"), zero=True),
+        Panel("sum of contact forces", label, "force / N", curves(lambda s: s.load.force.sum(), "F_sum"), zero=True),
         Panel("friction torque", label, "torque / N mm", curves(lambda s: s.torque, "torque", 1e3), zero=True),
         Panel("right: friction loss of each contact", label, "loss / W", losses, zero=True),
-        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion[:, 1], "omega_x")),
+        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion.q[1], "omega_x")),
     )
     missing = int(np.sum(~good))
     caption = (
