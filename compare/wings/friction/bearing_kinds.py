@@ -52,7 +52,6 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
 
 def ball_row(load: Settled, at: Contacts, motion: Motion) -> dict[str, Any]:
     """The ball; x of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry."""
-    orbit, omega_x, omega_y = motion.q
     f = motion.friction
     return (
         {"index": 1}
@@ -60,17 +59,9 @@ def ball_row(load: Settled, at: Contacts, motion: Motion) -> dict[str, Any]:
         | {
             "semi_axis_across_um": answer.by_side(rotary.SIDES, 1e6 * at.a),
             "semi_axis_along_um": answer.by_side(rotary.SIDES, 1e6 * at.b),
-            "orbit_rad_s": number(orbit),
-            "rotation_rad_s": [number(omega_x), number(omega_y), 0.0],
-            "sliding_mm_s": {
-                s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(rotary.SIDES, motion.motion, strict=True)
-            },
-            "spin_rad_s": answer.by_side(rotary.SIDES, motion.motion[:, 2]),
-            "friction_N": {s: [number(v) for v in row] for s, row in zip(rotary.SIDES, f.force, strict=True)},
-            "moment_Nmm": answer.by_side(rotary.SIDES, 1e3 * f.moment),
-            "loss_mW": answer.by_side(rotary.SIDES, 1e3 * f.loss),
-            "at_rest": {s: bool(r) for s, r in zip(rotary.SIDES, motion.rest, strict=True)},
         }
+        | answer.motion_row(np.append(motion.q, 0.0))
+        | answer.rubbing_row(rotary.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
     )
 
 

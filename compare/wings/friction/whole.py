@@ -226,7 +226,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
             "axial_friction_on_screw_N": number(e.pull),
-            "balls_touching": None if state.neighbours is None else output.neighbour_data(state),
+            "balls_touching": output.neighbour_data(state),
             "friction_over_load": number(e.tilt),
         },
         "solver": {
