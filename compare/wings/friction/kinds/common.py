@@ -92,11 +92,17 @@ def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterat
 class Body(Protocol):
     """Tables of one ring or screw."""
 
-    track: PathKeys
     screw: GrooveKeys
     nut: GrooveKeys
-    balls: BallSizeKeys
     errors: SharedErrorKeys
+
+    @property
+    def track(self) -> PathKeys:
+        """Path of the ball centres."""
+
+    @property
+    def balls(self) -> BallSizeKeys:
+        """The balls."""
 
 
 def body_faults(body: Body, p: str = "", *, ring: bool) -> Iterator[Fault]:
