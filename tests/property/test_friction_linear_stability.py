@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.sources.lin.evidence import source_cases
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations, diagonal_loads, elastic_loads
 from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 
 BEARING = source_cases.linear().bearing
 MU = (0.001, 0.1, 0.5)

@@ -19,14 +19,13 @@ from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.as_source.screw import screw_pair_by_root, state_of
-from rollbench.lowfi.friction.bearing.rotary import solve_ball, source_law
+from rollbench.lowfi.friction.bearing.rotary import solve_ball
 from rollbench.lowfi.friction.contact.ellipse import about_point
 from rollbench.lowfi.friction.contact.motion import Motion, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
-from rollbench.lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
-from rollbench.lowfi.friction.screw.motion import source_law as screw_law
+from rollbench.lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root, source_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
 from rollbench.lowfi.friction.screw.run import equal_steps
 from rollbench.lowfi.friction.screw.travel import simulate
@@ -97,7 +96,7 @@ def contact_jobs(repeats: int) -> Iterator[FrictionJob]:
 def rotary_job(case: str, repeats: int) -> FrictionJob:
     """One ball of the rotary bearing."""
     s = solve_ball(ROTARY, AXIAL, CASES[case], fast=True)
-    law, start = source_law(ROTARY, SHARPNESS, None), s.motion.q
+    law, start = source_law(ROTARY, SHARPNESS), s.motion.q
     return against_root(
         f"ball of the rotary bearing, case {case}",
         lambda: least_dissipation(s.problem, fast=True),
@@ -109,7 +108,7 @@ def rotary_job(case: str, repeats: int) -> FrictionJob:
 def screw_job(name: str, pair: Pair, repeats: int) -> FrictionJob:
     """Second ball of a pair of the screw, without contact."""
     g, load = pair.groove, solve_pair(pair).free.load
-    one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove, SHARPNESS)
+    one, law = ball_motion(g, load.force[1], load.angle[1]), source_law(pair.groove, SHARPNESS)
     return against_root(
         f"ball of the screw, {name}",
         lambda: ball_motion(g, load.force[1], load.angle[1]),

@@ -15,7 +15,7 @@ from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.quantities import number
 from rollbench.lowfi.warned import above
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Mask
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -149,14 +149,33 @@ def three(value: float) -> str:
 
 
 def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Values (n,) by the names of their contacts."""
-    return {side: number(v) for side, v in zip(sides, values, strict=True)}
+    """Values (n,) or vectors (n, k) by the names of their contacts."""
+    return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
 def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
     """Contact loads [N] and angles [rad], (n,), of a ball; no angle without load."""
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
     return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
+
+
+def motion_row(q: Array) -> dict[str, Any]:
+    """Motion of a ball (4,) [rad/s]: orbit, then rotation."""
+    return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
+
+
+def rubbing_row(
+    sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
+) -> dict[str, Any]:
+    """Sliding of a ball across and along the groove and spin at its contacts (n, 3); friction, losses and rest there."""
+    return {
+        "sliding_mm_s": by_side(sides, 1e3 * motion[:, :2]),
+        "spin_rad_s": by_side(sides, motion[:, 2]),
+        "friction_N": by_side(sides, force),
+        "moment_Nmm": by_side(sides, 1e3 * moment),
+        "loss_mW": by_side(sides, 1e3 * loss),
+        "at_rest": {s: bool(r) for s, r in zip(sides, rest, strict=True)},
+    }
 
 
 def flat_ball(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:

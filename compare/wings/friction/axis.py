@@ -16,7 +16,8 @@ from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction import output
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
 from rollbench.comparison.wings.friction.quick import sums
-from rollbench.comparison.wings.friction.whole import NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
+from rollbench.comparison.wings.friction.whole import NO_SPEED, Choices, coefficients, status_of
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -42,7 +43,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
         given = "--condensed, --member, or several --mu"
         raise InputError("command line", given, f"with {assembly.name}", "one set on the shaft", "leave them out")
     friction = _coefficient(assembly, choices.mu)
-    motion = assembly.motion or Motion(ONE_TURN)
+    motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
@@ -84,7 +85,7 @@ def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) ->
     result = run_model(replace(assembly, loads=(), housings=idle), model)
     if not result.converged:
         return {}
-    return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if settled(state)}
+    return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if state.settled}
 
 
 def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
@@ -98,8 +99,8 @@ def _answer(
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in output.ball_rows(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in output.loss_rows(state)]
-    good = all(settled(state) for _, _, state in solved)
-    failed = next((x for x in solved if not settled(x[2])), None)
+    good = all(state.settled for _, _, state in solved)
+    failed = next((x for x in solved if not x[2].settled), None)
     torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
     warnings = output.static_only(result.warnings)

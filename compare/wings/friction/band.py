@@ -54,7 +54,7 @@ class Solved:
         if not result.converged:
             return float("nan")
         state = kept_state(scene or self.scene, result, friction, self.motion, self.options.member)
-        return state.torque.friction if state.balls.converged and not state.unsettled else float("nan")
+        return state.torque.friction if state.settled else float("nan")
 
 
 def makers_torque(scene: Scene, force: float) -> float:

@@ -25,6 +25,7 @@ from rollbench.lowfi.friction.contact.motion import (
     without_friction,
 )
 from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.statics.validity import size_warnings
 
 
@@ -35,7 +36,7 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
         return first
     if scene.law == "regularised":
         return balance_by_root(problem, Regularised(scene.creep), first.q)
-    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     found = balance_by_root(problem, law, first.q)
     return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
 
@@ -51,7 +52,6 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
 
 def ball_row(load: Settled, at: Contacts, motion: Motion) -> dict[str, Any]:
     """The ball; x of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry."""
-    orbit, omega_x, omega_y = motion.q
     f = motion.friction
     return (
         {"index": 1}
@@ -59,17 +59,9 @@ def ball_row(load: Settled, at: Contacts, motion: Motion) -> dict[str, Any]:
         | {
             "semi_axis_across_um": answer.by_side(rotary.SIDES, 1e6 * at.a),
             "semi_axis_along_um": answer.by_side(rotary.SIDES, 1e6 * at.b),
-            "orbit_rad_s": number(orbit),
-            "rotation_rad_s": [number(omega_x), number(omega_y), 0.0],
-            "sliding_mm_s": {
-                s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(rotary.SIDES, motion.motion, strict=True)
-            },
-            "spin_rad_s": answer.by_side(rotary.SIDES, motion.motion[:, 2]),
-            "friction_N": {s: [number(v) for v in row] for s, row in zip(rotary.SIDES, f.force, strict=True)},
-            "moment_Nmm": answer.by_side(rotary.SIDES, 1e3 * f.moment),
-            "loss_mW": answer.by_side(rotary.SIDES, 1e3 * f.loss),
-            "at_rest": {s: bool(r) for s, r in zip(rotary.SIDES, motion.rest, strict=True)},
         }
+        | answer.motion_row(np.append(motion.q, 0.0))
+        | answer.rubbing_row(rotary.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
     )
 
 
@@ -101,20 +93,20 @@ CONTACT_COLUMNS = (
 def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
     b = scene.bearing
-    load = rotary.bearing_load(b, scene.force, scene.displacement, scene.hertz)
+    load = rotary.bearing_load(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
-    at = rotary.ball_contacts(rough, load, scene.hertz)
+    at = rotary.ball_contacts(rough, load)
     motion = ball_motion(scene, rotary.motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = without_friction(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.speed
+    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.screw_speed
     power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
     data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
-        "hertz": answer.hertz_word(scene.hertz),
+        "hertz": answer.hertz_word(b.hertz),
         "coupled": False,
         "balls": [ball],
         "load_sum_N": number(load.force.sum()),

@@ -11,7 +11,7 @@ from rollbench.comparison.errors import Refusal
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction import answer
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
-from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
+from rollbench.lowfi.friction.linear.bearing import CONTACTS, balanced_loads, diagonal_loads, directions, elastic_loads
 from rollbench.lowfi.friction.linear.chain import (
     ANOTHER,
     RISEN,
@@ -22,7 +22,6 @@ from rollbench.lowfi.friction.linear.chain import (
     second_state,
     solve_linear_chain,
 )
-from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array

@@ -10,7 +10,18 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import BESIDES, WHOLE, Line, balance, energy_line, increase, three
+from rollbench.comparison.wings.friction.answer import (
+    BESIDES,
+    WHOLE,
+    Line,
+    balance,
+    energy_line,
+    increase,
+    load_row,
+    motion_row,
+    rubbing_row,
+    three,
+)
 from rollbench.comparison.wings.friction.quick import moves, sums
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
@@ -20,7 +31,6 @@ from rollbench.lowfi.friction.whole.torque import ScrewTorque
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.lowfi.warned import Warned
-from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 
@@ -52,11 +62,11 @@ def slip_words(share: float) -> str:
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 
-def neighbour_data(state: FrictionState) -> dict[str, Any]:
-    """Forces between balls that touch, and what they do to the friction torque."""
+def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
+    """Forces between balls that touch, and what they do to the friction torque; None where neighbours do not push."""
     n, t = state.neighbours, state.torque
     if n is None:
-        return {}
+        return None
     return {
         "pairs": n.touching,
         "smallest_gap_um": number(1e6 * n.least),
@@ -66,36 +76,16 @@ def neighbour_data(state: FrictionState) -> dict[str, Any]:
     }
 
 
-def _sides(values: Array) -> dict[str, Any]:
-    return {side: number(v) for side, v in zip(SIDES, values, strict=True)}
-
-
-def _vectors(values: Array) -> dict[str, Any]:
-    return {side: [number(v) for v in row] for side, row in zip(SIDES, values, strict=True)}
-
-
 def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
     """One row per ball, named as in a static result; the x and z of a contact lie across and along its groove."""
-    at, f = state.at, state.balls
-    angle = np.degrees(np.where(at.force > 0.0, at.angle, np.nan))
+    at, f, q = state.at, state.balls, state.balls.q
     return [
-        {
-            "index": i + 1,
-            "azimuth_deg": number(math.degrees(result.azimuth[i])),
-            "z_mm": number(1e3 * result.z[i]),
-            "load_N": _sides(at.force[i]),
-            "contact_angle_deg": _sides(angle[i]),
-            "orbit_rad_s": number(f.orbit[i]),
-            "rotation_rad_s": [number(w) for w in f.rotation[i]],
-            "closing_mm_s": number(1e3 * state.closing[i]),
-            "sliding_mm_s": _vectors(1e3 * f.motion[i, :, :2]),
-            "spin_rad_s": _sides(f.motion[i, :, 2]),
-            "friction_N": _vectors(f.force[i]),
-            "moment_Nmm": _sides(1e3 * f.moment[i]),
-            "loss_mW": _sides(1e3 * f.loss[i].sum(axis=1)),
-            "at_rest": {s: bool(r) for s, r in zip(SIDES, f.rest[i], strict=True)},
-            "status": f.status[i],
-        }
+        {"index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i])}
+        | load_row(SIDES, at.force[i], at.angle[i])
+        | motion_row(q[i])
+        | {"closing_mm_s": number(1e3 * state.closing[i])}
+        | rubbing_row(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
+        | {"status": f.status[i]}
         for i in range(at.force.shape[0])
     ]
 

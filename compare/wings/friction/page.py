@@ -11,8 +11,9 @@ from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.wings.friction.band import MEASURED, Solved
 from rollbench.comparison.wings.friction.output import lines_of, loss_rows
 from rollbench.comparison.wings.friction.run import Run, solve_run
-from rollbench.comparison.wings.friction.whole import ONE_TURN, drag_torques, settled, status_of
+from rollbench.comparison.wings.friction.whole import drag_torques, status_of
 from rollbench.lowfi.friction.whole.losses import CAUSES
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Motion, Scene, Time
@@ -28,14 +29,14 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
     """Friction of a solved scene that names a coefficient; None for one that does not, or without friction's balance."""
     if scene.friction is None:
         return None
-    motion = scene.motion or Motion(ONE_TURN)
+    motion = scene.motion or ONE_TURN
     bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
     solved = Solved(scene, DEFAULT, options, scene.friction, motion, bare)
     try:
         state = friction_state(scene, result, scene.friction, motion, options.member)
     except ValueError as error:  # balls that overlap by their random sizes
         return Section("friction", "Friction", (Text((f"No friction: {error}.",)),))
-    if not settled(state):
+    if not state.settled:
         return Section("friction", "Friction", (Text((f"No friction: {status_of(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
     lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))

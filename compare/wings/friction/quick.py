@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from math import pi
 from typing import Any
 
 from rollbench.comparison.models.registry import Options
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.settled import torque_of
 from rollbench.lowfi.friction.whole.torque import ScrewTorque
 from rollbench.lowfi.statics.result import StaticResult
@@ -54,8 +54,6 @@ def percent(share: float) -> float | None:
 # --- what the core and other wings ask of friction: a state beside static answers, its sums, a torque, faults of circuits
 
 
-#: Where a scene does not say how fast it turns.
-DRIVE = Motion(2.0 * pi)
 _kept_torque = kept(ScrewTorque)(torque_of)
 
 
@@ -66,7 +64,7 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     try:
-        return sums(_kept_torque(scene, loads, scene.friction, scene.motion or DRIVE, options.member), None), ""
+        return sums(_kept_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member), None), ""
     except ValueError as error:
         return None, str(error)
 
@@ -80,10 +78,10 @@ def torque(
     total = 0.0
     for scene, result in sets:
         try:
-            state = friction_state(scene, result, friction, motion or DRIVE, options.member)
+            state = friction_state(scene, result, friction, motion or ONE_TURN, options.member)
         except ValueError:
             return None
-        if not state.balls.converged or state.unsettled:
+        if not state.settled:
             return None
         total += 1e3 * state.torque.friction
     return total

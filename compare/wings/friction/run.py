@@ -144,7 +144,7 @@ def run_data(run: Run) -> dict[str, Any]:
     data["energy"] = energy_data(h)
     data["over_angle"] = {
         "angle_deg": _list(np.degrees(h.turned)),
-        "covers_deg": _list(np.degrees(h.lasts * abs(h.setting.grooves.speed))),
+        "covers_deg": _list(np.degrees(h.lasts * abs(h.setting.groove.speed))),
         "torque_Nmm": _list(1e3 * h.torque),
         "groove_Nmm": _list(1e3 * h.groove_torque),
         "ball_sliding_Nmm": _list(1e3 * h.ball_torque),

@@ -42,20 +42,14 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 def pair_rows(r: PairResult) -> list[dict[str, Any]]:
     """One row per ball and state."""
-    rows = []
-    for state, chain in (("apart", r.free), ("touching", r.touching)):
-        for k in range(2):
-            q, loss = chain.motion.q[k], chain.motion.groove_loss[k]
-            rows.append(
-                {"index": k + 1, "state": state}
-                | answer.load_row(SIDES, chain.load.force[k], chain.load.angle[k])
-                | {
-                    "orbit_rad_s": number(q[0]),
-                    "rotation_rad_s": [number(w) for w in q[1:]],
-                    "groove_loss_mW": number(1e3 * loss.sum()),
-                }
-            )
-    return rows
+    return [
+        {"index": k + 1, "state": state}
+        | answer.load_row(SIDES, chain.load.force[k], chain.load.angle[k])
+        | answer.motion_row(chain.motion.q[k])
+        | {"groove_loss_mW": number(1e3 * chain.motion.groove_loss[k].sum())}
+        for state, chain in (("apart", r.free), ("touching", r.touching))
+        for k in range(2)
+    ]
 
 
 def pair_status(r: PairResult) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -30,14 +29,13 @@ from rollbench.comparison.wings.friction.band import (
 from rollbench.comparison.wings.friction.quick import sums
 from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.parts import Friction, Motion, Scene, Support
+from rollbench.meshes.parts import Friction, Scene, Support
 
 #: Largest coefficient of friction that is taken.
 MOST = 2.0
-#: Speed where the scene gives none [rad/s].
-ONE_TURN = 2.0 * pi
 NO_SPEED = (
     "The scene has no [motion]: the screw turns once a second. Losses and speeds are proportional to that, torques and "
     "efficiencies do not depend on it."
@@ -99,7 +97,7 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
         status = f"contact loads: {result.status}"
         data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(data, [], [], False)
-    motion = scene.motion or Motion(ONE_TURN)
+    motion = scene.motion or ONE_TURN
     try:
         states = [kept_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
@@ -136,7 +134,7 @@ def drag_torques(
     Where these press the screw along its axis, which is an axial load too, its supports let it go along the axis: drag is
     the friction torque at no axial load.
     """
-    bare, motion = replace(scene, loads=()), scene.motion or Motion(ONE_TURN)
+    bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
 
     def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         if not result.converged:
@@ -167,12 +165,7 @@ def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
 
 def drag_of(state: FrictionState) -> Drag:
     """The drag torque of a state without axial load; none where a ball failed."""
-    return Drag(state.torque.friction) if settled(state) else Drag(None, "no balance of friction found")
-
-
-def settled(state: FrictionState) -> bool:
-    """Whether friction balances on every ball, and agrees with its place."""
-    return state.balls.converged and not state.unsettled
+    return Drag(state.torque.friction) if state.settled else Drag(None, "no balance of friction found")
 
 
 def status_of(state: FrictionState) -> str:
@@ -197,9 +190,9 @@ States = tuple[list[Friction], list[FrictionState], list[Drag]]
 def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> FrictionAnswer:
     """Values for JSON and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
-    motion = scene.motion or Motion(ONE_TURN)
-    good = all(settled(s) for s in solved[1])
-    status = status_of(next((s for s in solved[1] if not settled(s)), state))
+    motion = scene.motion or ONE_TURN
+    good = all(s.settled for s in solved[1])
+    status = status_of(next((s for s in solved[1] if not s.settled), state))
     torque = sums(state.torque, drag.torque)
     rows, losses = output.ball_rows(result, state), output.loss_rows(state)
     over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
@@ -233,7 +226,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
             "axial_friction_on_screw_N": number(e.pull),
-            "balls_touching": None if state.neighbours is None else output.neighbour_data(state),
+            "balls_touching": output.neighbour_data(state),
             "friction_over_load": number(e.tilt),
         },
         "solver": {

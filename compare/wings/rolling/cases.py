@@ -166,14 +166,13 @@ def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
 
 def _ring(scene: BearingBallScene) -> Case:
     b = scene.bearing
-    if scene.law != "coulomb" or scene.hertz != "right":
+    if scene.law != "coulomb" or b.hertz != "right":
         _refuse(scene, "friction.law", "the 3D model has Coulomb's law and exact geometry only", 'take law = "coulomb"')
-    if b.speed == 0.0:
+    if b.screw_speed == 0.0:
         _refuse(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
     outward = RING[:, 1]
-    layout = ring_layout(
-        b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, np.where(outward < 0.0, b.speed, 0.0)
-    )
+    speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
+    layout = ring_layout(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
     material = Material(b.young, b.poisson, b.mu, b.mu)
     cell = Cell(
         _directions(np.full(4, b.contact_angle), RING)[None],
@@ -190,4 +189,4 @@ def _ring(scene: BearingBallScene) -> Case:
     if not loads.converged:
         _refuse(scene, "load", "contact loads do not balance", "take a load that presses the ball")
     whole = scene_of(layout, material, loads.normal, loads.force)
-    return Case(scene.name, scene.kind, whole, whole, b.speed, ("IL", "IR", "OR", "OL"), False)
+    return Case(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

@@ -14,8 +14,8 @@ from scipy.optimize import root
 from rollbench.lowfi.friction.as_source.chain import ACCEPTED
 from rollbench.lowfi.friction.contact.motion import HYBRID
 from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.load import Cell
-from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.meshes.arrays import Array
 
 

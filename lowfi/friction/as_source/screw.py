@@ -38,8 +38,7 @@ from rollbench.meshes.arrays import Array, Mask
 def neighbours(groove: ScrewGroove) -> Neighbours:
     """Balls of a screw in touch, on the exact helix; unknowns omega_B, omega_x, omega_y, omega_z (mends 3.73-3.75)."""
     p, r = groove.pair, groove.ball_radius
-    mu = groove.mu if groove.mu_balls is None else groove.mu_balls
-    return Neighbours(p.first, p.second, p.closing, mu, np.array([groove.radius, r, r, r]), rolling(groove))
+    return Neighbours(p.first, p.second, p.closing, groove.between, np.array([groove.radius, r, r, r]), rolling(groove))
 
 
 def rolling(groove: ScrewGroove) -> Array:

@@ -48,9 +48,9 @@ def from_linear_starts(
         yield solve_by_root(balls, law, reach, free, (near, force))
 
 
-def screw_sigmoid(groove: ScrewGroove) -> Sigmoid:
+def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
     """The source's law; at rest, where its reference is zero, with a spin of 1 rad/s."""
-    return source_law(groove, SHARPNESS) if groove.speed else Sigmoid(SHARPNESS, 1.0)
+    return source_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
 
 
 def from_pair_starts(

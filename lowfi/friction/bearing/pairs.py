@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.rings import Settled
-from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
 from rollbench.lowfi.friction.screw.load import Cell, bare_cell, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.meshes.arrays import Array
 
 #: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.

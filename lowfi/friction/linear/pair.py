@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from rollbench.lowfi.friction.linear import analytic
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.bearing import (
+    LinearBearing,
+    Loads,
+    balanced_loads,
+    deviations,
+    diagonal_loads,
+    elastic_loads,
+)
 from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, elastic_loads
 from rollbench.meshes.arrays import Array
 
 
@@ -75,51 +82,44 @@ def solve_pair(
     return PairResult(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
 
 
+class BothModels(NamedTuple):
+    """One quantity by the numerical model and by the formulas, each ``(T, R)``."""
+
+    numerical: Array
+    formula: Array
+
+    @property
+    def error(self) -> Array:
+        """Error of the formula."""
+        return np.asarray(self.formula - self.numerical)
+
+
 @dataclass(frozen=True)
 class PairMaps:
-    """Figures 3.14 and 3.15 over theta ``(T,)`` [rad] and rho ``(R,)``; each map ``(T, R)``.
+    """Figures 3.14 and 3.15 over theta ``(T,)`` [rad] and rho ``(R,)``.
 
-    difference: epsilon_1 - epsilon_2; force [N]; ratio: baseline plus ball-to-ball loss over baseline; each by the
-    numerical model and by the formulas; *_error: formulas minus numerical. failures: solutions not converged.
+    difference: epsilon_1 - epsilon_2; force [N]; ratio: baseline plus ball-to-ball loss over baseline. failures: solutions
+    not converged.
     """
 
     theta: Array
     rho: Array
-    difference: Array
-    difference_analytic: Array
-    force: Array
-    force_analytic: Array
-    ratio: Array
-    ratio_analytic: Array
+    difference: BothModels
+    force: BothModels
+    ratio: BothModels
     failures: int
-
-    @property
-    def difference_error(self) -> Array:
-        """Error of the formula for epsilon_1 - epsilon_2."""
-        return self.difference_analytic - self.difference
-
-    @property
-    def force_error(self) -> Array:
-        """Error of the formula for the force [N]."""
-        return self.force_analytic - self.force
-
-    @property
-    def ratio_error(self) -> Array:
-        """Error of the formulas for the ratio of losses."""
-        return self.ratio_analytic - self.ratio
 
 
 def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
     """Both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
-    shape = len(theta), len(rho)
-    out, closed, failures = np.empty((3, *shape)), np.empty((3, *shape)), 0
-    for i, j in np.ndindex(*shape):
+    values, failures = np.empty((3, 2, len(theta), len(rho))), 0
+    for i, j in np.ndindex(len(theta), len(rho)):
         result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
         failures += sum(r.status != "converged" for r in (result.free, result.touching))
-        out[:, i, j] = result.difference, result.force, result.rubbing_ratio
-        closed[:, i, j] = pair_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
-    axes = np.asarray(theta, dtype=float), np.asarray(rho, dtype=float)
-    return PairMaps(*axes, out[0], closed[0], out[1], closed[1], out[2], closed[2], failures)
+        values[:, 0, i, j] = result.difference, result.force, result.rubbing_ratio
+        values[:, 1, i, j] = pair_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
+    difference, force, ratio = (BothModels(*both) for both in values)
+    return PairMaps(theta, rho, difference, force, ratio, failures)
 
 
 def pair_formulas(

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
-from rollbench.lowfi.friction.screw.groove import Grooved, ScrewGroove
+from rollbench.lowfi.friction.screw.groove import Grooved, ScrewGroove, groove_arrays, nominal_speed, plain_array, units
 from rollbench.lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
 from rollbench.lowfi.friction.screw.records import BalanceParts, BallArrays
 from rollbench.lowfi.jit import SCREW, kernels
@@ -97,7 +96,7 @@ class Chain(AnyChain):
     @property
     def mu_balls(self) -> float:
         """Coefficient of friction from ball to ball."""
-        return self.groove.mu if self.groove.mu_balls is None else self.groove.mu_balls
+        return self.groove.between
 
     def input_power(self, wrench: Array) -> float:
         """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""

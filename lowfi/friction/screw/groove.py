@@ -1,29 +1,121 @@
-"""Ball, grooves and helix of a ball screw as friction sees them: Hertz constants, directions and kinematic maps.
+"""A ball between the grooves of two helical bodies as friction sees it: kinematics, Hertz constants, arrays of the kernels.
 
-Axes and order of contacts as in ``screw_path``, which holds the kinematics.
+Axes at the ball's centre (Lin 3.4.1): x3 radially outward, y3 along the helical path, z3 the binormal, about which the
+lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or right).
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.friction.screw.path import HelicalMotion
+from rollbench.lowfi.friction.screw.records import GrooveArrays
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Balls, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
 from rollbench.meshes.roots import brentq
 from rollbench.meshes.surface import printed_radii
 
 Mode = Literal["right", "as printed"]
+SIGN_X, SIGN_Z = np.array(SIDE_SIGNS).T
+ON_SCREW = np.array([True, True, False, False])
+
+
+class HelicalMotion:
+    """A ball and the helical motions of nut and screw; what follows from radii, lead and speeds alone.
+
+    A dataclass that inherits this gives ball_radius, pitch_radius [m], contact_angle [rad], lead [m] (of a right-hand
+    helix; negative: left-hand, zero: bearing) and the speeds of nut and screw [rad/s]. Both bodies move along the helix,
+    so that only nut_speed - screw_speed matters to the contacts.
+    """
+
+    ball_radius: float
+    pitch_radius: float
+    contact_angle: float
+    lead: float
+    nut_speed: float
+    screw_speed: float
+
+    @property
+    def ratio(self) -> float:
+        """Advance per angle, lead / (2 pi) [m/rad] (Lin 3.55)."""
+        return self.lead / (2.0 * np.pi)
+
+    @property
+    def radius(self) -> float:
+        """Length of path per angle, L / (2 pi) [m] (Lin 3.66)."""
+        return float(np.hypot(self.pitch_radius, self.ratio))
+
+    @property
+    def lead_angle(self) -> float:
+        """Lead angle [rad] (Lin 3.63)."""
+        return float(np.arctan2(self.ratio, self.pitch_radius))
+
+    @property
+    def axis(self) -> Array:
+        """Direction of the screw's axis in x3, y3, z3 (3,)."""
+        return np.array([0.0, np.sin(self.lead_angle), np.cos(self.lead_angle)])
+
+    @property
+    def speed(self) -> float:
+        """Speed of the nut relative to the screw [rad/s]."""
+        return self.nut_speed - self.screw_speed
+
+    @property
+    def nominal_orbit(self) -> float:
+        """omega_B [rad/s] of a ball that rolls at the nominal contact angle (3.65, F.5 without sliding along y3)."""
+        lever = self.ball_radius * float(np.cos(self.contact_angle) * np.cos(self.lead_angle)) / self.radius
+        return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)
+
+    def normals(self, angle: ArrayLike) -> Array:
+        """Directions (..., 4, 3) from the ball's centre to its contacts at contact angles (..., 4) [rad] (Lin 3.58)."""
+        beta = np.asarray(angle, dtype=float)
+        return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
+
+    def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
+        """Maps (..., 4, 3, 4) and drives (..., 4, 3) of the contacts' (vx, vz, spin) for directions (..., 4, 3).
+
+        ball_radius (...,) [m] in place of that of all balls.
+
+        Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], the latter relative to the turning frame.
+        Contact axes: x across the groove, z along the path, y into the ball. Rederived from 3.57-3.64 (gives 3.65,
+        F.4-F.6).
+        """
+        axes = contact_axes(normals)
+        size = self.ball_radius if ball_radius is None else np.asarray(ball_radius)[..., None, None, None]
+        slide = size * np.einsum("jik,...k->...ij", self.crosses, normals)
+        slide[..., 1, 0] += self.radius
+        maps = np.matmul(axes, slide)
+        maps[..., 2, :] = -normals @ self.turns.T
+        body = np.where(ON_SCREW, self.screw_speed, self.nut_speed)
+        return maps, -body[:, None] * maps[..., 0]
+
+    @cached_property
+    def turns(self) -> Array:
+        """Rotation axes of the four unknowns in x3, y3, z3, (4, 3)."""
+        return np.concatenate([self.axis[None, :], np.eye(3)])
+
+    @cached_property
+    def crosses(self) -> Array:
+        """Matrices (4, 3, 3) of the cross products with ``turns``."""
+        return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
+
+
+def contact_axes(normals: Array) -> Array:
+    """Rows x (across the groove), z (along the path), y (into the ball) of the contacts' axes, (..., 4, 3, 3)."""
+    axes = np.zeros((*normals.shape, 3))
+    axes[..., 0, 0], axes[..., 0, 2] = normals[..., 2], -normals[..., 0]
+    axes[..., 1, 1] = 1.0
+    axes[..., 2, :] = -normals
+    return axes
 
 
 @dataclass(frozen=True)
@@ -81,6 +173,11 @@ class ScrewGroove(Grooved):
             raise ValueError("contact_angle must lie between 0 and pi/2")
         if self.young <= 0.0 or not 0.0 <= self.poisson < 0.5 or self.mu < 0.0 or (self.mu_balls or 0.0) < 0.0:
             raise ValueError("need young > 0, 0 <= poisson < 0.5, mu >= 0 and mu_balls >= 0")
+
+    @property
+    def between(self) -> float:
+        """Coefficient of friction from ball to ball."""
+        return self.mu if self.mu_balls is None else self.mu_balls
 
     @property
     def reach(self) -> float:
@@ -178,3 +275,36 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
         push=np.stack([-(frames[0] @ line), frames[1] @ line]),
         slide=np.stack([tangents @ frames[0].T, tangents @ frames[1].T]),
     )
+
+
+@lru_cache(maxsize=64)
+def groove_arrays(groove: Grooved) -> GrooveArrays:
+    """The grooves as the kernels take them, motions scaled to surface speeds per nominal speed (see ``units``)."""
+    unit, speed, pair, h = units(groove), nominal_speed(groove), groove.pair, groove.constants
+    scale = speed / unit
+    ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    at = groove.maps(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
+    middle = 0.5 * (at[0] + at[1])  # maps are affine in the normal, so that three directions tell them
+    affine = np.stack([middle, at[0] - middle, at[2] - middle])
+    ride = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed) / scale[0]
+    nominal = np.array([groove.nominal_orbit, 0.0, 0.0, 0.0]) / scale
+    affine, ride, C_a, C_b, nominal, first, second = map(
+        plain_array, (affine, ride, h.C_a, h.C_b, nominal, pair.first / unit, pair.second / unit)
+    )
+    closing = float(pair.closing / groove.radius)
+    return GrooveArrays(affine, ride, C_a, C_b, nominal, first, second, closing, float(speed))
+
+
+def plain_array(values: Array) -> Array:
+    """Contiguous floats: machine code is made for each kind of array that comes along."""
+    return np.ascontiguousarray(values, dtype=float)
+
+
+def units(groove: HelicalMotion) -> Array:
+    """Levers (4,) [m] from omega_B, omega_x, omega_y, omega_z to speeds."""
+    return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
+
+
+def nominal_speed(groove: HelicalMotion) -> float:
+    """Speed of the nut along the path relative to the screw [m/s]; one at rest."""
+    return float(abs(groove.speed) * groove.radius) or 1.0

@@ -12,9 +12,7 @@ import numpy as np
 
 from rollbench.lowfi.friction.contact.records import CellArrays
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
-from rollbench.lowfi.friction.screw.arrays import plain_array
-from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
-from rollbench.lowfi.friction.screw.path import SIGN_X, SIGN_Z
+from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame, plain_array
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
 

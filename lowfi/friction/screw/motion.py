@@ -15,10 +15,8 @@ from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.contact.rings import Settled
-from rollbench.lowfi.friction.screw.arrays import plain_array
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes, plain_array
 from rollbench.lowfi.friction.screw.load import Cell
-from rollbench.lowfi.friction.screw.path import ON_SCREW, contact_axes
 from rollbench.lowfi.jit import SCREW, kernels
 from rollbench.meshes.arrays import Array, Mask
 
@@ -98,10 +96,13 @@ def ball_motion(
     return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
 
 
-def source_law(groove: ScrewGroove, sharpness: float) -> Sigmoid:
-    """The source's sigmoid for a ball screw: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70)."""
+def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
+    """The source's sigmoid: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70), omega_I sin(beta) of a bearing.
+
+    map_spacing: step in c/a of its interpolated maps; None: exact integrals.
+    """
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
-    return Sigmoid(sharpness, spin)
+    return Sigmoid(sharpness, spin, map_spacing)
 
 
 def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) -> Motion:

@@ -107,9 +107,8 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
 
 def sliding_speed(pair: Pair) -> float:
     """Sliding speed [m/s] at the ball-to-ball contact of a pair that touches."""
-    result, g = solve_pair(pair).touching, pair.groove
-    mu = g.mu if g.mu_balls is None else g.mu_balls
-    return float(result.motion.ball_loss[0]) / (mu * float(result.motion.ball_force[0]))
+    motion = solve_pair(pair).touching.motion
+    return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
 def implied_load(pair: Pair, force: float, increase: float) -> float:
@@ -119,8 +118,7 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
     pair only the kinematics enter: the sliding speed depends on its loads by per cents.
     """
     g = pair.groove
-    mu = g.mu if g.mu_balls is None else g.mu_balls
-    loss = 0.5 * mu * force * sliding_speed(pair) / increase
+    loss = 0.5 * g.between * force * sliding_speed(pair) / increase
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:
@@ -131,33 +129,23 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
 
 @dataclass(frozen=True)
 class PairMap:
-    """Series over one or two assumptions: grids force [N], increase, rubbing, summed load of a ball [N]; converged."""
+    """Grids over two assumptions: ball-to-ball force [N], friction increase, whether both states converged."""
 
     force: Array
     increase: Array
-    rubbing: Array
-    load: Array
     converged: Array
 
 
-def pair_map(pairs: list[list[Pair]]) -> PairMap:
-    """How force and friction increase depend on the assumptions: a grid of pairs, each solved on its own."""
-    solutions = [[solve_pair(p) for p in row] for row in pairs]
-    return PairMap(
-        force=np.array([[r.force for r in row] for row in solutions]),
-        increase=np.array([[r.friction_increase for r in row] for row in solutions]),
-        rubbing=np.array([[r.rubbing_ratio for r in row] for row in solutions]),
-        load=np.array([[r.load.mean() for r in row] for row in solutions]),
-        converged=np.array([[r.converged for r in row] for row in solutions]),
-    )
-
-
 def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
-    """Grid over oversize [m] (rows) and the force on the screw [N] (columns), spread over its free motions as given."""
+    """Grid over oversize [m] (rows) and the force on the screw [N] (columns), spread over its free motions as given; each
+    pair is solved on its own."""
     total = float(np.linalg.norm(pair.force)) or 1.0
-    return pair_map(
-        [
-            [replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force)) for a in axial]
-            for o in oversize
-        ]
+    solved = [
+        [solve_pair(replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force))) for a in axial]
+        for o in oversize
+    ]
+    force, increase, converged = (
+        np.array([[getattr(r, name) for r in row] for row in solved])
+        for name in ("force", "friction_increase", "converged")
     )
+    return PairMap(force, increase, converged)

@@ -57,11 +57,6 @@ class Run:
             raise ValueError("more balls than the track holds")
 
     @property
-    def grooves(self) -> ScrewGroove:
-        """The grooves in motion."""
-        return self.groove
-
-    @property
     def tracks(self) -> tuple[Track]:
         """The one closed track, which turns with the nut."""
         arc = 2.0 * np.pi * self.turns

@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.path import HelicalMotion
+from rollbench.lowfi.friction.screw.groove import HelicalMotion
 from rollbench.lowfi.friction.screw.track import Track
 from rollbench.meshes.arrays import Array, Mask
 
@@ -28,6 +28,8 @@ SHORT, TINY, PIECES = 1e-2, 1e-6, 100
 CLOSED = 1e-10
 #: Rate of closing over the largest speed of a ball that no pair reaches.
 FASTEST = 10.0
+#: Names in a history of the torques of an instant's losses.
+TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 #: Steps to begin with: per ball diameter travelled, least and most.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
@@ -63,7 +65,7 @@ class Setting(Protocol):
     """Constants of a run."""
 
     @property
-    def grooves(self) -> HelicalMotion:
+    def groove(self) -> HelicalMotion:
         """Nominal grooves in motion."""
 
     @property
@@ -154,7 +156,7 @@ class History:
     @property
     def nut_angle(self) -> Array:
         """Angle (T,) by which the nut has turned on the screw [rad]."""
-        return np.asarray(self.setting.grooves.speed * self.time)
+        return np.asarray(self.setting.groove.speed * self.time)
 
     @property
     def turned(self) -> Array:
@@ -164,7 +166,7 @@ class History:
     @property
     def angles(self) -> tuple[float, float]:
         """Angles [rad] by which the part that turns has turned at the run's end, and was to turn."""
-        speed = abs(self.setting.grooves.speed)
+        speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
     @property
@@ -206,8 +208,8 @@ class History:
     @property
     def advance(self) -> tuple[float, float]:
         """Angular speed of the screw against the nut [rad/s], and its speed along the axis without end play [m/s]."""
-        turning = -self.setting.grooves.speed
-        return turning, self.setting.grooves.ratio * turning
+        turning = -self.setting.groove.speed
+        return turning, self.setting.groove.ratio * turning
 
     @property
     def torque_balance(self) -> Array:
@@ -267,7 +269,7 @@ def simulate(
     if steps < 1 or not span > 0.0:
         raise ValueError("need steps >= 1 and a duration above zero")
     dt, place, rows, located = span / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
-    speed = abs(setting.grooves.speed)
+    speed = abs(setting.groove.speed)
     if located:
         first = setting.instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
         if not isinstance(first, str):  # speeds of the first half step
@@ -290,25 +292,10 @@ def simulate(
             place = _moved(setting, place, instant, piece)
             loss = sum(instant.losses)
             rows.append(
-                {
-                    "time": time,
-                    "lasts": piece,
-                    "step": k,
-                    "azimuth": azimuth,
-                    "loaded": instant.loaded,
-                    "gap": place.gap,
-                    "ball_force": instant.ball_force,
-                    "omega": instant.omega,
-                    "load": instant.load,
-                    "groove_torque": instant.losses[0] / speed,
-                    "ball_torque": instant.losses[1] / speed,
-                    "closing_torque": instant.losses[2] / speed,
-                    "axial": instant.axial,
-                    "on_screw": instant.on_screw,
-                    "imbalance": (instant.input_power - loss) / loss if loss > 0.0 else instant.input_power,
-                    "change": instant.change,
-                    "converged": instant.converged,
-                }
+                {name: value for name, value in vars(instant).items() if name != "memory"}
+                | {"time": time, "lasts": piece, "step": k, "azimuth": azimuth, "gap": place.gap}
+                | dict(zip(TORQUES, (part / speed for part in instant.losses), strict=True))
+                | {"imbalance": (instant.input_power - loss) / loss if loss > 0.0 else instant.input_power}
             )
             left -= piece
         report((k + 1) / steps)

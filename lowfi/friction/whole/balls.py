@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,24 +64,21 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
 
     Raises CircuitError for circuits that cannot be, ValueError where balls overlap or a circuit has no clearance.
     """
-    built, grooves = circuits(scene), grooves_of(scene, friction, drive)
-    ends = np.cumsum([0, *(c.azimuth.size for c in built)])
-    bounds = [slice(int(a), int(b)) for a, b in pairwise(ends)]
-    tracks = tuple(Track(c.start, c.first, c.arc, c.ring, c.spacing, s) for c, s in zip(built, bounds, strict=True))
-    number = np.concatenate([c.ball for c in built])
+    tracks, azimuths, numbers = zip(*circuits(scene), strict=True)
+    azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
+    grooves = grooves_of(scene, friction, drive)
     radius = np.where(number >= 0, drawn.ball_radius[np.maximum(number, 0)], 0.0)
     rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
     radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))
     excess, pair = radius - scene.balls.radius, grooves.pair
     spacing = np.empty_like(radius)
-    for members in bounds:
+    for members in (track.balls for track in tracks):
         spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing
-    azimuth = np.concatenate([c.azimuth for c in built])
     balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
     gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
-    for members in bounds:
+    for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError("a circuit without any clearance: forces between its balls are not determined")
     return balls

@@ -7,8 +7,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
-from rollbench.lowfi.friction.screw.groove import Constants, Grooved
-from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.losses import BallPath, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import about_axis

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import contact_spacing
+from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Circulation, Motion, Scene
+from rollbench.meshes.parts import Circulation, Scene
 
-#: Speed where the scene gives none [rad/s].
-ONE_TURN = Motion(2.0 * np.pi)
 #: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
 CLOSE = 1e-9
 
@@ -28,27 +28,16 @@ class CircuitError(ValueError):
         self.key, self.allowed, self.advice = key, allowed, advice
 
 
-@dataclass(frozen=True)
-class Circuit:
-    """One closed track, all angles [rad] azimuths of the nut on the helix of start 1.
+class Circuit(NamedTuple):
+    """One closed track, all angles [rad] azimuths of the nut on the helix of start 1; a bearing has arc = ring.
 
-    start: number of the start from 0; azimuth (n,): of the balls at the beginning, in order, those of the return last;
-    ball (n,): their numbers in the scene, -1 in the return; first: where the loaded arc begins; arc, ring: lengths of the
-    loaded arc and of the whole track; spacing: of touching nominal balls. A bearing has arc = ring.
+    azimuth (n,): of the balls at the beginning, in order, those of the return last; ball (n,): their numbers in the scene,
+    -1 in the return.
     """
 
-    start: int
+    track: Track
     azimuth: Array
     ball: NDArray[np.int64]
-    first: float
-    arc: float
-    ring: float
-    spacing: float
-
-    @property
-    def clearance(self) -> float:
-        """Sum of the gaps between nominal balls [rad]."""
-        return self.ring - self.azimuth.size * self.spacing
 
 
 def circuits(scene: Scene) -> tuple[Circuit, ...]:
@@ -73,7 +62,7 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
         if middles[k] - middles[k - 1] < 0.5 * (arcs[k] + arcs[k - 1]) - CLOSE:
             most = len(groups) * float(np.min(np.diff(middles))) / (2.0 * np.pi)
             raise CircuitError("turns", f"up to {most:.6g}", "the loaded arcs of neighbouring circuits would overlap")
-    order, out = np.argsort(np.asarray(scene.balls.azimuths), kind="stable"), []
+    order, out, count = np.argsort(np.asarray(scene.balls.azimuths), kind="stable"), list[Circuit](), 0
     for start in range(scene.track.starts):
         for k, group in enumerate(groups):
             number = order[k * group.size : (k + 1) * group.size] + start * azimuths.size
@@ -82,7 +71,9 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
             back = begin + arcs[k] + (length - arcs[k]) * (np.arange(loop.returning) + 0.5) / max(loop.returning, 1)
             azimuth = np.append(group, back)
             ball = np.append(number, np.full(loop.returning, -1))
-            out.append(Circuit(start, azimuth, ball, begin, arcs[k], length, spacing))
+            balls = slice(count, count + ball.size)
+            out.append(Circuit(Track(start, begin, arcs[k], length, spacing, balls), azimuth, ball))
+            count = balls.stop
     return tuple(out)
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.path import SIGN_X, SIGN_Z
+from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.again import ContactLoads
 from rollbench.lowfi.statics.problem import (

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.rings import settle_each
+from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import Mixer
-from rollbench.lowfi.friction.screw.path import ON_SCREW
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, with_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.lowfi.friction.screw.path import ON_SCREW, contact_axes
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, contact_axes
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_path, shares
 from rollbench.meshes.arrays import Array

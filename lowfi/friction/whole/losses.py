@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.motion import STATUS
 from rollbench.lowfi.friction.screw.chain import Rubs
+from rollbench.lowfi.friction.screw.groove import HelicalMotion
 from rollbench.lowfi.friction.screw.motion import contact_wrench
-from rollbench.lowfi.friction.screw.path import HelicalMotion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array

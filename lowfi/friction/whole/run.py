@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.screw.travel import Instant, Place
 from rollbench.lowfi.friction.whole.balls import Balls
@@ -80,7 +80,7 @@ class Setting:
         return spread(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
 
     @property
-    def grooves(self) -> SceneGrooves:
+    def groove(self) -> SceneGrooves:
         """Nominal grooves in motion."""
         return self.balls.grooves
 
@@ -101,8 +101,8 @@ class Setting:
 
     def begin(self) -> Place:
         """The scene's places, balls rolling at the nominal speed."""
-        count, nut = self.balls.radius.size, self.grooves.nut_speed
-        nominal = self.grooves.nominal_orbit - nut
+        count, nut = self.balls.radius.size, self.groove.nut_speed
+        nominal = self.groove.nominal_orbit - nut
         memory = Memory(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
         gap = np.maximum(self.balls.gaps(self.balls.azimuth), 0.0)
         return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
@@ -126,7 +126,7 @@ class Setting:
                 slack[members] if members.stop - members.start > 1 else np.array([np.inf]),
                 self.friction,
                 self.drive,
-                self.grooves,
+                self.groove,
                 (memory.q[members], memory.force[members]),
                 self.fast,
             )
@@ -138,7 +138,7 @@ class Setting:
             axial += float(np.einsum("nsi,ni->", wrench[:, ON_SCREW, :3], at.frames[:, :, 2]))
         groove, ball, closing = (sum(parts) for parts in zip(*(m.losses for m in moved), strict=True))
         return Instant(
-            omega=q[:, 0] - self.grooves.nut_speed,
+            omega=q[:, 0] - self.groove.nut_speed,
             ball_force=force,
             load=at.force,
             loaded=loaded,

@@ -1,7 +1,11 @@
 """What a scene asks of friction: whether it feeds back, and whether so many balls are solved that kernels are compiled."""
 
-from rollbench.meshes.parts import Friction, Scene
+from math import pi
 
+from rollbench.meshes.parts import Friction, Motion, Scene
+
+#: Motion where the scene gives none: the screw turns once a second.
+ONE_TURN = Motion(2.0 * pi)
 #: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 

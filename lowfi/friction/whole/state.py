@@ -106,6 +106,11 @@ class FrictionState:
     second: tuple[int, ...] | None = None
 
     @property
+    def settled(self) -> bool:
+        """Whether friction balances on every ball, and agrees with its place."""
+        return self.balls.converged and not self.unsettled
+
+    @property
     def loaded(self) -> bool:
         """Whether any contact carries load."""
         return bool(np.any(self.at.force > 0.0))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import reduced_lead
 from rollbench.meshes.parts import Motion as Drive

@@ -18,40 +18,39 @@ def screw(**circulation):
 def test_without_a_table_balls_fill_their_arc_evenly_whatever_their_order_and_a_bearing_its_turn():
     scene = small_screw(12, 1.5)
     (one,) = circuits(scene)
-    assert one.arc == pytest.approx(3.0 * np.pi, rel=1e-12)
-    assert one.ring == one.arc
-    assert np.allclose(np.diff(one.azimuth), one.arc / 12)
-    assert one.azimuth[0] - one.first == pytest.approx(0.5 * one.arc / 12)
-    assert one.clearance == pytest.approx(one.ring - 12 * one.spacing)
+    assert one.track.arc == pytest.approx(3.0 * np.pi, rel=1e-12)
+    assert one.track.ring == one.track.arc
+    assert np.allclose(np.diff(one.azimuth), one.track.arc / 12)
+    assert one.azimuth[0] - one.track.first == pytest.approx(0.5 * one.track.arc / 12)
     balls = scene.balls
     shuffled = replace(balls, azimuths=(*balls.azimuths[5:], *balls.azimuths[:5]))
     assert circuits(replace(scene, balls=shuffled))[0].ball.tolist() == [*range(7, 12), *range(7)]
     (bearing,) = circuits(small_screw(9, 8.0 / 9.0, lead=0.0))
-    assert (bearing.arc, bearing.ring) == (2.0 * np.pi, 2.0 * np.pi)
+    assert (bearing.track.arc, bearing.track.ring) == (2.0 * np.pi, 2.0 * np.pi)
 
 
 def test_filling_and_gap_say_the_same():
     a = circuits(screw(returning=5, filling=0.8))[0]
     assert a.azimuth.size == 17
     assert a.ball.tolist() == [*range(12), -1, -1, -1, -1, -1]
-    assert 17 * a.spacing / a.ring == pytest.approx(0.8, rel=1e-12)
+    assert 17 * a.track.spacing / a.track.ring == pytest.approx(0.8, rel=1e-12)
     scene = screw(returning=5)
     radius = float(np.hypot(scene.track.pitch_radius, scene.track.lead / (2.0 * np.pi)))
-    b = circuits(screw(returning=5, gap=a.clearance / 17 * radius))[0]
-    assert b.ring == pytest.approx(a.ring, rel=1e-12)
-    assert np.all(a.azimuth[12:] > a.first + a.arc)
-    assert np.all(a.azimuth[12:] < a.first + a.ring)
+    b = circuits(screw(returning=5, gap=(a.track.ring / 17 - a.track.spacing) * radius))[0]
+    assert b.track.ring == pytest.approx(a.track.ring, rel=1e-12)
+    assert np.all(a.azimuth[12:] > a.track.first + a.track.arc)
+    assert np.all(a.azimuth[12:] < a.track.first + a.track.ring)
 
 
 def test_circuits_share_the_balls_of_every_start():
     base = small_screw(12, 1.5)
     scene = replace(base, track=replace(base.track, starts=2), circulation=Circulation(circuits=3, returning=2))
     found = circuits(scene)
-    assert [c.start for c in found] == [0, 0, 0, 1, 1, 1]
+    assert [c.track.start for c in found] == [0, 0, 0, 1, 1, 1]
     assert sorted(int(b) for c in found for b in c.ball if b >= 0) == list(range(24))
     for c, d in pairwise(found[:3]):
-        assert c.first + c.arc == pytest.approx(d.first, abs=1e-12)
-    assert sum(c.arc for c in found[:3]) == pytest.approx(3.0 * np.pi)
+        assert c.track.first + c.track.arc == pytest.approx(d.track.first, abs=1e-12)
+    assert sum(c.track.arc for c in found[:3]) == pytest.approx(3.0 * np.pi)
 
 
 @pytest.mark.parametrize(

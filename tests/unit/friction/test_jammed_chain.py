@@ -11,8 +11,8 @@ from rollbench.comparison.wings.friction.solve import solve_friction
 from rollbench.comparison.wings.friction.whole import Choices
 from rollbench.lowfi.friction.as_source.linear import linear_balls
 from rollbench.lowfi.friction.contact.ellipse import dissipation
+from rollbench.lowfi.friction.linear.bearing import elastic_loads
 from rollbench.lowfi.friction.linear.chain import prepare, second_state, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import elastic_loads
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)

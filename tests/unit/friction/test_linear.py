@@ -12,10 +12,17 @@ from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact import rings
 from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
 from rollbench.lowfi.friction.linear import analytic
-from rollbench.lowfi.friction.linear.bearing import deviations, directions, mated_top, semi_axes
+from rollbench.lowfi.friction.linear.bearing import (
+    balanced_loads,
+    deviations,
+    diagonal_loads,
+    directions,
+    elastic_loads,
+    mated_top,
+    semi_axes,
+)
 from rollbench.lowfi.friction.linear.chain import contact_shape, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
-from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from rollbench.lowfi.friction.linear.pair import pair_formulas
 
 BEARING = source_cases.linear().bearing

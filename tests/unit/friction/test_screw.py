@@ -17,10 +17,9 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
 from rollbench.lowfi.friction.screw.load import load_arrays, screw_rows, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
-from rollbench.lowfi.friction.screw.path import ON_SCREW
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)

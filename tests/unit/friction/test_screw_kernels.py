@@ -7,10 +7,9 @@ import pytest
 
 from rollbench.comparison.sources.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi.friction.contact.kernel import band
-from rollbench.lowfi.friction.screw.arrays import groove_arrays
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.coupled import solve_joint, system_of
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.groove import ScrewGroove, groove_arrays
 from rollbench.lowfi.friction.screw.kernel import contacts, joint
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import hold_screw

@@ -9,9 +9,8 @@ from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.as_source.chain import balance, blocks, closing_in, solve_by_root
 from rollbench.lowfi.friction.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
 from rollbench.lowfi.friction.contact.laws import Coulomb, Sigmoid
-from rollbench.lowfi.friction.linear.bearing import deviations
+from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import balanced_loads
 from rollbench.lowfi.friction.linear.pair import pair_state, solve_pair
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)

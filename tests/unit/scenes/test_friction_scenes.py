@@ -8,12 +8,13 @@ from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.friction.answer import left_out_of_kind
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
 from rollbench.comparison.wings.friction.kinds.table import KINDS
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.pair import solve_pair
+from rollbench.lowfi.friction.screw.motion import source_law
 
-ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
+ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 WAYS = "friction_torque_Nmm", "driving_torque_on_screw_Nmm"
 U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
@@ -74,7 +75,7 @@ def test_units_signs_and_either_way_to_give_the_groove():
     units = (('"10 rps"', '"600 rpm"'), ('"5.2 um"', '"0.0052 mm"'), ('"100 N"', '"0.1 kN"'))
     text = changed("lin-rotary-2", ("conformity = 0.54", 'groove_radius = "6.75 mm"'), *units)
     again = scene_file.read(text, "lin-rotary-2.toml")
-    one, other = ((x.bearing.speed, x.bearing.groove_radius, x.force, x.displacement) for x in (base, again))
+    one, other = ((x.bearing.screw_speed, x.bearing.groove_radius, x.force, x.displacement) for x in (base, again))
     assert other == pytest.approx(one, rel=1e-15)
     forward, back = solve_kind(base).data["torque"], solved("lin-rotary-2", ('"10 rps"', '"-10 rps"')).data["torque"]
     assert [back[k] for k in WAYS] == pytest.approx([forward[WAYS[0]], -forward[WAYS[1]]], rel=1e-9)

@@ -17,8 +17,10 @@ from rollbench.comparison.wings.evidence.record import Sheet
 from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
-from rollbench.lowfi.friction.linear.loads import Loads
+from rollbench.lowfi.friction.linear.bearing import Loads
 from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction.screw.groove import Mode
+from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Quantity, Row
@@ -32,7 +34,7 @@ CASES = {name: source_cases.rotary(name).displacement for name in source_cases.R
 #: Slope of the normalised friction force, as printed.
 K_F = source_cases.k_f()
 #: The source's own law of friction, with what was inferred for it.
-PRINTED_LAW = rotary.source_law(
+PRINTED_LAW = source_law(
     ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
 )
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -47,14 +49,14 @@ YIELD, MULTIPLE = 370.0, 4.2
 def as_printed(case: str) -> rotary.Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
     scene = source_cases.rotary(case, printed=True)
-    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     return rotary.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
-def right(case: str, hertz: rotary.Mode = "right") -> rotary.Solution:
+def right(case: str, hertz: Mode = "right") -> rotary.Solution:
     """The same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
-    return rotary.solve_ball(ROTARY, AXIAL, CASES[case], hertz, fast=True)
+    return rotary.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
 
 @cache
@@ -81,7 +83,7 @@ def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         "R_P": 1e3 * b.pitch_radius,
         "beta": degrees(b.contact_angle),
         "F_x": AXIAL,
-        "omega_I": b.speed / (2.0 * np.pi),
+        "omega_I": b.screw_speed / (2.0 * np.pi),
         "mu": b.mu,
         "E": b.young,
         "nu": b.poisson,
@@ -155,11 +157,12 @@ def _worst_case(sheet: Sheet) -> None:
 
 
 def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
-    fields = (m.force[4:, 2::-1], m.ratio[4:, 2::-1])
+    difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
+    fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
-    top = float(error_percent(m.ratio.max(), 1.0))
+    top = float(error_percent(ratio.max(), 1.0))
     sheet.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
-    pairs = ((m.difference, m.difference_error), (m.force, m.force_error), (m.ratio - 1.0, m.ratio_error))
+    pairs = ((difference, m.difference.error), (force, m.force.error), (ratio - 1.0, m.ratio.error))
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
     sheet.claim(
@@ -168,11 +171,11 @@ def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
         f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
         f"at least {corner:.1%} at the corners",
     )
-    closing = m.difference > 1e-9
-    apart = float(np.abs(m.force[~closing]).max())
+    closing = difference > 1e-9
+    apart = float(np.abs(force[~closing]).max())
     sheet.claim(
         "sign_region",
-        bool(np.all(m.force[closing] > 0.0)) and apart < 1e-8,
+        bool(np.all(force[closing] > 0.0)) and apart < 1e-8,
         f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
     )
 
@@ -263,7 +266,7 @@ def balance_rows() -> list[Row]:
             ("as printed", as_printed(case)),
         ):
             torque = rotary.inner_torque(ROTARY, s.load, s.motion)
-            power = torque * ROTARY.speed
+            power = torque * ROTARY.screw_speed
             rows.append(
                 {
                     "case": case,

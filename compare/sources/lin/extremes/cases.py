@@ -12,19 +12,18 @@ import numpy as np
 from rollbench.comparison.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
 from rollbench.comparison.sources.lin.extremes import tally as tallies
-from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
+from rollbench.lowfi.friction.as_source.chain import SHARPNESS
+from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
-from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
+from rollbench.lowfi.friction.bearing.rotary import Bearing, solve_ball
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations
 from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import balanced_loads
 from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
-from rollbench.lowfi.friction.screw.motion import screw_contacts
-from rollbench.lowfi.friction.screw.motion import source_law as screw_law
+from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Quantity, Row
@@ -39,14 +38,13 @@ class OneBall:
     power: Callable[[Array], float]
 
 
-def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = 100.0, hertz: Mode = "right") -> OneBall:
+def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
     """Rotary bearing at an axial load [N] and a radial displacement [m]."""
-    s = solve_ball(bearing, axial, u_y, hertz, fast=True)
-    law = source_law(bearing, sharpness, None) if bearing.speed else Sigmoid(sharpness, 1.0)
-    return OneBall(s.problem, law, lambda f: _drive_power(s.problem, f))
+    s = solve_ball(bearing, axial, u_y, fast=True)
+    return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
-def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = 100.0) -> OneBall:
+def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
     """Second ball of a pair without contact, or with contact forces (4,) [N] at the nominal angles."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
@@ -55,8 +53,7 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = 100.0)
         force, angle = load.force[1], load.angle[1]
     maps, drives = g.maps(g.normals(angle))
     problem = Problem(screw_contacts(g, force), maps, drives, np.zeros(4))
-    law = screw_law(g, sharpness) if g.speed else Sigmoid(sharpness, 1.0)
-    return OneBall(problem, law, lambda f: _drive_power(problem, f))
+    return OneBall(problem, screw_sigmoid(g, sharpness), lambda f: _drive_power(problem, f))
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
@@ -105,7 +102,7 @@ def ball_rows() -> list[tallies.Record]:
     rows = []
     for off, k in product((tallies.NEAR_START, tallies.FAR_START), tallies.SHARPNESS):
         note = f"starts within {off:.0%}"
-        printed = [rotary_ball(ROTARY, AXIAL, u, k, "as printed") for u in CASES.values()]
+        printed = [rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         pairs = [screw_ball(p(two), None, k) for p in (plain, inferred)]
         rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
@@ -146,7 +143,7 @@ def ball_rows() -> list[tallies.Record]:
         ball_group(
             "zero speed",
             "rotary",
-            [rotary_ball(replace(ROTARY, speed=0.0), AXIAL, u) for u in CASES.values()],
+            [rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
         ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
@@ -416,7 +413,7 @@ def root_rows() -> list[Row]:
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: right(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
-        s, law = first[case], source_law(ROTARY, sharpness, None)
+        s, law = first[case], source_law(ROTARY, sharpness)
         row: Row = {"case": case, Quantity("sharpness", "k_S", "", "g3"): sharpness}
         for key, words, off in (("near", "1 % of the solution", 0.01), ("far", "50 %", 0.5)):
             begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]

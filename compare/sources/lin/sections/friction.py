@@ -28,9 +28,8 @@ from rollbench.comparison.sources.lin.evidence.rotary_linear import (
 from rollbench.comparison.sources.lin.extremes.cases import pair_rows, root_rows
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
-from rollbench.lowfi.friction.linear.pair import PairMaps, maps
-from rollbench.meshes.arrays import Array
+from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, sweep
+from rollbench.lowfi.friction.linear.pair import BothModels, PairMaps, maps
 from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
@@ -111,25 +110,27 @@ def torque_figure() -> Figure:
     """Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
     true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
-    good = np.array([s == "exact" for s in printed.status])
+    good = np.array([s.motion.status == "exact" for s in printed])
     x, label = numbers(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
-    def curves(pick: Callable[[Sweep], Array], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+    def curves(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
         drawn = [
-            Series(name, x, numbers(np.where(ok, pick(s), np.nan), factor), "line", emphasis=name == "right")
-            for name, s, ok in laws
+            Series(
+                name, x, numbers(np.where(ok, [pick(s) for s in found], np.nan), factor), "line", emphasis=name == "right"
+            )
+            for name, found, ok in laws
         ]
         dots = [value_of("lin-3.2", f"{key}_{case}") for case in CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
-    losses = [Series(side, x, numbers(true.loss[:, i]), "line") for i, side in enumerate(SIDES)]
+    losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
     panels = (
-        Panel("sum of contact forces", label, "force / N", curves(lambda s: s.load.sum(axis=1), "F_sum"), zero=True),
+        Panel("sum of contact forces", label, "force / N", curves(lambda s: s.load.force.sum(), "F_sum"), zero=True),
         Panel("friction torque", label, "torque / N mm", curves(lambda s: s.torque, "torque", 1e3), zero=True),
         Panel("right: friction loss of each contact", label, "loss / W", losses, zero=True),
-        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion[:, 1], "omega_x")),
+        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion.q[1], "omega_x")),
     )
     missing = int(np.sum(~good))
     caption = (
@@ -164,13 +165,12 @@ def velocity_figure() -> Figure:
     return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)
 
 
-def map_panels(m: PairMaps, name: str, label: str) -> list[Panel]:
+def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
     """Numerical model, formula and their difference over rho, one curve per theta."""
     x = numbers(m.rho)
-    parts = (("numerical", name), ("formula", f"{name}_analytic"), ("formula less numerical", f"{name}_error"))
+    parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
-    for title, field in parts:
-        values: Array = getattr(m, field)
+    for title, values in parts:
         curves = [
             Series(f"θ = {degrees(t):+.0f}°", x, numbers(row), "line") for t, row in zip(m.theta, values, strict=True)
         ]
@@ -181,24 +181,25 @@ def map_panels(m: PairMaps, name: str, label: str) -> list[Panel]:
 def map_figures() -> tuple[Figure, Figure]:
     """Figures 3.14 and 3.15 as families of curves."""
     m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
+    short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
         "friction-difference",
         "Velocity difference of two balls (Figure 3.14)",
-        map_panels(m, "difference", "ε₁ − ε₂"),
+        map_panels(m, m.difference, "ε₁ − ε₂"),
         "The balls close in where the curve is above zero: θ and ρ of opposite sign. The formula is nearly straight in "
         "ρ and falls short by up to "
-        f"{np.abs(m.difference_error).max() / np.abs(m.difference).max():.0%} of the largest value at the corners.",
+        f"{short:.0%} of the largest value at the corners.",
         3,
     )
     second = Figure(
         "friction-force",
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
-        [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
+        [*map_panels(m, m.force, "force / N"), *map_panels(m, m.ratio, "loss ratio")],
         "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
-        f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
+        f"up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % of the baseline (printed as an "
         f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
-        f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
-        f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too.",
+        f"too small by up to {-m.force.error.min():.2f} N; its ratio is wrong by up to "
+        f"{np.abs(m.ratio.error).max():.2f} only, because its baseline is wrong too.",
         3,
     )
     return first, second

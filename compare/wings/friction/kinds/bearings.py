@@ -16,7 +16,7 @@ from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 from rollbench.comparison.wings.friction.kinds import common
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
-from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode
+from rollbench.lowfi.friction.bearing.rotary import Bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 
@@ -57,7 +57,7 @@ class BearingBallKeys(common.SectionKeys):
 
 @dataclass(frozen=True)
 class BearingBallScene(KindScene):
-    """One ball: bearing, axial force [N], radial displacement [m], Hertz constants, law with its parameters.
+    """One ball: bearing, axial force [N], radial displacement [m], law with its parameters.
 
     creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
     """
@@ -66,7 +66,6 @@ class BearingBallScene(KindScene):
     bearing: Bearing
     force: float
     displacement: float
-    hertz: Mode
     law: Law
     creep: float
     sharpness: float
@@ -75,11 +74,11 @@ class BearingBallScene(KindScene):
 
 def ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the model cannot treat."""
-    wrong = [*common.material_faults(keys.material), *common.body_faults(_ball_body(keys), ring=True)]
+    wrong = [*common.material_faults(keys.material), *common.body_faults(keys, ring=True)]
     yield from wrong
     if wrong:
         return
-    reach = _ball_body(keys).groove - keys.balls.radius
+    reach = common.groove_radius(keys.screw, keys.balls) - keys.balls.radius
     yield from common.play_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
     yield from _law_faults(keys.friction, keys.motion.speed)
 
@@ -98,29 +97,27 @@ def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
 
 
-def _ball_body(keys: BearingBallKeys) -> common.Body:
-    return common.Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
-
-
 def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
     """The scene of faultless keys."""
-    f, body = keys.friction, _ball_body(keys)
+    f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
-        body.groove,
+        common.groove_radius(keys.screw, keys.balls),
         keys.track.pitch_radius,
+        0.0,
         keys.track.contact_angle,
         *common.elastic(keys.material),
         f.coefficient,
+        0.0,
         keys.motion.speed,
-        0.0 - body.oversize,
+        hertz=keys.ingredients.mode,
+        clearance=0.0 - keys.errors.balls.oversize,
     )
     return BearingBallScene(
         *head_of(keys, name),
         bearing,
         keys.load.axial_force,
         keys.load.radial_displacement,
-        keys.ingredients.mode,
         f.law,
         f.creep or 0.0,
         f.sharpness or 0.0,
@@ -195,10 +192,6 @@ class BearingPairScene(KindScene):
     angle: Array
 
 
-def _bearing_body(b: RingKeys, table: str) -> common.Body:
-    return common.Body(b.track, b.screw, b.nut, b.balls, b.errors.balls.oversize, f"{table}.")
-
-
 def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the model cannot treat."""
     wrong = list(common.material_faults(keys.material))
@@ -206,14 +199,14 @@ def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
     if wrong:
         return
     for table, b in (("four_point", keys.four_point), ("double_row", keys.double_row)):
-        wrong = list(common.body_faults(_bearing_body(b, table), ring=True))
+        wrong = list(common.body_faults(b, f"{table}.", ring=True))
         yield from wrong
         if not wrong:
             most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
             if b.balls.count > most:
                 advice = "the balls would overlap: fewer or smaller balls"
                 yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
-            yield from common.hertz_faults(_bearing(keys, b, table).groove, f"{table}.")
+            yield from common.hertz_faults(_bearing(keys, b).groove, f"{table}.")
     if np.any(np.diff(keys.load.angles) <= 0.0):
         advice = "each state starts the next: sort the angles and give each once"
         yield Fault(("load.angles",), "angles in ascending order", advice)
@@ -221,11 +214,10 @@ def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero", "a friction torque needs a ring that turns")
 
 
-def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
-    body = _bearing_body(b, table)
+def _bearing(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
     groove = ScrewGroove(
         b.balls.radius,
-        body.groove,
+        common.groove_radius(b.screw, b.balls),
         b.track.pitch_radius,
         0.0,
         b.track.contact_angle,
@@ -240,11 +232,10 @@ def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
         half = 0.5 * b.rows.distance
         first, second = (OTHER, DIAGONAL) if b.rows.arrangement == "back to back" else (DIAGONAL, OTHER)
         rows = (BallRow(-half, first), BallRow(half, second))
-    return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - body.oversize, keys.load.tilt)
+    return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - b.errors.balls.oversize, keys.load.tilt)
 
 
 def pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """The scene of faultless keys."""
-    four = _bearing(keys, keys.four_point, "four_point")
-    double = _bearing(keys, keys.double_row, "double_row")
+    four, double = (_bearing(keys, b) for b in (keys.four_point, keys.double_row))
     return BearingPairScene(*head_of(keys, name), four, double, np.array(keys.load.angles))

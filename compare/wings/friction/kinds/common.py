@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 
@@ -22,8 +21,7 @@ from rollbench.comparison.scenes.keys import (
 )
 from rollbench.comparison.scenes.kinds import KindKeys
 from rollbench.comparison.scenes.quantity import Quantity, key
-from rollbench.lowfi.friction.bearing.rotary import Mode
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]
@@ -91,42 +89,42 @@ def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterat
         yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {mm(balls.radius)}", advice)
 
 
-@dataclass(frozen=True)
-class Body:
-    """Tables of one ring or screw, and where they stand (``prefix``: ``four_point.`` or empty)."""
+class Body(Protocol):
+    """Tables of one ring or screw."""
 
-    track: PathKeys
     screw: GrooveKeys
     nut: GrooveKeys
-    balls: BallSizeKeys
-    oversize: float
-    prefix: str = ""
+    errors: SharedErrorKeys
 
     @property
-    def groove(self) -> float:
-        """Groove radius of both parts [m]."""
-        return groove_radius(self.screw, self.balls)
+    def track(self) -> PathKeys:
+        """Path of the ball centres."""
+
+    @property
+    def balls(self) -> BallSizeKeys:
+        """The balls."""
 
 
-def body_faults(body: Body, *, ring: bool) -> Iterator[Fault]:
-    """Faults of grooves and path; ring: whether the lead must be zero rather than above it."""
-    p, track = body.prefix, body.track
+def body_faults(body: Body, p: str = "", *, ring: bool) -> Iterator[Fault]:
+    """Faults of grooves and path; p: where their tables stand (``four_point.``); ring: whether the lead must be zero rather
+    than above it."""
+    track, radius = body.track, groove_radius(body.screw, body.balls)
     for name, groove in (("screw", body.screw), ("nut", body.nut)):
         wrong = list(groove_faults(groove, body.balls, p + name))
         yield from wrong
         if wrong:
             return
-    if abs(groove_radius(body.nut, body.balls) / body.groove - 1.0) > 1e-12:
+    if abs(groove_radius(body.nut, body.balls) / radius - 1.0) > 1e-12:
         advice = "this kind has one groove section: for unlike grooves describe the whole screw or bearing"
-        yield Fault((f"{p}nut.groove_radius", f"{p}nut.conformity"), f"the screw's, {mm(body.groove)}", advice)
+        yield Fault((f"{p}nut.groove_radius", f"{p}nut.conformity"), f"the screw's, {mm(radius)}", advice)
     if ring and track.lead != 0.0:
         yield Fault((f"{p}track.lead",), '"0 mm"', "this kind describes rings, without a lead")
     if not ring and track.lead == 0.0:
         yield Fault((f"{p}track.lead",), "above 0 mm", "this kind describes a ball screw: give its lead")
-    if track.pitch_radius <= body.groove:
+    if track.pitch_radius <= radius:
         advice = "the balls run on a circle larger than the groove's section"
-        yield Fault((f"{p}track.pitch_radius",), f"above {mm(body.groove)}", advice)
-    yield from play_faults(body.groove - body.balls.radius, body.oversize, f"{p}errors.balls.oversize")
+        yield Fault((f"{p}track.pitch_radius",), f"above {mm(radius)}", advice)
+    yield from play_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{p}errors.balls.oversize")
 
 
 def play_faults(reach: float, size: float, where: str) -> Iterator[Fault]:

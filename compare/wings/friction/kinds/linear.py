@@ -15,8 +15,7 @@ from rollbench.comparison.scenes.keys import BallSizeKeys, ContactAngle, GrooveK
 from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 from rollbench.comparison.wings.friction.kinds import common
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
-from rollbench.lowfi.friction.linear.loads import Loads
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, deviations
 from rollbench.meshes.arrays import Array
 
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]

@@ -138,15 +138,11 @@ class ScrewRunScene(KindScene):
 def faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the models cannot treat."""
     wrong = list(common.material_faults(keys.material))
-    wrong = wrong or list(common.body_faults(_body(keys), ring=False))
+    wrong = wrong or list(common.body_faults(keys, ring=False))
     wrong = wrong or list(_screw_faults(keys))
     if not wrong and isinstance(keys, ScrewRunKeys):
         wrong = list(_run_faults(keys))
     yield from wrong
-
-
-def _body(keys: ScrewPairKeys | ScrewRunKeys) -> common.Body:
-    return common.Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
 
 
 def _screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
@@ -193,7 +189,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
     nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
     return ScrewGroove(
         keys.balls.radius,
-        _body(keys).groove,
+        common.groove_radius(keys.screw, keys.balls),
         track.pitch_radius,
         -track.lead if track.hand == "left" else track.lead,
         track.contact_angle,

@@ -6,14 +6,15 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, rows
 
 from rollbench.comparison.sources.lin.evidence import rotary_linear, source_cases
-from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
+from rollbench.lowfi.friction.screw.motion import source_law
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 SHARPNESS = source_cases.rotary("I", printed=True).sharpness
 #: The source's law with exact integrals in place of its maps.
-EXACT = source_law(rotary_linear.ROTARY, SHARPNESS, None)
+EXACT = source_law(rotary_linear.ROTARY, SHARPNESS)
 
 
 def as_source(displacement: float, law=EXACT):

@@ -12,7 +12,9 @@ from tests.sources.entries import check, keys, rows
 from rollbench.comparison.scenes.catalogue import scene
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
-from rollbench.lowfi.friction.screw.errors import Onset, contact_onset, groove_of
+from rollbench.lowfi.friction.screw.groove import contact_spacing
+from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.whole.onset import NUT, Onset, contact_onset
 from rollbench.lowfi.statics.static import solve_static
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -138,19 +140,17 @@ def test_roundness_brings_balls_together_sooner_than_pitch() -> None:
 def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_meet_sooner() -> None:
     """The conclusion rests on what lost balls do: at the nominal velocity it is gone."""
     assert onset("lin-roundness-4p1", 1.0).first > 10.0 * 2.0 * np.pi
-    o, g = onset("lin-roundness-4p1", 0.0), groove_of(scene("lin-roundness-4p1"))
+    o, s = onset("lin-roundness-4p1", 0.0), scene("lin-roundness-4p1")
     k = int(np.argmin(o.meeting))
     assert o.loaded[k] > 0.0 == o.loaded[k + 1]
     assert o.first == pytest.approx(o.gap / o.orbit[k], rel=1e-12)
-    assert o.gap == pytest.approx(2.0 * np.pi * 3.75 / 71 - g.pair.spacing, rel=1e-9)
+    assert o.gap == pytest.approx(2.0 * np.pi * 3.75 / 71 - contact_spacing(ball_path(s, NUT, s.balls.radius)), rel=1e-9)
 
 
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:
-    s = scene("lin-roundness-4p1")
-    left, unlike = replace(s.track, hand="left"), replace(s.nut, groove_radius=2.2e-3)
-    for words, other in (("right-hand", replace(s, track=left)), ("one groove radius", replace(s, nut=unlike))):
-        with pytest.raises(ValueError, match=words):
-            groove_of(other)
+    s = scene("lin-nominal-4p1")
+    with pytest.raises(ValueError, match="single start"):
+        contact_onset(replace(s, track=replace(s.track, starts=2)), solve_static(s))
     with pytest.raises(ValueError, match="zero lead"):
         four_point(tilt=False, groove=replace(four_point(tilt=False).groove, lead=1e-3))
     assert four_point(tilt=False).rows[0].contacts == ALL
