@@ -3,7 +3,6 @@
 import contextlib
 import io
 import json
-from collections.abc import Iterator
 from itertools import chain
 
 import pytest
@@ -20,7 +19,7 @@ NO_QUANTITY = (
 )
 
 
-def leaves(value: object, path: str = "") -> Iterator[tuple[str, object]]:
+def leaves(value: object, path: str = ""):
     """Paths and values of all that an answer holds."""
     if isinstance(value, dict):
         for key, inner in value.items():

@@ -122,17 +122,17 @@ def test_state_at_a_displacement_and_the_source_s_sharing():
     assert s.stiffness == pytest.approx(2e9)
 
 
-@pytest.mark.parametrize(
-    ("use", "words"),
-    [
-        (lambda: BearingSet((), (), ()), "at least one row"),
-        (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
-        (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
-        (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
-        (lambda: preloaded(ROW, (1, 1), 1e3), "both directions"),
-        (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
-    ],
-)
+REFUSED = [
+    (lambda: BearingSet((), (), ()), "at least one row"),
+    (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
+    (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
+    (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
+    (lambda: preloaded(ROW, (1, 1), 1e3), "both directions"),
+    (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
+]
+
+
+@pytest.mark.parametrize(("use", "words"), REFUSED)
 def test_refusals(use, words):
     with pytest.raises(ValueError, match=words):
         use()

@@ -14,7 +14,6 @@ from rollbench.comparison.models.modelling import varied
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.benchmark import answers, exporting
 from rollbench.comparison.wings.benchmark.command import run_score
-from rollbench.comparison.wings.benchmark.exporting import schema
 from rollbench.comparison.wings.benchmark.neutral import described
 from rollbench.comparison.wings.benchmark.problems import JUNCTION, PROBLEMS, RUNS, fixed_text, key_of
 from rollbench.comparison.wings.benchmark.scoring import Given, read, score
@@ -105,11 +104,12 @@ def test_a_missing_contact_is_named_but_one_that_the_answer_has_lost_which_may_n
     assert found.data["problems"][0]["beyond"][0]["contact"] == lost
 
 
-@pytest.mark.parametrize(
-    ("column", "right", "wrong"),
-    [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)]
-    + [(c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")],
-)
+BESIDE = [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)] + [
+    (c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")
+]
+
+
+@pytest.mark.parametrize(("column", "right", "wrong"), BESIDE)
 def test_what_stands_beside_a_load_is_judged_where_it_is_given(column, right, wrong):
     found = answers.shipped()["screw"]
     for change, passed in ((right, True), (wrong, False)):
@@ -119,18 +119,18 @@ def test_what_stands_beside_a_load_is_judged_where_it_is_given(column, right, wr
         assert {m.column for m in result.misses} == (set() if passed else {column})
 
 
-@pytest.mark.parametrize(
-    ("lines", "problem", "words"),
-    [
-        (["nonsense,1 SL,3"], (), "problem: got nonsense; allowed: two-balls"),
-        (["two-balls,3 SL,3"], (), "got 3 SL; allowed: ball 1 to 2 and flank"),
-        (["two-balls,1 SL,3", "two-balls,1 sl,3"], (), "line 3: contact: got two-balls, 1 SL again"),
-        (["two-balls,1 SL,many"], (), "line 2: load_N: got many"),
-        (["two-balls,1 SL,-3"], (), "line 2: load_N: got -3"),
-        ([], (), "no contacts"),
-        (["two-balls,1 SL,3"], ("nonsense",), "got nonsense"),
-    ],
-)
+REFUSED = [
+    (["nonsense,1 SL,3"], (), "problem: got nonsense; allowed: two-balls"),
+    (["two-balls,3 SL,3"], (), "got 3 SL; allowed: ball 1 to 2 and flank"),
+    (["two-balls,1 SL,3", "two-balls,1 sl,3"], (), "line 3: contact: got two-balls, 1 SL again"),
+    (["two-balls,1 SL,many"], (), "line 2: load_N: got many"),
+    (["two-balls,1 SL,-3"], (), "line 2: load_N: got -3"),
+    ([], (), "no contacts"),
+    (["two-balls,1 SL,3"], ("nonsense",), "got nonsense"),
+]
+
+
+@pytest.mark.parametrize(("lines", "problem", "words"), REFUSED)
 def test_a_file_that_cannot_be_judged_is_refused(lines, problem, words, tmp_path):
     with pytest.raises(InputError, match=words):
         run_score(file(tmp_path, lines), *problem)
@@ -172,7 +172,7 @@ def test_the_folder_is_small_its_hashes_hold_and_its_page_leaves_nothing_open(fo
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_plain_numbers_are_those_of_the_scene(name, folder):
     plain = json.loads((folder / "problems" / f"{name}.json").read_text(encoding="utf-8"))
-    pytest.importorskip("jsonschema").validate(plain, schema())
+    pytest.importorskip("jsonschema").validate(plain, exporting.schema())
     contacts = answers.shipped()[name]
     assert [b["number"] for s in plain["sets"] for b in s["balls"]] == list(range(1, len(contacts) // 4 + 1))
     track = plain["sets"][0]["helix"]

@@ -10,7 +10,6 @@ import pytest
 from rollbench.comparison import system
 from rollbench.comparison.wings.doctor import command as doctor
 from rollbench.meshes import libraries
-from rollbench.meshes.libraries import MESHING, PICTURES, install, missing
 from rollbench.reports import offscreen
 
 
@@ -36,7 +35,7 @@ def test_what_lacks_is_named_with_its_cost_and_remedy(command, monkeypatch: pyte
     bad = {check["name"]: check for check in data["checks"] if check["state"] == "missing"}
     assert (code, data["complete"], set(bad)) == (1, False, {"meshing", "memory"})
     assert "libgomp.so.1" in bad["meshing"]["found"]
-    assert bad["meshing"]["advice"] == install(MESHING)
+    assert bad["meshing"]["advice"] == libraries.install(libraries.MESHING)
     assert "no 3D meshes" in bad["meshing"]["cost"]
     assert bad["memory"]["found"] == "1.5 GB free"
 
@@ -101,6 +100,6 @@ def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path: Path) -
 
 
 def test_libraries_are_one_list() -> None:
-    assert missing({"libnothere.so.7": "nothing", "libc.so.6": "libc6"}) == ["libnothere.so.7"]
-    assert "libgomp1" in install(MESHING)
-    assert install(PICTURES) in offscreen.ADVICE
+    assert libraries.missing({"libnothere.so.7": "nothing", "libc.so.6": "libc6"}) == ["libnothere.so.7"]
+    assert "libgomp1" in libraries.install(libraries.MESHING)
+    assert libraries.install(libraries.PICTURES) in offscreen.ADVICE

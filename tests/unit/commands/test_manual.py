@@ -2,7 +2,6 @@
 
 import csv
 import re
-from pathlib import Path
 
 import pytest
 import yaml
@@ -15,13 +14,13 @@ drawings, generate = map(docs_module, ("drawings", "generate"))
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(tmp_path_factory: pytest.TempPathFactory):
     folder = tmp_path_factory.mktemp("reference")
     generate.pages(folder)
     return folder
 
 
-def test_reference_has_every_command_key_and_quantity_with_its_unit(written: Path) -> None:
+def test_reference_has_every_command_key_and_quantity_with_its_unit(written) -> None:
     commands = (written / "commands.md").read_text(encoding="utf-8")
     for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
         assert f"## `rollbench {name}`" in commands
@@ -59,7 +58,7 @@ def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_named_files_exist(page: Path) -> None:
+def test_named_files_exist(page) -> None:
     text = page.read_text(encoding="utf-8")
     for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests|docs)/[\w./*-]+)`", text):
         assert page.name == "CHANGELOG.md" or list(ROOT.glob(named.rstrip("/"))), named
@@ -68,7 +67,7 @@ def test_named_files_exist(page: Path) -> None:
         assert file.exists() or file.stem in ("commands", "quantities", "scene-file", "misprints"), target
 
 
-def test_every_drawing_is_made_and_shown(tmp_path: Path, written: Path) -> None:
+def test_every_drawing_is_made_and_shown(tmp_path, written) -> None:
     drawings.draw(tmp_path)
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
     for drawn in tmp_path.glob("*.svg"):

@@ -11,7 +11,6 @@ from tests.processes import ran
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.doctor import requirements as module
-from rollbench.comparison.wings.doctor.requirements import closure, run_requirements
 from rollbench.meshes.libraries import NEEDED_BY, ONLY_FOR, version
 
 ROOT = Path(__file__).parents[3]
@@ -20,7 +19,7 @@ LARGEST_MB = 400
 
 
 def lines(command: str) -> list[str]:
-    return run_requirements(command).data["requirements"]
+    return module.run_requirements(command).data["requirements"]
 
 
 def names(command: str) -> set[str]:
@@ -36,7 +35,7 @@ def test_commands_need_no_more_than_they_say_in_the_versions_of_this_environment
     assert names("solve") < names("compare") < names("report") == names("all")
     assert {"gmsh", "scikit-fem", "pymetis", "matplotlib"} <= names("compare")
     assert {"vtk", "typst", "trimesh"} <= names("report")
-    text = "\n".join(run_requirements("check").parts)
+    text = "\n".join(module.run_requirements("check").parts)
     assert all(f"# without {name}: " in text for name in ONLY_FOR)
     assert all(line.startswith("#") or "==" in line for line in text.splitlines())
 
@@ -44,7 +43,7 @@ def test_commands_need_no_more_than_they_say_in_the_versions_of_this_environment
 def test_a_package_that_is_not_installed_has_no_version(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "version", lambda name: None if name == "typst" else version(name))
     with pytest.raises(InputError, match=r"--requirements: got typst is not installed.*pip install typst"):
-        closure(["typst"])
+        module.closure(["typst"])
     assert "typst" not in names("check")
     assert set(NEEDED_BY) == {"check", "solve", "compare", "report", "all"}
 

@@ -16,7 +16,6 @@ from rollbench.comparison.commands.reporting import report, scene_page
 from rollbench.comparison.commands.reporting.verify import Checked
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.writing import need_writable, replace_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
@@ -112,7 +111,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
 
 def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
     assert Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
-    text = scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
+    text = catalogue.scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
     scene = scene_file.loads(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")
     assert scene.name == "bad\\x1bname"

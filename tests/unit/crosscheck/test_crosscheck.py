@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -161,7 +160,7 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
     assert found.uncertainty[0, 0] > abs(two[1] - two[0])[0, 0]  # any order and length fits
 
 
-def test_results_are_kept_with_all_that_identifies_them(tmp_path: Path):
+def test_results_are_kept_with_all_that_identifies_them(tmp_path):
     save(tmp_path, DATA)
     again = load(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
@@ -221,8 +220,8 @@ def test_the_key_is_of_what_a_checked_scene_says(monkeypatch):
     assert scene_key("two-balls") != before
 
 
-def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
-    def solved(text: str, _: Path):
+def test_a_study_runs_every_deck(tmp_path, monkeypatch):
+    def solved(text: str, _):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
         forces = {"SL": (3.0, 0.0, 4.0), "NR": (-3.0, 0.0, -4.0), "SR": (1.0, 0.0, 0.0), "NL": (-1.0, 0.0, 0.001)}
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
@@ -240,11 +239,11 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
     assert (half.half, half.weak) == (True, pytest.approx(0.002))
 
 
-def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, monkeypatch):
+def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path, monkeypatch):
     solved, meshed = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
     monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: meshed)
 
-    def run(text: str, _: Path):
+    def run(text: str, _):
         solved.append(digest(text))
         raise ValueError("not to be solved")
 
@@ -257,7 +256,7 @@ def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, mon
     assert (data.runs, len(solved), "stored" in said[0]) == ((stored,), 1, True)
 
 
-def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path, monkeypatch):
+def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path, monkeypatch):
     save(tmp_path, replace(DATA, key=scene_key("two-balls")))
     monkeypatch.setattr(Study, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
     found = crosscheck.section(Study(), print, tmp_path)

@@ -3,7 +3,6 @@
 import re
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -123,7 +122,7 @@ def test_units_and_names():
 
 @CCX
 @pytest.mark.parametrize("unit", ["mm", "m"])
-def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit, tmp_path: Path):
+def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit, tmp_path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
     found = run_calculix(write(stack(), unit), tmp_path)
     assert list(found.forces) == ["HIGH_FACE"]
@@ -139,7 +138,7 @@ def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit
 
 
 @CCX
-def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_path: Path):
+def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_path):
     options, scene = DeckOptions(b_over_h=0.5, growth=0.9), cut_scene(catalogue.scene("lin-case1"), 16, 16)
     found = check_nut(scene, tmp_path, options)
     assert np.ravel(found.theirs) == pytest.approx(3.3e-9, rel=0.2)  # m/N, one ball
@@ -220,7 +219,7 @@ def test_balls_cannot_turn_and_nothing_else_is_held():
         assert abs(np.linalg.det(relative)) > 1.0  # no rotation meets all three
 
 
-def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
+def test_what_a_deck_cannot_say_is_refused(tmp_path):
     scene, cut = catalogue.scene("two-balls"), catalogue.scene("lin-case1-cut")
     displaced = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
     uneven = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
@@ -282,7 +281,7 @@ def test_a_cut_keeps_its_balls_where_they_were():
             cut_scene(bad, 1, 2)
 
 
-def test_the_command_writes_a_deck(tmp_path: Path, command):
+def test_the_command_writes_a_deck(tmp_path, command):
     out = tmp_path / "cut.inp"
     cut = "--balls", "16:17", "--b-over-h", "0.7", "--growth", "0.8", "--unit", "m"
     assert "4 contacts; units m, N, Pa" in command.said("export", "lin-case1", "--deck", "ccx", *cut, "--out", out)

@@ -6,7 +6,6 @@ import sys
 import tomllib
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -29,9 +28,9 @@ def test_a_scene_that_passes_and_one_that_does_not(tmp_path: Path) -> None:
 
 
 def test_files_are_sought_in_the_folder_of_the_test(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given: dict[str, Any] = {}
+    given = {}
 
-    def asked(**keywords: Any) -> None:
+    def asked(**keywords) -> None:
         given.update(keywords)
         raise InputError("two-balls", "nothing", "none", "any", "")
 

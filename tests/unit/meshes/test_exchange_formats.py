@@ -154,10 +154,11 @@ def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
     assert (kind, width) == ("NodeData", 3)
     np.testing.assert_allclose(np.array(values), place[np.asarray(at, dtype=int)], atol=1e-14)
     if form == "msh":
-        entity = gmsh.model.getEntitiesForPhysicalGroup(*groups["low end"])[0]
-        ours = points[faces_of(mesh, "low end")]
-        corners = place[gmsh.model.mesh.getElements(2, entity)[2][0].astype(int)]
-        np.testing.assert_allclose(corners.reshape(ours.shape), ours)
+        for side in mesh.boundaries:
+            entities = gmsh.model.getEntitiesForPhysicalGroup(*groups[side])
+            ours = points[faces_of(mesh, side)]
+            corners = place[np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0] for e in entities]).astype(int)]
+            np.testing.assert_allclose(np.sort(corners.reshape(ours.shape), axis=0), np.sort(ours, axis=0))
         kind, at, values, _, _ = gmsh.view.getModelData(views["skfem:s:body"], 0)
         values, inside = np.array(values)[:, 0], np.isin(at, elements)
         assert kind == "ElementData"

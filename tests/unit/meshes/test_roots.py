@@ -1,7 +1,5 @@
 """Brent's method is that of scipy, digit for digit; near points are found alike with a tree and without."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import optimize

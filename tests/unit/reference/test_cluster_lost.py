@@ -1,7 +1,5 @@
 """A Dask cluster that is lost while jobs run: the last worker, the scheduler; and one that speaks TLS only."""
 
-from __future__ import annotations
-
 import copy
 import shutil
 import subprocess
@@ -15,7 +13,6 @@ from tests.jobs_in_order import run
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.parallel import use_tls
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
@@ -141,7 +138,7 @@ def test_jobs_run_over_tls(certificates):
             run([(sleepy, (0.0,))], "dask", local.scheduler_address)
         before = dask.config.get("distributed.comm")
         try:
-            use_tls(cert, cert, key)
+            parallel.use_tls(cert, cert, key)
             assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]
         finally:
             dask.config.set({"distributed.comm": before})
@@ -151,7 +148,7 @@ def test_certificates_come_together_and_can_be_read(tmp_path):
     (tmp_path / "a.pem").write_text("x")
     name = str(tmp_path / "a.pem")
     with pytest.raises(InputError, match="--tls-key"):
-        use_tls(name, name, None)
+        parallel.use_tls(name, name, None)
     with pytest.raises(InputError, match="No such file"):
-        use_tls(name, str(tmp_path / "b.pem"), name)
-    use_tls(None, None, None)
+        parallel.use_tls(name, str(tmp_path / "b.pem"), name)
+    parallel.use_tls(None, None, None)

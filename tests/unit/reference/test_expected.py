@@ -3,7 +3,6 @@
 import json
 import os
 import stat
-from pathlib import Path
 
 import pytest
 
@@ -57,7 +56,7 @@ def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
         assert memory < 3.0
 
 
-def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path: Path, monkeypatch) -> None:
+def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(module, "available_GB", lambda: 1.0)
     with pytest.raises(InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), lambda _: None)
@@ -105,7 +104,7 @@ def test_time_left_counts_further_tasks_and_every_load_case() -> None:
     assert progress.under_way == progress.label
 
 
-def test_an_interrupt_says_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     said: list[str] = []
 
     def stopped(*_: object) -> None:
@@ -129,7 +128,7 @@ def test_a_reader_that_goes_away_is_seen() -> None:
     os.close(write)
 
 
-def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
+def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
     before = os.umask(0o077)
     try:
         replace_file(tmp_path / "run.json", json.dumps({}))

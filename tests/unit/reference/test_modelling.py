@@ -1,7 +1,6 @@
 """Modelling uncertainty: what each variant changes, what counts, and how choices add."""
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -118,7 +117,7 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     assert modelling_percent("lin-case3", {"lin-case1": found}) is None
 
 
-def test_what_a_store_holds(tmp_path: Path) -> None:
+def test_what_a_store_holds(tmp_path) -> None:
     assert varied(CASE1, (tmp_path,)) == []
     for variant, first in (("", 101.0), ("base", 100.0), ("junction", 102.0)):
         save(tmp_path, CASE1, run_of("lin-case1", 1, loads(first), variant))

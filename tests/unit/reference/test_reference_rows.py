@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from tests.reference_records import run_of
 
 from rollbench.comparison.gate import gate
 from rollbench.comparison.models import comparison
-from rollbench.comparison.models.comparison import from_result, gate_points, reference_answers, rows, solved
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference, reference, reference_of
@@ -80,7 +78,7 @@ def _found(name: str) -> Reference:
 
 
 def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    points = gate_points("lin-case1", _found("lin-case1"), 7.0, Study().solve("lin-case1").load)
+    points = comparison.gate_points("lin-case1", _found("lin-case1"), 7.0, Study().solve("lin-case1").load)
     worst = max(points, key=lambda p: abs(p.error_percent) - p.uncertainty_percent)
     limit = abs(worst.error_percent) - worst.uncertainty_percent - 0.01
     known = comparison.known_exceedances()
@@ -94,7 +92,7 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene, found = CASE1, _found("lin-case1")
-    of_lin = rows(scene, from_result(solved(MODELS["lin"], scene, found, None)[0]), found)
+    of_lin = comparison.rows(scene, comparison.from_result(comparison.solved(MODELS["lin"], scene, found, None)[0]), found)
     assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
     for quantity, most in (("load", 10.0), ("contact angle", 0.3)):
         bars = [r.reference_error for r in of_lin if r.quantity == quantity]
@@ -109,8 +107,8 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
     ratio = next(r for r in of_lin if r.quantity.startswith("largest over smallest"))
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
-    finest = next(a for a in reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
-    assert all(r.error_percent == 0.0 for r in rows(scene, finest, found) if r.quantity == "load")
+    finest = next(a for a in comparison.reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
+    assert all(r.error_percent == 0.0 for r in comparison.rows(scene, finest, found) if r.quantity == "load")
 
 
 def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
@@ -148,7 +146,7 @@ def test_the_largest_and_smallest_loads_are_those_of_each_level(name: str, sides
         assert largest["uncertainty"] == ball["uncertainty"]
 
 
-def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path: Path) -> None:
+def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path) -> None:
     """Three variants of two modelling choices, one of how the nut is held, and one of the mesh, on ball 3's load on SL."""
     moves = {"land": 3.0, "land-wide": -5.0, "hole": 12.0, "nut-right": -7.0, "modes": 99.0}
     for variant, move in {"": 0.0, **moves}.items():
@@ -182,7 +180,7 @@ def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     assert text.endswith("Hardly better than the one before: level 4.")
 
 
-def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
+def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     scene, coarse = CASE1, np.full((32, 4), 100.0)
     coarse[:, 1:3] = 0.0
     finer = coarse.copy()
@@ -205,7 +203,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
     assert not any(" SR" in row["quantity"] or " NL" in row["quantity"] for row in study_table(scene, (tmp_path,)))
 
 
-def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path: Path) -> None:
+def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path) -> None:
     """The figure of a mesh study: values over the cell size, a bar at the finest, the power law to cells of no size."""
     for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]

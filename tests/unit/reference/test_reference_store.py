@@ -1,7 +1,6 @@
 """Stored runs of the 3D reference and condensed bodies: keys, damage, what serves in place of what."""
 
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from rollbench.meshes.solid import dimensions
 CASE1 = catalogue.scene("lin-case1")
 
 
-def test_round_trip_and_damage(tmp_path: Path) -> None:
+def test_round_trip_and_damage(tmp_path) -> None:
     loads = np.arange(128.0).reshape(32, 4)
     run = run_of("lin-case1", 2, loads)
     file = save(tmp_path, CASE1, run)
@@ -61,7 +60,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     assert len({key, *found}) == 11
 
 
-def test_only_converged_runs_are_stored(tmp_path: Path) -> None:
+def test_only_converged_runs_are_stored(tmp_path) -> None:
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
     with pytest.raises(ValueError, match="no reference: not held: because"):
         save(tmp_path, CASE1, failed)
@@ -69,7 +68,7 @@ def test_only_converged_runs_are_stored(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path: Path) -> None:
+def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path) -> None:
     loads = np.ones((32, 4))
     wide = run_of("lin-case1", 1, loads, group=("lin-case1", "lin-case2"))
     assert wide.settings["reach"] > run_of("lin-case1", 1, loads).settings["reach"]
@@ -97,7 +96,7 @@ def test_scenes_of_the_same_parts_share_a_set_up() -> None:
     assert geometry_of(scenes[0]) != geometry_of(replace(scenes[0], solid=replace(scenes[0].solid, nut="rigid")))
 
 
-def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Path) -> None:
+def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path) -> None:
     bodies = bodies_of(CASE1, 2)
     bodies.save(tmp_path / "a.npz")
     read = load_condensed(tmp_path / "a.npz")
@@ -110,7 +109,7 @@ def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Pa
             load_condensed(tmp_path / f"{name}.npz")
 
 
-def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path: Path) -> None:
+def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path) -> None:
     """A run under other loads has the same geometry, but its patches' own terms are sampled elsewhere."""
     run = run_of("lin-case1", 1, np.ones((32, 4)))
     heavy = replace(CASE1, loads=(replace(CASE1.loads[0], force=(0.0, 0.0, 60e3)),))

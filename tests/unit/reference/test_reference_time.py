@@ -9,7 +9,6 @@ import pytest
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.reference import LABELS as NAMES
 from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
@@ -17,13 +16,13 @@ from rollbench.comparison.wings.bench.sections import reference_time
 from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, time_figures, time_panel, time_table
 from rollbench.comparison.wings.mesh_study import section as reference_mesh
 from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports.records import Figure
 
 STUDY = Study()
 
 
 @cache
-def stored() -> dict[str, Reference]:
+def stored():
     return STUDY.references((*REFERENCED, *UNSEEN))
 
 
@@ -74,12 +73,6 @@ def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() ->
     rows = time_table({"x": points}).rows
     assert [r["status"] for r in rows] == ["", "no convergence", "", "", ""]
     assert time_table({"x": [point("m", "model", 1.0, 1.0, memory=None)]}).rows[0]["memory"] == "not measured"
-
-
-def test_bars_of_another_length_are_refused() -> None:
-    wrong = Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5]))
-    with pytest.raises(ValueError, match="error bars"):
-        draw(Figure("f", "t", (Panel("p", "x", "y", (wrong,)),)))
 
 
 def test_unseen_scenes_have_a_figure() -> None:

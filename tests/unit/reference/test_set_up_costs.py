@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import asdict, replace
-from pathlib import Path
 
 from rollbench.comparison.reference.expected import STAGES
 from rollbench.comparison.reference.store import shipped_store
@@ -15,7 +14,7 @@ JOB = SetUp(
 COSTS = Costs("a machine", "a day", [JOB], [Way("a screw", "coarser", 2.0, 0.01)])
 
 
-def test_costs_are_read_as_they_were_written(tmp_path: Path) -> None:
+def test_costs_are_read_as_they_were_written(tmp_path) -> None:
     (tmp_path / SET_UP_COSTS).write_text(json.dumps(asdict(COSTS)))
     assert load_costs([tmp_path / "none", tmp_path]) == COSTS
     (tmp_path / SET_UP_COSTS).write_text("{}")

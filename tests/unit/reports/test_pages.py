@@ -63,6 +63,18 @@ def written(tmp_path_factory):
     return html.write(report(), tmp_path_factory.mktemp("report") / "out").parent
 
 
+VERDICTS = [
+    *(("Reproduced", "good"), ("converged", "good"), ("not converged", "bad"), ("no convergence", "bad")),
+    *(("nominal only", "other"), ("open", "open"), ("left out", "other")),
+]
+
+
+COLUMNS = [
+    *(([7, "12"], True), (["−3.5", None, "–"], True), ([1.5e-3], True)),
+    *((["7 of 9"], False), (["a"], False), ([None], False)),
+]
+
+
 @pytest.mark.usefixtures("no_picture")
 class TestPage:
     def test_files(self, tmp_path):
@@ -155,13 +167,7 @@ class TestPage:
         wanted += ["tag tag-as-printed", "verdict verdict-open"]
         assert [mark for mark in marks if mark.startswith(("tag", "verdict"))] == wanted
 
-    @pytest.mark.parametrize(
-        ("text", "kind"),
-        [
-            *(("Reproduced", "good"), ("converged", "good"), ("not converged", "bad"), ("no convergence", "bad")),
-            *(("nominal only", "other"), ("open", "open"), ("left out", "other")),
-        ],
-    )
+    @pytest.mark.parametrize(("text", "kind"), VERDICTS)
     def test_verdicts(self, text, kind):
         assert cells.verdict(text) == kind
 
@@ -191,13 +197,7 @@ class TestPage:
         assert "No row has an entry under: as printed." in page
         assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").startswith("ball,as printed,claim")
 
-    @pytest.mark.parametrize(
-        ("cells_", "number"),
-        [
-            *(([7, "12"], True), (["−3.5", None, "–"], True), ([1.5e-3], True)),
-            *((["7 of 9"], False), (["a"], False), ([None], False)),
-        ],
-    )
+    @pytest.mark.parametrize(("cells_", "number"), COLUMNS)
     def test_whole_numbers_and_numbers_as_text_are_set_to_the_right(self, cells_, number):
         column = Quantity("a", "a", format="s")
         assert cells.is_number(column, Table("t", "T", (column,), [{"a": c} for c in cells_])) is number

@@ -10,6 +10,12 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.reports import scene3d
 
+ENDS = [
+    (-11, b"", "no off-screen OpenGL.*libegl1 libgl1 libxrender1"),
+    (1, b"ImportError: libGL.so.1: cannot open", "libGL.so.1.*libgl1"),
+    (1, b"Traceback\nTypeError: odd", "TypeError: odd"),
+]
+
 
 class TestScene:
     @pytest.mark.parametrize(("name", "starts"), [("lin-case1", 1), ("unseen-63x20", 2), ("unseen-four-point", 1)])
@@ -34,14 +40,7 @@ class TestScene:
         assert first <= low <= high <= last
         assert (first, last, labels) == pytest.approx(expected)
 
-    @pytest.mark.parametrize(
-        ("code", "stderr", "words"),
-        [
-            (-11, b"", "no off-screen OpenGL.*libegl1 libgl1 libxrender1"),
-            (1, b"ImportError: libGL.so.1: cannot open", "libGL.so.1.*libgl1"),
-            (1, b"Traceback\nTypeError: odd", "TypeError: odd"),
-        ],
-    )
+    @pytest.mark.parametrize(("code", "stderr", "words"), ENDS)
     def test_says_why_a_picture_cannot_be_drawn(self, tmp_path, monkeypatch, code, stderr, words):
         def run(command, **_):
             return subprocess.CompletedProcess(command, code, b"", stderr)

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -13,7 +12,6 @@ from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.catalogue_input import MATERIALS
 from rollbench.comparison.scenes.keys import MaterialName
 from rollbench.comparison.scenes.like import double_nut_like, scene_like
@@ -54,7 +52,7 @@ ARCS = 'arcs = [["-300 deg", "-60 deg"], ["60 deg", "300 deg"]]'
 def test_diameters_are_the_radii_to_the_last_digit_and_an_oversize_is_one_by_preload() -> None:
     assert read(PITCH, BALL) == read()
     assert read(('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"\npitch_radius = "16.5 mm"')) == read()
-    preloaded = scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
+    preloaded = catalogue.scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
     assert scene_file.loads(preloaded, "lin-case3.toml") == catalogue.scene("lin-case3")
 
 
@@ -135,7 +133,7 @@ def test_40x10_is_near_the_shipped_one_and_a_size_beyond_the_rules_is_refused() 
             scene_like(size)
 
 
-def test_new_like_from_the_command_line(tmp_path: Path, command) -> None:
+def test_new_like_from_the_command_line(tmp_path, command) -> None:
     assert "without --kind" in command.refused("new", tmp_path / "a.toml", "--like", "40x10", "--kind", "bearing")
     for kind, text in (((), scene_like("40x10")), (("--kind", "double-nut"), double_nut_like("40x10"))):
         file = tmp_path / f"{len(kind)}.toml"
@@ -174,7 +172,7 @@ def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
 
 
 def test_rollers_have_no_computed_rating_to_preload_by() -> None:
-    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", scene_text("smith-axis-taper"))
+    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", catalogue.scene_text("smith-axis-taper"))
     changed = text.replace("[[sets]]", '[[sets]]\npreload = "5 % of C"\nthrust = "+z"', 1)
     changed = re.sub(r'(thrust = "\+z"\n(?:(?!\[\[sets).)*?\n)thrust = .*?\n', r"\1", changed, count=1, flags=re.DOTALL)
     with pytest.raises(SceneError, match=r"sets\[0\]\.preload: got .5 % of C.; allowed: a force"):

@@ -41,18 +41,6 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
         assert getattr(scene, part) == getattr(case, part)
 
 
-def test_template_shows_every_key_and_loads_with_all_optional_ones():
-    text = template()
-    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
-    cycle = scene_file.read(full, "full.toml")
-    scene = cycle.parts
-    assert cycle.cases[0].scene.errors.balls.oversize == 3e-6
-    assert scene.errors.NR.profile == (2e-6, -0.25e-6)
-    assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
-    words = set(re.findall(r"\w+", text))
-    assert not schema_keys(tidy_schema(SceneKeys)) - words
-
-
 @pytest.mark.parametrize("kind", [*WHOLE, *FRICTION_ONLY])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     text = template(kind.replace(" ", "-"))
@@ -61,9 +49,8 @@ def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     assert f'kind = "{kind}"' in text
     keys = SceneKeys if kind in WHOLE else KINDS[kind].keys
     words = set(re.findall(r"\w+", text))
-    left_out = {"circulation"} if kind == "bearing" else set()
-    assert set(tidy_schema(keys)["properties"]) - left_out <= words
-    if kind in FRICTION_ONLY:
+    assert set(tidy_schema(keys)["properties"]) - {"circulation"} <= words
+    if kind != "bearing":
         assert schema_keys(tidy_schema(keys)) <= words
     optional = [line for line in text.splitlines() if re.match(r"# \w+ = ", line)]
     assert optional

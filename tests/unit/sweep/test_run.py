@@ -21,7 +21,6 @@ from rollbench.comparison.wings.sweep import run as sweeping
 from rollbench.comparison.wings.sweep import sample as sampling
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
-from rollbench.comparison.wings.sweep.sample import solve_sample
 from rollbench.comparison.wings.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion
@@ -174,7 +173,7 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
 
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
     text = scene_text("lin-case3")
-    found = solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
+    found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
     scene = scene_file.loads(text, "lin-case3.toml")
     options = Options(discretisation=False)
     result = run_model(scene, "lin", options)
@@ -184,17 +183,17 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
-    bare = solve_sample(scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
+    bare = sampling.solve_sample(scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
     text = scene_text("lin-pitch-2p1")
-    found = solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
+    found = sampling.solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
     load = run_model(scene_file.loads(text, "lin-pitch-2p1.toml"), "lin", options).load
     assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
 
 
 def test_several_sets_have_the_same_outputs():
-    found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
+    found = sampling.solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
     answers = gather_axis(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
@@ -216,7 +215,7 @@ def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_
 
 def test_a_sample_is_the_solution_of_its_scene():
     sweep = sweep_of("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
-    found = solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
+    found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
     result = run_model(scene_file.loads(text, "x.toml"), "lin", Options(discretisation=False))
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
