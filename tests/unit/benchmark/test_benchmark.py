@@ -104,9 +104,8 @@ def test_a_missing_contact_is_named_but_one_that_the_answer_has_lost_which_may_n
     assert found.data["problems"][0]["beyond"][0]["contact"] == lost
 
 
-BESIDE = [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)] + [
-    (c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")
-]
+BESIDE = [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)]
+BESIDE += [(c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")]
 
 
 @pytest.mark.parametrize(("column", "right", "wrong"), BESIDE)

@@ -98,9 +98,7 @@ def test_list_and_schema(command) -> None:
     for words in ("lin-case1", "lin-B1", "scenes, linear pair\n  lin-pair-a"):
         assert words in out
     assert "lin-screw-run" in command.answer("list")["scenes"]["screw run"]
-    schema = json.loads(command.said("schema"))
-    assert len(schema["oneOf"]) == 8
-    assert "track" in schema["$defs"]["SceneKeys"]["properties"]
+    assert len(json.loads(command.said("schema"))["oneOf"]) == 8
 
 
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])

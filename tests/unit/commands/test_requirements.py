@@ -3,17 +3,16 @@
 import os
 import sys
 import venv
-from pathlib import Path
 
 import pytest
 from hatchling.builders.wheel import WheelBuilder
+from tests.copies import ROOT
 from tests.processes import ran
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.doctor import requirements as module
 from rollbench.meshes.libraries import NEEDED_BY, ONLY_FOR, version
 
-ROOT = Path(__file__).parents[3]
 #: Largest environment of the gate beside stored runs [MB].
 LARGEST_MB = 400
 
@@ -49,7 +48,7 @@ def test_a_package_that_is_not_installed_has_no_version(monkeypatch: pytest.Monk
 
 
 @pytest.mark.installs
-def test_the_gate_runs_in_an_environment_of_these_lines_alone(tmp_path: Path) -> None:
+def test_the_gate_runs_in_an_environment_of_these_lines_alone(tmp_path) -> None:
     (wheel,) = WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
     (tmp_path / "requirements.txt").write_text("\n".join(lines("check")) + "\n", encoding="utf-8")
     venv.create(tmp_path / "small", with_pip=False)

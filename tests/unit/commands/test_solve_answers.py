@@ -135,10 +135,10 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None
     assert max(map(len, out.splitlines())) <= 100
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")],
-)
+PIPED = [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")]
+
+
+@pytest.mark.parametrize("words", PIPED)
 def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     """No box-drawing, no colours, no line wider than 100."""
     done = ran(*COMMAND, *words, environ={"FORCE_COLOR": ""})
@@ -242,9 +242,10 @@ def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
     assert re.search("WARNING outside what the models mean: nut 1: .*nut 2: preload", head)
 
 
-@pytest.mark.parametrize(
-    ("modulus", "code"), [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
-)
+MODULI = [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
+
+
+@pytest.mark.parametrize(("modulus", "code"), MODULI)
 def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, command, modulus: str, code: int) -> None:
     material = f'youngs_modulus = "{modulus}"\npoissons_ratio = 0.3'
     rest = (('force = "5 % of C"', 'oversize = "0.1 um"'), (', "5.7 kN"]', ', "100 N"]'))

@@ -20,17 +20,16 @@ from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.reference.store import save, shipped_store
 from rollbench.comparison.reference.tasks import settings_of
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import SIDES
 
 SCENE = "lin-case1"
 
 
-def scene() -> Scene:
-    return catalogue.scene(SCENE)
+GIVEN = catalogue.scene(SCENE)
 
 
 def stored():
-    return referenced(scene(), (shipped_store(),))[0].found
+    return referenced(GIVEN, (shipped_store(),))[0].found
 
 
 def table(path, heads: str, cells):
@@ -41,7 +40,7 @@ def table(path, heads: str, cells):
 
 
 def judged(**what: object) -> list[Verdict]:
-    return check_scenes([scene()], asked(compute=False, **what), Engine(), lambda _: None)
+    return check_scenes([GIVEN], asked(compute=False, **what), Engine(), lambda _: None)
 
 
 #: Factors of headings by quantity.
@@ -72,7 +71,7 @@ def test_units_of_the_header_are_obeyed(tmp_path) -> None:
 
 def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path) -> None:
     found = stored()
-    approach, pressure = (judging.hertz_of(scene(), x, found.load) for x in (judging.APPROACH, judging.PRESSURE))
+    approach, pressure = (judging.hertz_of(GIVEN, x, found.load) for x in (judging.APPROACH, judging.PRESSURE))
     angle = np.nan_to_num(found.best.angle)
     angle[4, 0] += 1.2
     approach[7, 3] *= 1.05
@@ -112,9 +111,9 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     file = values(tmp_path / "v.csv", *rows)
     moved, there, stiff, life = judged(values=file, limits=["rigidity=10"])
     found = stored()
-    place, at = np.interp([scene().nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
+    place, at = np.interp([GIVEN.nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
     assert moved.error == pytest.approx(100.0 * (22.5e-6 / place - 1.0))
-    assert moved.uncertainty == pytest.approx(float(grid_uncertainty(scene(), found, COMPARED[2])[0]), rel=1e-6)
+    assert moved.uncertainty == pytest.approx(float(grid_uncertainty(GIVEN, found, COMPARED[2])[0]), rel=1e-6)
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
@@ -139,7 +138,7 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
 
 def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     """At another load the reference is that of the scene with its loads in proportion, here stored by the test."""
-    half, run = scaled(scene(), 0.5), stored().best
+    half, run = scaled(GIVEN, 0.5), stored().best
     line = run.centreline * np.array([1.0, 0.5, 0.5, 0.55])
     settings = asdict(settings_of([half], run.level, ""))
     (tmp_path / "store").mkdir()
@@ -147,7 +146,7 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     file = values(tmp_path / "v.csv", "rigidity,226,N/um,5 kN", "rigidity,206,N/um,2.5 kN", "rigidity,180,N/um,1 kN")
     whole, less, least = judged(values=file, store=tmp_path / "store")
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
-    assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(scene().nut.position, line[:, 0], line[:, 3])), rel=1e-3)
+    assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.nut.position, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
     none = "no stored run of its 3D reference, and none is to be computed"
     assert least.line() == f"NOT COVERED: lin-case1, v.csv: rigidity at 1 kN: {none}"
@@ -161,7 +160,7 @@ def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
 
 def test_a_place_without_load_is_counted_from(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rollbench.comparison.gate.judged.unloaded_place", lambda *_: 2e-6)
-    verdict = value_verdict("x", GivenValue(judging.DISPLACEMENT, 2.005e-5), scene(), stored(), Limits())
+    verdict = value_verdict("x", GivenValue(judging.DISPLACEMENT, 2.005e-5), GIVEN, stored(), Limits())
     assert (verdict.word, verdict.detail) == ("pass", "from the place without loads, by refined 2 um")
 
 

@@ -11,18 +11,17 @@ from rollbench.comparison.gate.reference_file import exceeding, read_reference
 from rollbench.comparison.reference.estimate import reference
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import SIDES
 
 SCENE = "two-balls"
 
 
-def scene() -> Scene:
-    return catalogue.scene(SCENE)
+GIVEN = catalogue.scene(SCENE)
 
 
 def written(path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0):
     """The stored reference's own loads, that of ball 2 SR times a factor."""
-    load = reference(scene()).load.copy()
+    load = reference(GIVEN).load.copy()
     load[1, 1] *= factor
     heads = "ball,flank,newton" + (f",{column}" if column else "")
     rows = [f"{b + 1},{s},{load[b, k]:.9g}{f',{each}' if column else ''}" for b in range(2) for k, s in enumerate(SIDES)]
@@ -50,7 +49,7 @@ def test_ones_own_reference_flips_a_verdict(command, tmp_path) -> None:
 
 
 def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
-    mean = reference(scene()).mean
+    mean = reference(GIVEN).mean
     file = tmp_path / "a.csv"
     for notes, column, each, expected in (
         ((), "", 0.0, 0.0),
@@ -58,10 +57,10 @@ def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
         (("# uncertainty: 0.5 %",), "", 0.0, 0.005 * mean),
         ((), "uncertainty_kN", 0.003, 3.0),
     ):
-        found, unknown = read_reference(written(file, *notes, column=column, each=each), scene())
+        found, unknown = read_reference(written(file, *notes, column=column, each=each), GIVEN)
         np.testing.assert_allclose(found.uncertainty, expected, rtol=1e-12)
         assert (unknown, found.label, found.levels) == ((), "a.csv", ())
-    found, _ = read_reference(written(file, column="uncertainty_percent", each=2.0), scene())
+    found, _ = read_reference(written(file, column="uncertainty_percent", each=2.0), GIVEN)
     np.testing.assert_allclose(found.uncertainty, 0.02 * found.load)
     assert exceeding(found, 2.1) == ""
     assert "2 % at ball" in exceeding(found, 1.9)
@@ -82,7 +81,7 @@ def test_faulty_references_are_refused(tmp_path, notes, given, change, words) ->
     file = written(tmp_path / "a.csv", *notes, **given)
     file.write_text(re.sub(*change, file.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(InputError, match=words):
-        read_reference(file, scene())
+        read_reference(file, GIVEN)
 
 
 REFUSED = [
@@ -127,5 +126,5 @@ def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
     bench = series[1]
-    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)
+    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * reference(GIVEN).mean, rel=0.2)
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

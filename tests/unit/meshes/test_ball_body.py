@@ -69,10 +69,10 @@ def socket_volume(m, socket):
     return float((angle * (m.ball**3 - inner)).sum()) / 3.0
 
 
-@pytest.mark.parametrize(
-    ("beta", "sides"),
-    [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR), (65.0, (2, 3)), (78.0, (0, 3))],
-)
+BALLS = [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR), (65.0, (2, 3)), (78.0, (0, 3))]
+
+
+@pytest.mark.parametrize(("beta", "sides"), BALLS)
 def test_ball(beta, sides):
     m = GrooveMap.of(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)

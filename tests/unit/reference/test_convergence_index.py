@@ -82,9 +82,10 @@ def test_few_levels_and_the_size_of_one() -> None:
         assert convergence.pool(np.ones((len(sizes), 2)), sizes) == pytest.approx([0.0, 0.0])
 
 
-@pytest.mark.parametrize(
-    ("values", "sizes"), [([1.0, 2.0], [1.0, 2.0]), ([1.0, 2.0], [1.0]), ([1.0, np.nan], [2.0, 1.0]), ([], [])]
-)
+UNLIKE = [([1.0, 2.0], [1.0, 2.0]), ([1.0, 2.0], [1.0]), ([1.0, np.nan], [2.0, 1.0]), ([], [])]
+
+
+@pytest.mark.parametrize(("values", "sizes"), UNLIKE)
 def test_what_does_not_go_together_is_refused(values: list[float], sizes: list[float]) -> None:
     with pytest.raises(ValueError, match="sizes"):
         convergence.observe(values, sizes)

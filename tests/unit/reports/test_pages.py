@@ -207,6 +207,9 @@ class TestPage:
         assert contents(written) == contents(tmp_path / "b")
 
 
+UNFIT = [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]
+
+
 class TestReplacing:
     def test_leftovers_of_an_older_report_are_removed(self, tmp_path):
         (tmp_path / "out").mkdir()  # an empty directory is taken
@@ -265,9 +268,7 @@ class TestReplacing:
         with pytest.raises(ValueError, match="is a file"):
             html.write(report(table()), mine)
 
-    @pytest.mark.parametrize(
-        ("items", "words"), [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]
-    )
+    @pytest.mark.parametrize(("items", "words"), UNFIT)
     def test_unfit_names_are_refused(self, tmp_path, items, words):
         with pytest.raises(ValueError, match=words):
             html.write(report(*items), tmp_path / "out")

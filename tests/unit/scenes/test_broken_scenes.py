@@ -111,10 +111,10 @@ def test_names_that_do_not_exist_and_an_empty_file(tmp_path):
         catalogue.any_scene(str(tmp_path / "none.toml"))
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")],
-)
+UNREADABLE = [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")]
+
+
+@pytest.mark.parametrize(("name", "value"), UNREADABLE)
 def test_unreadable(tmp_path, name, value):
     with pytest.raises(SceneError) as caught:
         scene_file.load(f"{tmp_path}/{name}" if name else tmp_path)

@@ -17,13 +17,6 @@ from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_O
 NAMES = catalogue.whole_names()
 
 
-def test_scenes_are_shipped():
-    cases = ("case1", "case2", "case3", "case3-clamped", "case3-offset", "case3-offset-clamped")
-    errors = ("combined", "nominal-4p1", "pitch", "pitch-2p1", "pitch-4p1", "profile", "random")
-    assert set(NAMES) >= {"bearing-9", "bearing-9-preload", *(f"lin-{name}" for name in (*cases, *errors))}
-    assert set(NAMES) >= {"lin-roundness-2p1", "lin-roundness-4p1"}
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_shipped_scene_loads(name):
     scene = catalogue.scene(name)

@@ -35,19 +35,14 @@ from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.sweep import run as sweeping, store
 from rollbench.comparison.wings.sweep.keys import read_vary
-
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed
 text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
 what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
-
-
 def lines():
     return sum(path.read_bytes().count(b"\\n") for path in (folder / store.RECORDS).glob("*.lines"))
-
-
 killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
