@@ -22,6 +22,7 @@ from rollbench.comparison.wings.crosscheck.calculix import run_calculix
 from rollbench.comparison.wings.crosscheck.export_deck import run
 from rollbench.hifi.several_sets import bodies_of
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
 
@@ -197,16 +198,12 @@ def test_the_scene_leaves_no_dimension_to_an_assumption(name, folder):
 
 
 def test_step_files_open_in_gmsh(tmp_path):
-    import gmsh
-
     written = (write_step(PROBLEMS[name], tmp_path) for name in ("two-balls", "three-balls"))
     files = {path.stem: worst for found in written for path, worst in found.items()}
     assert {name for name, worst in files.items() if worst == 0.0} == {"two-balls", "three-balls"}
     assert 0.0 < files["three-balls-grooves"] < 1e-6
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        volumes = {}
+    volumes = {}
+    with session() as gmsh:
         for name in files:
             gmsh.model.add(name)
             gmsh.model.occ.importShapes(str(tmp_path / f"{name}.step"))
@@ -214,8 +211,6 @@ def test_step_files_open_in_gmsh(tmp_path):
             volumes[name] = sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(3))
             if name == "three-balls-grooves":
                 assert len(gmsh.model.getEntities(2)) == 4
-    finally:
-        gmsh.finalize()
     ball = 4.0 / 3.0 * np.pi * 4.005**3
     r = np.linspace(18.4 - 4.0, 18.4, 200001)[:-1]  # the groove of the inner ring: 2 pi r times its width at r
     centre, radius = 20.0 + 0.4 * np.cos(np.pi / 4.0), 4.4

@@ -352,11 +352,3 @@ def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
     for k, socket in enumerate(spec.sockets):
         points = seen[0][k * len(raised) : (k + 1) * len(raised)]
         np.testing.assert_allclose(points, socket_points(m, spec.size, socket, raised), atol=1e-15)
-
-
-def test_each_attempt_at_a_mesh_differs_from_the_one_before():
-    """Frontal and Delaunay faces in turn, sizes that never grow; the last takes the other algorithm for the volume."""
-    faces, volumes, sizes = zip(*shells.ATTEMPTS, strict=True)
-    assert faces == (6, 5) * (len(faces) // 2)
-    assert list(sizes) == sorted(sizes, reverse=True)
-    assert volumes == (*[1] * (len(volumes) - 1), 4)
