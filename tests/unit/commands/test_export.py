@@ -5,6 +5,7 @@ import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import meshio
 import numpy as np
@@ -228,10 +229,7 @@ def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
 
 
 def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monkeypatch):
-    def never(*_):
-        raise AssertionError("meshed")
-
-    monkeypatch.setattr(export_command, "part_mesh", never)
+    monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=AssertionError("meshed")))
     bodies, patches = ("screw", "nut", "ball"), ("patch-SL", "patch-NR")
     sockets, of_balls = (f"{body}-with-sockets" for body in bodies), (f"ball-{patch}" for patch in patches)
     assert parts_of(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
@@ -253,11 +251,7 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"a\.vtu: file: got "):
         run_export(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache)
-
-    def bad(*_):
-        raise ValueError("a contact patch does not fit")
-
-    monkeypatch.setattr(export_command, "part_mesh", bad)
+    monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=ValueError("a contact patch does not fit")))
     with pytest.raises(InputError, match="lin-case1: screw: a contact patch does not fit"):
         run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1)
 

@@ -16,12 +16,8 @@ pytestmark = pytest.mark.xdist_group("run in time")
 SCENE = replace(small_screw(6, 0.6, force=(0.0, 0.0, 400.0)), friction=MU, motion=TURN, time=Time(angle=0.1, steps=4))
 
 
-@pytest.fixture(scope="module")
-def found():
-    return section(SCENE, run_model(SCENE, DEFAULT, Options()), Options())
-
-
-def test_the_page_shows_torque_over_turn_coefficient_and_play(found):
+def test_the_page_shows_torque_over_turn_coefficient_and_play():
+    found = section(SCENE, run_model(SCENE, DEFAULT, Options()), Options())
     turn, coefficient, play = found.items[1].panels
     given = solve_scene(replace(SCENE, time=None), Choices()).data
     torque = given["torque"]["friction_torque_Nmm"]

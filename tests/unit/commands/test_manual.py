@@ -25,8 +25,7 @@ def test_reference_has_every_command_key_and_quantity_with_its_unit(written) -> 
     for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
         assert f"## `rollbench {name}`" in commands
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
-    for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases"):
-        assert table in scene
+    assert [table for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases") if table not in scene] == []
     text = (written / "quantities.md").read_text(encoding="utf-8")
     units = {"axial.rigidity_N_per_um": "N/µm", "loads.worst_ball": "–", "rigidities_N_per_um.with_bodies": "N/µm"}
     assert "`loads.max_N`" in text
@@ -70,8 +69,7 @@ def test_named_files_exist(page) -> None:
 def test_every_drawing_is_made_and_shown(tmp_path, written) -> None:
     drawings.draw(tmp_path)
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
-    for drawn in tmp_path.glob("*.svg"):
-        assert f"_static/{drawn.name}" in scene
+    assert [drawn for drawn in tmp_path.glob("*.svg") if f"_static/{drawn.name}" not in scene] == []
     lengths = " ".join(p.read_text(encoding="utf-8") for p in tmp_path.glob("*.svg"))
     keys = "screw.length nut.length track.lead nut.flange.seat solid.shaft groove_radius screw.bore"
     assert [key for key in keys.split() if key not in lengths] == []

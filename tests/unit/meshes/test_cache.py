@@ -9,6 +9,7 @@ import resource
 from dataclasses import dataclass, replace
 from functools import wraps
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -174,11 +175,8 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
 
 
 def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch):
-    def interrupt(*_, **__):
-        raise KeyboardInterrupt
-
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "replace", interrupt)
+        patch.setattr(Path, "replace", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             answers(Cache(tmp_path))
     assert stored(tmp_path) == []
@@ -222,11 +220,7 @@ def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path, capsys
 
 def test_a_read_only_folder_still_answers(tmp_path: Path, capsys, monkeypatch):
     Cache(tmp_path).get(record, (1,), Record)
-
-    def refuse(*_, **__):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(Path, "write_bytes", refuse)
+    monkeypatch.setattr(Path, "write_bytes", Mock(side_effect=PermissionError(13, "Permission denied")))
     store = Cache(tmp_path)
     answers(store, never(record))
     for k in (2, 3):

@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -24,11 +25,8 @@ def test_every_piece_of_work_has_its_own_peak() -> None:
 
 
 def test_a_record_that_was_not_started_anew_is_not_quoted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> int:
-        raise PermissionError
-
     monkeypatch.setattr(memory, "_stale", False)
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "write_text", refuse)
+        patch.setattr(Path, "write_text", Mock(side_effect=PermissionError))
         assert not memory.reset_peak()
     assert memory.peak_MB() is None

@@ -3,6 +3,7 @@
 import json
 import os
 import stat
+from unittest.mock import Mock
 
 import pytest
 
@@ -105,12 +106,8 @@ def test_time_left_counts_further_tasks_and_every_load_case() -> None:
 
 
 def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    said: list[str] = []
-
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(jobs, "compute_with_bodies", stopped)
+    said = []
+    monkeypatch.setattr(jobs, "compute_with_bodies", Mock(side_effect=KeyboardInterrupt))
     monkeypatch.setattr(jobs, "reader_gone", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
@@ -144,10 +141,7 @@ def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
 
 def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("gmsh")
-
-    def ended(*_: object, **__: object) -> None:
-        raise MemoryError("a process of the set-up was ended from outside")
-
+    ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))
     monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
     with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
         compute(TASK)

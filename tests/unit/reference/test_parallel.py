@@ -287,3 +287,13 @@ def test_workers_are_started_only_where_they_are_worth_it(monkeypatch, worth):
     alone = jobs.first_here([(os.getpid, ())] * 3, jobs.Engine(), "samples", said.append)
     assert dict(alone) == dict.fromkeys(range(3), os.getpid())
     assert list(jobs.first_here([], jobs.Engine(workers=2), "samples", said.append)) == []
+
+
+def test_certificates_come_together_and_can_be_read(tmp_path):
+    (tmp_path / "a.pem").write_text("x")
+    name = str(tmp_path / "a.pem")
+    with pytest.raises(InputError, match="--tls-key"):
+        parallel.use_tls(name, name, None)
+    with pytest.raises(InputError, match="No such file"):
+        parallel.use_tls(name, str(tmp_path / "b.pem"), name)
+    parallel.use_tls(None, None, None)

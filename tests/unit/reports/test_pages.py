@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from tests.report_samples import contents, figure, paged, report, screw, table
@@ -223,11 +224,7 @@ class TestReplacing:
     def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
         html.write(report(table()), tmp_path / "out")
         before = contents(tmp_path)
-
-        def fail(_):
-            raise error
-
-        monkeypatch.setattr(pages, "draw_parts", fail)
+        monkeypatch.setattr(pages, "draw_parts", Mock(side_effect=error))
         with pytest.raises(error):
             html.write(report(table("new"), figure("new")), tmp_path / "out")
         assert contents(tmp_path) == before
