@@ -47,10 +47,8 @@ def ball_bearing():
 def test_rows_share_thrust_as_their_laws_say(pattern):
     row, gap = BallRow(ball_bearing()), 6e-6
     signs = [1 if c == "+" else -1 for c in pattern]
-    sets = [
-        bearing(f"row {i}", 0.03 + 0.02 * i, f"{c}z", offset=-s * gap)
-        for i, (c, s) in enumerate(zip(pattern, signs, strict=True))
-    ]
+    ways = enumerate(zip(pattern, signs, strict=True))
+    sets = [bearing(f"row {i}", 0.03 + 0.02 * i, f"{c}z", offset=-s * gap) for i, (c, s) in ways]
     for thrust in (0.0, 500.0, -500.0, 4000.0):
         found = solved(with_load(*sets, force=(0.0, 0.0, thrust)))
         closed = equilibrium(BearingSet((row,) * len(signs), tuple(signs), (gap,) * len(signs)), thrust)
@@ -78,10 +76,8 @@ def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
 
 def test_rollers_of_a_shaft_that_tilts_are_loaded_unevenly():
     tilted = Support(0.15, (*((k, 0.0) for k in ("ux", "uy", "rx", "rz")), ("ry", 2e-4)))
-    found, relieved = (
-        solved(with_load(rollers, force=(0.0, 0.0, 3000.0), at=0.15, held=tilted))
-        for rollers in (roller_set(), replace(roller_set(), parts=replace(ROLLERS, crown=2.0)))
-    )
+    rows = roller_set(), replace(roller_set(), parts=replace(ROLLERS, crown=2.0))
+    found, relieved = (solved(with_load(row, force=(0.0, 0.0, 3000.0), at=0.15, held=tilted)) for row in rows)
     assert np.ptp(found.sets[0].line_loads, axis=1).max() > 0.2 * found.sets[0].line_loads.max()
     assert relieved.sets[0].line_loads[:, [0, -1]].max() < found.sets[0].line_loads[:, [0, -1]].max()
 

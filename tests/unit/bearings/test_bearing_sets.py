@@ -60,11 +60,9 @@ def test_equilibrium_balances_and_minimises_the_energy(force):
 
     def energy(u):
         """From that at the solution on: there the loads are smooth, but at lift-off."""
-        work = [
-            quad(r.load, max(d * s.displacement + g, 0.0), max(d * u + g, 0.0), epsrel=1e-11)[0]
-            for r, d, g in zip(rows.rows, rows.directions, rows.offsets, strict=True)
-        ]
-        return 1e3 * (sum(work) - force * (u - s.displacement))
+        each = zip(rows.rows, rows.directions, rows.offsets, strict=True)
+        ends = ((r.load, max(d * s.displacement + g, 0.0), max(d * u + g, 0.0)) for r, d, g in each)
+        return 1e3 * (sum(quad(*of, epsrel=1e-11)[0] for of in ends) - force * (u - s.displacement))
 
     found = minimize_scalar(energy, bounds=(s.displacement - 3e-5, s.displacement + 3e-5), options={"xatol": 1e-12})
     assert found.x == pytest.approx(s.displacement, abs=2e-9)

@@ -51,11 +51,8 @@ SCENE = four_balls()
 #: Two balls in a shorter nut, for result fields.
 TWO = replace(SCENE, balls=replace(SCENE.balls, azimuths=(-1.2, 1.2)), nut=replace(SCENE.nut, length=24e-3))
 #: The same nut held by the annulus of a flange.
-FLANGED = replace(
-    TWO,
-    nut=replace(TWO.nut, flange=Flange(1.5 * TWO.nut.outer_diameter, 6e-3, (28e-3, 34e-3))),
-    solid=replace(TWO.solid, nut_held="flange"),
-)
+FLANGE = Flange(1.5 * TWO.nut.outer_diameter, 6e-3, (28e-3, 34e-3))
+FLANGED = replace(TWO, nut=replace(TWO.nut, flange=FLANGE), solid=replace(TWO.solid, nut_held="flange"))
 #: Changes of mesh level 1.
 COARSE = {"b_over_h": 1.0, **two_balls.COARSE}
 

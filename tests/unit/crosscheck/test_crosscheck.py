@@ -69,10 +69,8 @@ def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) ->
     return replace(CrossRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
 
 
-RUNS = (
-    *(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4))),
-    *(a_run(1.1, 0.6, 1e18), a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT)),
-)
+RUNS = tuple(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4), (1.1, 0.6, 1e18)))
+RUNS += (a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT),)
 DATA = CrossData("two-balls", "k", "0", "4", RUNS)
 
 

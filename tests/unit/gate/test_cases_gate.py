@@ -110,13 +110,9 @@ def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bod
 
     path, store, set_ups, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.prepare
     monkeypatch.setattr(setup, "prepare", lambda *given, **options: set_ups.append(1) or prepare(*given, **options))
-    commands = {
-        "solve": (),
-        "compare": ("--levels", "1", "--store", store),
-        "check": ("--stored", store, "--limit", "life=50", "--limit", "contact angle=5"),
-        "friction": (),
-    }
-    for word, options in commands.items():
+    limits = "--limit", "life=50", "--limit", "contact angle=5"
+    commands = {"solve": (), "compare": ("--levels", "1", "--store", store), "check": ("--stored", store, *limits)}
+    for word, options in (commands | {"friction": ()}).items():
         model = () if word == "compare" else ("--model", "lin")
         _, found = command.json(word, path, *model, *options, "--json")
         assert list(dict.fromkeys(one["case"] for one in found["cases"])) == ["rest", "push", "loose"], word

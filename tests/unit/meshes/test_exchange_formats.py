@@ -34,10 +34,8 @@ def example(name: str) -> skfem.Mesh:
     """A cube with two named sides that share an edge; its cells of second order are straight."""
     points, cells = cube(name, 2)
     faces = boundary_faces(cells, name)
-    sides = {
-        "low end": faces[np.all(points[faces][:, :, 2] < 1e-12, axis=1)],
-        "side": faces[np.all(points[faces][:, :, 0] > 1.0 - 1e-12, axis=1)],
-    }
+    x, _, z = points[faces].transpose(2, 0, 1)
+    sides = {"low end": faces[np.all(z < 1e-12, axis=1)], "side": faces[np.all(x > 1.0 - 1e-12, axis=1)]}
     return mesh_of(points + np.array([0.1, 0.2, 0.3]), cells, name, sides)[0]
 
 

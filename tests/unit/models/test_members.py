@@ -85,12 +85,9 @@ def test_moments_of_balls_between_rigid_rings():
     base = catalogue.scene("two-balls")
     ((support,), sigma, count) = base.supports, 1e-6, 150
     fixed = tuple((name, 0.0 if name == "ux" else value) for name, value in support.fixed)
-    scene = replace(
-        base,
-        supports=(replace(support, fixed=fixed),),
-        errors=replace(base.errors, balls=BallErrors(oversize=1e-6, sigma=sigma)),
-        ingredients=replace(base.ingredients, hertz="error-free"),
-    )
+    drawn, hertz = BallErrors(oversize=1e-6, sigma=sigma), replace(base.ingredients, hertz="error-free")
+    held = replace(base, supports=(replace(support, fixed=fixed),), ingredients=hertz)
+    scene = replace(held, errors=replace(base.errors, balls=drawn))
     found = run_members(scene, "lin", count)
     bare = member_of(without_draws(scene))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)

@@ -17,13 +17,8 @@ from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
 MAKERS = ("MASTA", "NSK", "Jones and Harris", "CONTACT", "Ansys VM63", "SNFA", "GMN", "THK", "HIWIN", "Rexroth")
-SOURCES = {
-    "lin": "Lin (2019), ",
-    "smith": "Smith (1994), ",
-    "liu": "Liu et al. (2025), ",
-    "kalker": "Kalker (1990), ",
-    "external": tuple(f"{maker}, " for maker in MAKERS),
-}
+SOURCES = {"lin": "Lin (2019), ", "smith": "Smith (1994), ", "liu": "Liu et al. (2025), ", "kalker": "Kalker (1990), "}
+SOURCES |= {"external": tuple(f"{maker}, " for maker in MAKERS)}
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
 
 
@@ -169,13 +164,8 @@ def test_hard_entries_by_kind():
 
 def test_counts_of_the_report_keep_kinds_apart():
     rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
-    found = [
-        Evidence(rows["mu"], value=0.1),
-        Evidence(rows["psi"], value=rows["psi"].value),
-        Evidence(rows["yaw"], value=600.0),
-        Evidence(rows["worst_increase"], holds=True),
-        Evidence(rows["speed"], value=11.0),
-    ]
+    values = {"mu": 0.1, "psi": rows["psi"].value, "yaw": 600.0, "speed": 11.0}
+    found = [*(Evidence(rows[key], value=x) for key, x in values.items()), Evidence(rows["worst_increase"], holds=True)]
     audited = [Audited(one, *judge(one)) for one in found]
     of_audit = audit_counts(audited)[-1]
     said = verdicts.total_text(audited)

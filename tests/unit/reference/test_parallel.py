@@ -124,10 +124,8 @@ def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
     from rollbench.comparison.wings.sweep.run import run_samples
 
     sweep = sweep_of("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
-    here, there = (
-        run_samples(sweep, tmp_path / name, engine, lambda _: None)
-        for name, engine in (("here", jobs.Engine()), ("there", jobs.Engine("dask", scheduler, 2)))
-    )
+    engines = {"here": jobs.Engine(), "there": jobs.Engine("dask", scheduler, 2)}
+    here, there = (run_samples(sweep, tmp_path / name, engine, lambda _: None) for name, engine in engines.items())
     assert here == there
     assert [here[n]["status"] for n in range(12)] == ["converged"] * 12
 

@@ -100,17 +100,14 @@ def test_pair_scenes_are_the_library_s(case, reading):
 
 
 def test_pair_takes_pattern_direction_hand_and_hertz():
-    scene = loaded(
-        "lin-screw-pair-a",
-        ("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"),
-        ('"axial"', '"radial"'),
-        ('"50 N"', '"0.1 kN"'),
+    loads = (("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"), ('"axial"', '"radial"'), ('"50 N"', '"0.1 kN"'), ('"1 rps"', '"60 rpm"'))
+    rest = (
         ('hand = "right"', 'hand = "left"'),
-        ("[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'),
-        ('"1 rps"', '"60 rpm"'),
         ('"ball"', '"ball and screw"'),
         ('oversize = "0 um"', 'oversize = "-1 um"'),
     )
+    hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
+    scene = loaded("lin-screw-pair-a", *loads, hertz, *rest)
     groove = replace(plain(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))

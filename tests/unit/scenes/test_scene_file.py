@@ -31,13 +31,8 @@ def test_shipped_scene_loads(name):
 
 
 def test_case_3_supports():
-    held = {
-        "": {"ux": 0.0, "uy": 0.0},
-        "-offset": {"ux": 3e-4, "uy": 0.0},
-        "-offset-clamped": {"ux": 3e-4, "uy": 0.0, "rx": 0.0, "ry": 0.0},
-        "-ux": {"ux": 0.0},
-        "-offset-ux": {"ux": 3e-4},
-    }
+    held = {"": {"ux": 0.0, "uy": 0.0}, "-offset": {"ux": 3e-4, "uy": 0.0}, "-ux": {"ux": 0.0}, "-offset-ux": {"ux": 3e-4}}
+    held |= {"-offset-clamped": {"ux": 3e-4, "uy": 0.0, "rx": 0.0, "ry": 0.0}}
     for end, fixed in held.items():
         assert catalogue.scene(f"lin-case3{end}").supports[1].fixed == tuple(fixed.items())
     assert catalogue.scene("lin-case3").errors.balls.oversize == 7e-6
