@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.lowfi.bearings import axis
-from rollbench.lowfi.bearings.as_printed import series_stiffness
+from rollbench.lowfi.bearings import as_printed, axis
 
 SHAFT = {"length": 1.3, "area": 9.6e-4, "young": 207e9}
 AXIS = axis.Axis(**SHAFT, left=1.8e9, right=0.9e9)
@@ -73,7 +72,7 @@ def test_sum_in_series_is_softer_than_any_topology():
     k = 1.75e9
     a = axis.Axis(**SHAFT, left=k, right=k)
     middle = float(axis.shaft_stiffness(axis.Axis(**SHAFT), 0.65))
-    summed = series_stiffness((k, k), middle, NUT)
+    summed = as_printed.series_stiffness((k, k), middle, NUT)
     right = float(axis.axis_stiffness(a, 0.65, NUT))
     assert 1 / summed - 1 / middle - 1 / NUT == pytest.approx(2.0 / k, rel=1e-12)
     assert 1 / right - 1 / middle - 1 / NUT == pytest.approx(0.5 / k, rel=1e-9)

@@ -11,16 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError
+from rollbench.comparison import __version__, errors
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes.catalogue import scene as shipped
-from rollbench.comparison.scenes.scene_file import loads
+from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, section, startup, waits
+from rollbench.comparison.wings.bench import bench, prepared, section, startup, waits
 from rollbench.comparison.wings.bench.arguments import bench as bench_command
 from rollbench.comparison.wings.bench.costs import timing
-from rollbench.comparison.wings.bench.prepared import Energy, Source
 from rollbench.lowfi.jit import code_folder
 from rollbench.lowfi.statics.kernel.ball import MZ
 
@@ -32,8 +29,8 @@ def test_timing_is_a_median_after_an_uncounted_run():
 
 
 def test_runs_begin_from_the_same_state_and_a_warm_one_carries_one_per_cent_more_load():
-    scene = shipped("lin-case1")
-    energy, before, source = Energy(scene), Energy(scene), Source(scene)
+    scene = catalogue.scene("lin-case1")
+    energy, before, source = prepared.Energy(scene), prepared.Energy(scene), prepared.Source(scene)
     before.cold()
     first = before.prepared.force.copy()
     assert first.max() > 100.0
@@ -51,7 +48,7 @@ def test_runs_begin_from_the_same_state_and_a_warm_one_carries_one_per_cent_more
 
 
 def test_failed_source_gives_no_ratio_and_a_power_law_its_exponent():
-    task = Source(shipped("lin-case1"))
+    task = prepared.Source(catalogue.scene("lin-case1"))
     task.begin = task.begin * 0.0  # no contact anywhere: singular
     assert (bench._source_seconds(task, 1), bench._ratio(None, 1.0), bench._ratio(3.0, 2.0)) == (None, None, 1.5)
     assert bench._power([10, 100, 1000], [3.0, 300.0, 30000.0]) == pytest.approx(2.0)
@@ -165,15 +162,15 @@ def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path
     waits.keep(tmp_path, later)
     assert waits.kept([tmp_path / "none", tmp_path]) == [one, later]
     assert [row["measured"] for row in waits.spent_table(waits.kept([tmp_path])).rows] == [one.when, other.when]
-    with pytest.raises(InputError, match="--long"):
+    with pytest.raises(errors.InputError, match="--long"):
         next(waits.long_jobs(["frist"], None))
-    with pytest.raises(InputError, match="add --long"):
+    with pytest.raises(errors.InputError, match="add --long"):
         bench_command(["audit"])
 
 
 @pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
 def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
-    longer, case = loads(waits._balls(count), "balls"), shipped("lin-case1")
+    longer, case = scene_file.loads(waits._balls(count), "balls"), catalogue.scene("lin-case1")
     assert (longer.ball_count, longer.nut.length) == (count, pytest.approx(length))
     assert np.diff(longer.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
     assert longer.time.steps == 200

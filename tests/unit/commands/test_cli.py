@@ -13,8 +13,7 @@ import pytest
 from tests.processes import python
 
 from rollbench.comparison.commands import listing
-from rollbench.comparison.commands.arguments import commands
-from rollbench.comparison.commands.arguments.order import ORDER
+from rollbench.comparison.commands.arguments import commands, order
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
@@ -122,11 +121,11 @@ def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: P
 
 def test_help_begins_with_what_one_starts_with(command) -> None:
     out = command.said("--help")
-    places = [out.index(heading) for heading in ORDER]
+    places = [out.index(heading) for heading in order.ORDER]
     assert places == sorted(places)
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
-    listed = {name for names in ORDER.values() for name in names}
+    listed = {name for names in order.ORDER.values() for name in names}
     assert listed <= {*commands()}
     assert "refined, the default" in " ".join(command.said("compare", "--help").split())
     # paragraphs are wrapped whole, and no empty default is shown

@@ -14,9 +14,8 @@ from rollbench.comparison.models.comparison import Loads, compared_models, optio
 from rollbench.comparison.models.model_form import estimate, shipped_points
 from rollbench.comparison.models.registry import MODELS, run_model
 from rollbench.comparison.models.total_uncertainty import Choices, Total
+from rollbench.comparison.reference import grid_parts, store
 from rollbench.comparison.reference.estimate import Reference, reference
-from rollbench.comparison.reference.grid_parts import GridParts
-from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
@@ -37,7 +36,7 @@ def case():
     scene = catalogue.scene("lin-case1")
     exact = loads(scene, "3D reference", 1.0)
     runs = (SimpleNamespace(level=1, moving=0.0),)
-    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
+    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), grid_parts.GridParts(0.2))
     models = [
         output.beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
     ]
@@ -104,8 +103,8 @@ def test_answers_of_model_and_reference_stand_side_by_side(case) -> None:
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
     scene = catalogue.scene("unseen-short-nut")
-    found = reference(scene, (tmp_path, shipped_store()))
-    whole = output.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, shipped_store()))
+    found = reference(scene, (tmp_path, store.shipped_store()))
+    whole = output.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, store.shipped_store()))
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.force == pytest.approx(axial_force(result), rel=1e-6)

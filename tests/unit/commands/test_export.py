@@ -23,12 +23,9 @@ from rollbench.comparison.wings.crosscheck.calculix import run_calculix
 from rollbench.comparison.wings.export import command as export_command
 from rollbench.comparison.wings.export.command import parts_of, run_export
 from rollbench.hifi.bodies import submodel
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.forms import elasticity, share
-from rollbench.meshes import bridge
+from rollbench.hifi.elements import assembly, forms
+from rollbench.meshes import bridge, parts, solid
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, nodes_on, points_of
-from rollbench.meshes.parts import Flange
-from rollbench.meshes.solid import dimensions
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 
@@ -51,7 +48,7 @@ SCENE = four_balls()
 #: Two balls in a shorter nut, for result fields.
 TWO = replace(SCENE, balls=replace(SCENE.balls, azimuths=(-1.2, 1.2)), nut=replace(SCENE.nut, length=24e-3))
 #: The same nut held by the annulus of a flange.
-FLANGE = Flange(1.5 * TWO.nut.outer_diameter, 6e-3, (28e-3, 34e-3))
+FLANGE = parts.Flange(1.5 * TWO.nut.outer_diameter, 6e-3, (28e-3, 34e-3))
 FLANGED = replace(TWO, nut=replace(TWO.nut, flange=FLANGE), solid=replace(TWO.solid, nut_held="flange"))
 #: Changes of mesh level 1.
 COARSE = {"b_over_h": 1.0, **two_balls.COARSE}
@@ -162,18 +159,18 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
     for part, mesh in solids.items():
         faces = np.concatenate(list(mesh.boundaries.values()))
         np.testing.assert_array_equal(np.sort(faces), mesh.boundary_facets())
-        volume = float(share().assemble(assembly.cells(mesh)).sum())
+        volume = float(forms.share().assemble(assembly.cells(mesh)).sum())
         if part == "ball":
             assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
         if part == "nut":
-            land = dimensions(TWO).land
+            land = solid.dimensions(TWO).land
             tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
             groove = 0.5 * np.pi * (TWO.nut.groove_radius) ** 2 * TWO.nut.length / TWO.track.lead
             groove *= np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
             assert tube - groove < volume < tube - 0.3 * groove
     # where the scene says so, the groove of the nut ends
     filled = coarse_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut")
-    through, ended = (float(share().assemble(assembly.cells(mesh)).sum()) for mesh in (solids["nut"], filled))
+    through, ended = (float(forms.share().assemble(assembly.cells(mesh)).sum()) for mesh in (solids["nut"], filled))
     assert ended > 1.02 * through
 
 
@@ -263,7 +260,7 @@ def moved_here(points: np.ndarray, cells: np.ndarray, held: np.ndarray, forces: 
     assert np.array_equal(number, np.arange(len(points)))
     free = np.setdiff1d(np.arange(forces.size), (3 * held[:, None] + np.arange(3)).ravel())
     u = np.zeros(forces.size)
-    u[free] = spsolve(assembly.assemble(elasticity(*STEEL), mesh)[free][:, free], forces.ravel()[free])
+    u[free] = spsolve(assembly.assemble(forms.elasticity(*STEEL), mesh)[free][:, free], forces.ravel()[free])
     return u.reshape(-1, 3)
 
 

@@ -4,12 +4,10 @@ from importlib import import_module
 
 import pytest
 
-from rollbench.comparison.commands.reporting import report
-from rollbench.comparison.commands.reporting.first import COSTLY
+from rollbench.comparison.commands.reporting import first, report
 from rollbench.comparison.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models import ladder, model_form
-from rollbench.comparison.models.applicability import PLACES
+from rollbench.comparison.models import applicability, ladder, model_form
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.reports.records import Section, Table
@@ -28,7 +26,7 @@ def test_wanted_parts():
     assert [p.name for p in report.wanted_parts([])] == list(report.SECTIONS)
     quick = report.wanted_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
-    assert {p.name for p in quick}.isdisjoint({*COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
+    assert {p.name for p in quick}.isdisjoint({*first.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
     with pytest.raises(InputError, match="no-such"):
         report.wanted_parts(["no-such"])
 
@@ -53,5 +51,5 @@ def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: p
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2
     report.save_model_form(Study())
-    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE, PLACES]
-    assert (tmp_path / PLACES).read_bytes() == (shipped_store() / PLACES).read_bytes()
+    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE, applicability.PLACES]
+    assert (tmp_path / applicability.PLACES).read_bytes() == (shipped_store() / applicability.PLACES).read_bytes()

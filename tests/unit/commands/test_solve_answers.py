@@ -24,8 +24,7 @@ from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.reference.estimate import reference
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.like import scene_like
+from rollbench.comparison.scenes import catalogue, like
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic
@@ -203,7 +202,7 @@ def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command
 
 
 def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
-    text = scene_like("40x10")
+    text = like.scene_like("40x10")
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)

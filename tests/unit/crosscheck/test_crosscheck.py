@@ -7,11 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.measure import load_error
+from rollbench.comparison import errors, measure
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_parts import GridParts
+from rollbench.comparison.reference import estimate, grid_parts
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck import section as crosscheck
 from rollbench.comparison.wings.crosscheck import study as crosscheck_study
@@ -74,11 +72,11 @@ RUNS += (a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT),)
 DATA = CrossData("two-balls", "k", "0", "4", RUNS)
 
 
-def ours(loads: list[np.ndarray]) -> Reference:
+def ours(loads: list[np.ndarray]) -> estimate.Reference:
     """A reference of runs with these loads."""
 
     runs = tuple(SimpleNamespace(level=k, load=x) for k, x in enumerate(loads, start=1))
-    return Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), GridParts(1.0))
+    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), grid_parts.GridParts(1.0))
 
 
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
@@ -170,7 +168,7 @@ def test_results_are_kept_with_all_that_identifies_them(tmp_path):
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
         path_of(tmp_path, "two-balls").write_text(json.dumps(broken))
-        with pytest.raises(InputError, match="results that rollbench crosscheck wrote"):
+        with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
             load(tmp_path, "two-balls")
 
 
@@ -207,7 +205,7 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
 
 
 def test_the_key_is_of_what_a_checked_scene_says(monkeypatch):
-    with pytest.raises(InputError, match="two-balls, lin-case1-cut"):
+    with pytest.raises(errors.InputError, match="two-balls, lin-case1-cut"):
         checked_scene("lin-case1")
     before = scene_key("two-balls")
     text = checked_scene("two-balls").title
@@ -247,7 +245,7 @@ def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path, monkeypat
 
     monkeypatch.setattr(crosscheck_study, "run_calculix", run)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.9)])
-    with pytest.raises(InputError, match="not to be solved"):
+    with pytest.raises(errors.InputError, match="not to be solved"):
         run_study(checked_scene("two-balls"), tmp_path, print, (replace(RUNS[0], deck="another"),))
     stored, said = replace(RUNS[0], deck=solved[0]), []
     data = run_study(checked_scene("two-balls"), tmp_path, said.append, (RUNS[1], stored))
@@ -263,7 +261,7 @@ def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path, monke
     assert len(tables["crosscheck-two-balls"].rows) == 6
     assert "within 0.5 %" in tables["crosscheck-two-balls"].note
     runs = tables["crosscheck-runs-two-balls"].rows
-    assert runs[-1]["large_change"] == pytest.approx(load_error(2.0 * LIMIT, RUNS[2].load).max_percent)
+    assert runs[-1]["large_change"] == pytest.approx(measure.load_error(2.0 * LIMIT, RUNS[2].load).max_percent)
     assert runs[0]["large_change"] is None
     for table in tables.values():
         assert {c.key for c in table.columns} == set(table.rows[0])

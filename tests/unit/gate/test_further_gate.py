@@ -12,13 +12,9 @@ from rollbench.comparison.gate.loads_file import column, read_loads
 from rollbench.comparison.gate.user import asked, check_scenes
 from rollbench.comparison.gate.values_file import GivenValue, read_values
 from rollbench.comparison.gate.verdict import LARGEST, Limits, Verdict
-from rollbench.comparison.models.loading import scaled
+from rollbench.comparison.models import loading, u_val
 from rollbench.comparison.models.referenced import referenced
-from rollbench.comparison.models.u_val import QUANTITIES as COMPARED
-from rollbench.comparison.models.u_val import grid_uncertainty
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.reference.store import save, shipped_store
-from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.reference import jobs, store, tasks
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.parts import SIDES
 
@@ -29,7 +25,7 @@ GIVEN = catalogue.scene(SCENE)
 
 
 def stored():
-    return referenced(GIVEN, (shipped_store(),))[0].found
+    return referenced(GIVEN, (store.shipped_store(),))[0].found
 
 
 def table(path, heads: str, cells):
@@ -40,7 +36,7 @@ def table(path, heads: str, cells):
 
 
 def judged(**what: object) -> list[Verdict]:
-    return check_scenes([GIVEN], asked(compute=False, **what), Engine(), lambda _: None)
+    return check_scenes([GIVEN], asked(compute=False, **what), jobs.Engine(), lambda _: None)
 
 
 #: Factors of headings by quantity.
@@ -113,7 +109,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     found = stored()
     place, at = np.interp([GIVEN.nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
     assert moved.error == pytest.approx(100.0 * (22.5e-6 / place - 1.0))
-    assert moved.uncertainty == pytest.approx(float(grid_uncertainty(GIVEN, found, COMPARED[2])[0]), rel=1e-6)
+    assert moved.uncertainty == pytest.approx(float(u_val.grid_uncertainty(GIVEN, found, u_val.QUANTITIES[2])[0]), rel=1e-6)
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
@@ -138,11 +134,11 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
 
 def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     """At another load the reference is that of the scene with its loads in proportion, here stored by the test."""
-    half, run = scaled(GIVEN, 0.5), stored().best
+    half, run = loading.scaled(GIVEN, 0.5), stored().best
     line = run.centreline * np.array([1.0, 0.5, 0.5, 0.55])
-    settings = asdict(settings_of([half], run.level, ""))
+    settings = asdict(tasks.settings_of([half], run.level, ""))
     (tmp_path / "store").mkdir()
-    save(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
+    store.save(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
     file = values(tmp_path / "v.csv", "rigidity,226,N/um,5 kN", "rigidity,206,N/um,2.5 kN", "rigidity,180,N/um,1 kN")
     whole, less, least = judged(values=file, store=tmp_path / "store")
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")

@@ -9,14 +9,11 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate import user
-from rollbench.comparison.gate.loads_file import read_loads
+from rollbench.comparison.gate import loads_file, user
 from rollbench.comparison.gate.publish import HEADS, Outcome, junit, markdown, publish, table
 from rollbench.comparison.gate.user import Asked, asked, check_scenes, limits_of
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.estimate import reference
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.reference.store import key_of
+from rollbench.comparison.reference import estimate, jobs, store
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.meshes.parts import SIDES
 
@@ -24,13 +21,13 @@ TWO = catalogue.scene("two-balls")
 
 
 def check(scenes: list, what: Asked):
-    return check_scenes(scenes, what, Engine(), lambda _: None)
+    return check_scenes(scenes, what, jobs.Engine(), lambda _: None)
 
 
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
 def test_loads_of_another_program(command, tmp_path, factor: float, code: int, word: str) -> None:
     """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
-    load, file = reference(TWO).load.copy(), tmp_path / "mesys.csv"
+    load, file = estimate.reference(TWO).load.copy(), tmp_path / "mesys.csv"
     load[1, 1] *= factor
     lines = [f"{b + 1},{s},{load[b, k]:.6g}" for b in range(2) for k, s in enumerate(SIDES)]
     file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
@@ -58,7 +55,7 @@ def test_a_scene_may_set_its_own_limits() -> None:
     text = catalogue.scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
     scene = scene_file.loads(text, "two-balls.toml")
     assert scene == TWO, "limits are no part of what is solved and stored"
-    assert key_of(scene, "", {}, (0, 3)) == key_of(TWO, "", {}, (0, 3))
+    assert store.key_of(scene, "", {}, (0, 3)) == store.key_of(TWO, "", {}, (0, 3))
     stated, given = limits_of(scene, None), limits_of(scene, 9.0)
     assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
     assert limits_of(TWO, None).largest == 7.0
@@ -99,7 +96,7 @@ ORDERED = "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n"
 @pytest.mark.parametrize("text", [GOOD, *SAVED, GOOD.replace(",", ";").replace(".", ","), ORDERED])
 def test_spreadsheets_as_they_are_saved(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
-    found = read_loads(tmp_path / "a.csv", 2)
+    found = loads_file.read_loads(tmp_path / "a.csv", 2)
     assert found.flanks == ("SL", "NR")
     np.testing.assert_array_equal(found.load, [[100.0, 0.0, 0.0, 90.5], [0.0, 0.0, 0.0, 80.0]])
 
@@ -124,7 +121,7 @@ FAULTY = [
 def test_faulty_loads_are_refused_by_line(tmp_path, old: str, new: str, key: str, words: str) -> None:
     (tmp_path / "a.csv").write_text(GOOD.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        read_loads(tmp_path / "a.csv", 2)
+        loads_file.read_loads(tmp_path / "a.csv", 2)
     assert caught.value.key == key
     assert words in str(caught.value)
 
@@ -190,7 +187,7 @@ def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path) -
     text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
     assert (text.splitlines()[0], "#" in text, len(rows)) == ("ball,flank,newton,azimuth_deg,z_mm", False, 32 * 4)
     result = run_model(catalogue.scene("lin-case1"), "lin", Options())
-    given = read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
+    given = loads_file.read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
     np.testing.assert_array_equal(given.load, result.load)
     assert given.renumbered == 0
     found = judged(tmp_path, rows)

@@ -7,13 +7,12 @@ import pytest
 from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import small_screw
 
+from rollbench.meshes import groove_map, quality
 from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
-from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.quality import scaled_jacobians
 from rollbench.meshes.sockets import SocketSize, local_points
 
 FOUR = (0, 1, 2, 3)
-MAP = GrooveMap.of(small_screw(2))
+MAP = groove_map.GrooveMap.of(small_screw(2))
 
 
 def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
@@ -22,7 +21,7 @@ def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
 
 @pytest.mark.parametrize("side", range(4))
 def test_rays_of_a_ball_pass_through_the_groove(side):
-    m = GrooveMap.of(small_screw(2, hand="left"))
+    m = groove_map.GrooveMap.of(small_screw(2, hand="left"))
     (socket,) = ball_sockets((side,))
     xi = np.random.default_rng(0).uniform([-1, 0, -socket.exact], [1, 1, socket.exact], (50, 3))
     x = ball_points(m, socket, xi)
@@ -74,10 +73,10 @@ BALLS = [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR
 
 @pytest.mark.parametrize(("beta", "sides"), BALLS)
 def test_ball(beta, sides):
-    m = GrooveMap.of(small_screw(2, beta=np.radians(beta)))
+    m = groove_map.GrooveMap.of(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)
     mesh = build_ball(m, sockets, 0.55e-3, 1.2e-3)
-    assert scaled_jacobians(mesh.mesh).min() > 0.02
+    assert quality.scaled_jacobians(mesh.mesh).min() > 0.02
     assert mesh.quality.smallest > 0.04
     faces, count = outer_faces(mesh.cells)
     assert count.max() == 2
@@ -118,4 +117,4 @@ UNFIT = [
 @pytest.mark.parametrize(("sockets", "match"), UNFIT)
 def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
     with pytest.raises(ValueError, match=match):
-        build_ball(GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)
+        build_ball(groove_map.GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)

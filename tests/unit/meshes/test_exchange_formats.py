@@ -10,10 +10,9 @@ import pytest
 import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
-from rollbench.meshes import bridge
+from rollbench.meshes import bridge, gmsh_session
 from rollbench.meshes.bridge import FORMATS, form_of, only, reduced, write_mesh
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, moved, points_of
-from rollbench.meshes.gmsh_session import session
 
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
 EDGES = {
@@ -26,7 +25,7 @@ FACES_27 = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3)
 
 @pytest.fixture
 def gmsh():
-    with session() as program:
+    with gmsh_session.session() as program:
         yield program
 
 

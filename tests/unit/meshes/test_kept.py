@@ -2,8 +2,7 @@
 
 import pytest
 
-from rollbench.meshes import kept
-from rollbench.meshes.parts import Material
+from rollbench.meshes import kept, parts
 from rollbench.meshes.section import BeamSection, tube_section
 
 calls: list[float] = []
@@ -12,7 +11,7 @@ calls: list[float] = []
 @kept.kept(BeamSection)
 def section(outer: float) -> BeamSection:
     calls.append(outer)
-    return tube_section(outer, 0.01, Material(2.1e11, 0.3))
+    return tube_section(outer, 0.01, parts.Material(2.1e11, 0.3))
 
 
 @pytest.fixture

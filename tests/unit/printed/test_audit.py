@@ -9,8 +9,7 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
-from rollbench.comparison.wings.evidence import audit
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence import audit, record
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
@@ -38,7 +37,7 @@ RULES = [
 
 @pytest.mark.parametrize(("change", "found", "verdict"), RULES)
 def test_verdict_by_rule(change, found, verdict):
-    assert audit.judge(Evidence(replace(PLAIN, **change), **found))[0] == verdict
+    assert audit.judge(record.Evidence(replace(PLAIN, **change), **found))[0] == verdict
 
 
 def test_every_entry_is_in_the_stored_list_with_its_data():
@@ -52,7 +51,7 @@ def test_every_entry_is_in_the_stored_list_with_its_data():
 
 def test_a_verdict_that_changes_without_its_data_is_named(monkeypatch):
     (row,) = (r for r in ENTRIES if (r.table, r.key) == ("lin-B1", "e_S"))
-    one = audit.Audited(Evidence(row), "contradicted", "")
+    one = audit.Audited(record.Evidence(row), "contradicted", "")
     held = {one.name: (audit.data_digest(row), "only as printed")}
     monkeypatch.setattr(audit, "stored", lambda: held)
     assert audit.changes([one]) == ["lin-B1:e_S: only as printed became contradicted, without its data changing"]
@@ -70,7 +69,7 @@ def test_every_pattern_of_contradicted_entries_fits_open_entries():
 
 
 def test_stored_list_reads_as_it_is_written_and_its_counts_are_told():
-    rows = [audit.Audited(Evidence(row), audit.stored()[f"{row.table}:{row.key}"][1], "") for row in ENTRIES]
+    rows = [audit.Audited(record.Evidence(row), audit.stored()[f"{row.table}:{row.key}"][1], "") for row in ENTRIES]
     assert audit.changes(rows) == []
     assert len(audit.as_stored(rows).splitlines()) == len(ENTRIES) + 2
     counted = audit.counts(rows)

@@ -11,11 +11,9 @@ from rollbench.comparison.gate import gate
 from rollbench.comparison.models import comparison
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference import grid_parts, near_face, store
 from rollbench.comparison.reference.estimate import Reference, reference, reference_of
-from rollbench.comparison.reference.grid_parts import read
 from rollbench.comparison.reference.levels import LEVELS, STUDIED
-from rollbench.comparison.reference.near_face import left_out
-from rollbench.comparison.reference.store import save, shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.mesh_study.figure import study_figure
 from rollbench.comparison.wings.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
@@ -152,7 +150,7 @@ def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path) -> No
     for variant, move in {"": 0.0, **moves}.items():
         load = np.full((32, 4), 100.0)
         load[2, 0] += move
-        save(tmp_path, CASE1, run_of("lin-case1", 1, load, variant))
+        store.save(tmp_path, CASE1, run_of("lin-case1", 1, load, variant))
     table = {row["quantity"]: row for row in study_table(CASE1, [tmp_path], (1,))}
     for ball, spread in ((3, (13.0, 7.0)), (4, (0.0, 0.0))):
         row = table[f"load of ball {ball}, SL"]
@@ -185,13 +183,13 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     coarse[:, 1:3] = 0.0
     finer = coarse.copy()
     finer[0, 0] += 8.0
-    save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one, known = reference(scene, (tmp_path,)), read(shipped_store())
+    store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
+    one, known = reference(scene, (tmp_path,)), grid_parts.read(store.shipped_store())
     assert one.parts.by_experience
-    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + left_out(scene, coarse, 1)[0, 0])  # of 100 N
+    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + near_face.left_out(scene, coarse, 1)[0, 0])  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
     assert closing(one).startswith("Enough: level 1 for ")
-    save(tmp_path, scene, run_of("lin-case1", 2, finer))
+    store.save(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference(scene, (tmp_path,))
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
     cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
@@ -208,7 +206,7 @@ def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path) -> None
     for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
         line = np.array([[z, 0.0, 0.0, 1e-6 * (5.0 + 0.3 * h**1.5)] for z in (0.0, 0.01, 0.02)])
-        save(tmp_path, CASE1, replace(run_of("lin-case1", level, np.full((32, 4), 100.0)), centreline=line))
+        store.save(tmp_path, CASE1, replace(run_of("lin-case1", level, np.full((32, 4), 100.0)), centreline=line))
     whole, table = studied(CASE1, (tmp_path,)), study_table(CASE1, (tmp_path,))
     row = next(r for r in table if r["quantity"].startswith("centreline uz"))
     assert row["order"] == pytest.approx(1.5, abs=1e-3)

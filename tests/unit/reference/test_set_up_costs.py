@@ -3,8 +3,7 @@
 import json
 from dataclasses import asdict, replace
 
-from rollbench.comparison.reference.expected import STAGES
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.reference import expected, store
 from rollbench.comparison.wings.bench.costs.kept import SET_UP_COSTS, Costs, SetUp, Way, load_costs
 from rollbench.comparison.wings.bench.sections.reference_time import cost_tables
 
@@ -30,9 +29,9 @@ def test_tables_say_the_floor_of_two_cores_and_what_ways_move() -> None:
 
 
 def test_the_shipped_record_has_every_stage_and_bounds_the_missed_targets() -> None:
-    costs = load_costs([shipped_store()])
+    costs = load_costs([store.shipped_store()])
     for job in costs.jobs:
-        assert set(job.stages) == set(STAGES)
+        assert set(job.stages) == set(expected.STAGES)
         for stage in job.stages.values():
             parts = stage.get("meshing", 0.0) + stage.get("assembly", 0.0) + stage.get("elimination", 0.0)
             assert stage.get("dense", 0.0) <= stage.get("elimination", 0.0) <= parts <= stage["all"]

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from tests.report_samples import table
 
-from rollbench.reports import cells
-from rollbench.reports.records import Quantity, Table
+from rollbench.reports import cells, records
 
 CELLS = [
     (0.0, "g4", "0"),
@@ -50,7 +49,7 @@ class TestCells:
 
 
 def test_two_columns_of_one_heading_are_refused():
-    columns = (Quantity("a", "interval", "N", "s"), Quantity("b", "interval", "um", "s"))
-    Table("t", "intervals of two units", columns, [])
+    columns = (records.Quantity("a", "interval", "N", "s"), records.Quantity("b", "interval", "um", "s"))
+    records.Table("t", "intervals of two units", columns, [])
     with pytest.raises(ValueError, match="more than one column headed 'interval'"):
-        Table("t", "intervals", (*columns, Quantity("c", "interval", "um", "s")), [])
+        records.Table("t", "intervals", (*columns, records.Quantity("c", "interval", "um", "s")), [])

@@ -3,8 +3,7 @@
 import pytest
 
 from rollbench.comparison.errors import SceneError
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.mending import WORDS, hint
+from rollbench.comparison.scenes import mending, scene_file
 from rollbench.comparison.scenes.template import template
 
 GOOD = template()
@@ -59,8 +58,8 @@ def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, advice: str)
 
 def test_every_word_leads_to_a_key_that_there_is() -> None:
     known = set(GOOD.replace("[", " ").replace("]", " ").replace('"', " ").split()) | {"preload", "screw", "supports"}
-    for word, said in WORDS.items():
-        assert hint(word.upper().replace("_", " ")) == said
+    for word, said in mending.WORDS.items():
+        assert mending.hint(word.upper().replace("_", " ")) == said
         assert said.split()[0].rstrip(":") in known | {"none"}, word
 
 

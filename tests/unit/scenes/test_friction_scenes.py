@@ -9,12 +9,11 @@ from rollbench.comparison.wings.friction.answer import left_out_of_kind
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
 from rollbench.comparison.wings.friction.kinds.table import KINDS
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
-from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear import bearing, chain
 from rollbench.lowfi.friction.linear.pair import solve_pair
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
-LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+LINEAR = bearing.LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 WAYS = "friction_torque_Nmm", "driving_torque_on_screw_Nmm"
 U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
 
@@ -56,7 +55,7 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
     found = solve_kind(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
-    one = solve_linear_chain(prepare(LINEAR, scene.angles, loads))
+    one = chain.solve_linear_chain(chain.prepare(LINEAR, scene.angles, loads))
     assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
     assert np.all(one.ball_force > 0.0)
     cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data

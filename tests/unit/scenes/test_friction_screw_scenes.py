@@ -9,9 +9,8 @@ from tests.shipped_texts import changed
 
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
+from rollbench.comparison.wings.friction import solve, whole
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-from rollbench.comparison.wings.friction.solve import run_friction
-from rollbench.comparison.wings.friction.whole import Choices
 from rollbench.lowfi.friction.bearing import pairs
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
@@ -208,7 +207,7 @@ def printed(tmp_path, name, changes):
     """What the command prints of a changed scene."""
     path = tmp_path / f"{name}.toml"
     path.write_text(changed(name, *changes), encoding="utf-8")
-    return run_friction(str(path), Choices(), details=True)
+    return solve.run_friction(str(path), whole.Choices(), details=True)
 
 
 SHOWN = [("lin-rotary-2", (), "per contact"), ("lin-pair-a", (), "per ball"), ("lin-chain-10", (), "per ball")]

@@ -7,11 +7,9 @@ import pytest
 from tests.shipped_texts import axis_names
 
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue, scene_file, scene_tables
-from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes import catalogue, scene_file, scene_tables, schema
 from rollbench.comparison.scenes.template import template
-from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewRunScene
-from rollbench.comparison.wings.friction.kinds.table import KINDS
+from rollbench.comparison.wings.friction.kinds import screw_balls, table
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
 NAMES = catalogue.whole_names()
@@ -73,7 +71,7 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     with pytest.raises(SceneError, match=words):
         catalogue.scene("lin-pair-a")
     with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
-        catalogue.case("lin-pair-a", ScrewRunScene)
+        catalogue.case("lin-pair-a", screw_balls.ScrewRunScene)
     path = tmp_path / "mine.toml"
     path.write_text(catalogue.scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):
@@ -82,9 +80,9 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
 
 
 def test_tables_that_tell_a_missing_kind_are_no_whole_scene_s():
-    assert not scene_tables.FOREIGN & SceneKeys.model_fields.keys()
+    assert not scene_tables.FOREIGN & schema.SceneKeys.model_fields.keys()
     for kind in FRICTION_ONLY:
-        assert scene_tables.FOREIGN & KINDS[kind].keys.model_fields.keys(), kind
+        assert scene_tables.FOREIGN & table.KINDS[kind].keys.model_fields.keys(), kind
     with pytest.raises(SceneError, match=r"load: got .*did you mean loads"):
         scene_file.loads(template().replace("[[loads]]", "[[load]]"), "a.toml")
 

@@ -11,10 +11,9 @@ import pytest
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import ROOT
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes import catalogue, names, scene_file
 from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import json_schema
-from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
 from rollbench.comparison.wings.friction.kinds.table import KINDS
@@ -41,13 +40,13 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
         assert getattr(scene, part) == getattr(case, part)
 
 
-@pytest.mark.parametrize("kind", [*WHOLE, *FRICTION_ONLY])
+@pytest.mark.parametrize("kind", [*names.WHOLE, *FRICTION_ONLY])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     text = template(kind.replace(" ", "-"))
     scene = scene_file.read(text, "my.toml")
     assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
-    keys = SceneKeys if kind in WHOLE else KINDS[kind].keys
+    keys = SceneKeys if kind in names.WHOLE else KINDS[kind].keys
     words = set(re.findall(r"\w+", text))
     assert set(tidy_schema(keys)["properties"]) - {"circulation"} <= words
     if kind != "bearing":
@@ -77,8 +76,8 @@ def test_one_schema_for_all_kinds():
     assert schema["$schema"].startswith("https://json-schema.org/")
     of_kind = [schema["$defs"][branch["$ref"].rsplit("/", 1)[1]] for branch in schema["oneOf"]]
     words = [table["properties"]["kind"] for table in of_kind]
-    assert words[0]["enum"] == list(WHOLE)
-    assert [w["const"] for w in words[1:]] == [*FRICTION_ONLY, AXIS]
+    assert words[0]["enum"] == list(names.WHOLE)
+    assert [w["const"] for w in words[1:]] == [*FRICTION_ONLY, names.AXIS]
     assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY) + [False]
     shared = {"MaterialKeys", "GrooveKeys", "PathKeys", "HelixKeys", "BallSizeKeys", "MotionKeys", "TrackKeys"}
     assert shared <= schema["$defs"].keys()

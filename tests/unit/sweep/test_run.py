@@ -15,8 +15,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.answers import gather, gather_axis
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.sweep import run as sweeping
 from rollbench.comparison.wings.sweep import sample as sampling
 from rollbench.comparison.wings.sweep import store
@@ -167,7 +166,7 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
 
 
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
-    text = scene_text("lin-case3")
+    text = catalogue.scene_text("lin-case3")
     found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
     scene = scene_file.loads(text, "lin-case3.toml")
     options = Options(discretisation=False)
@@ -178,18 +177,18 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
-    bare = sampling.solve_sample(scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
+    bare = sampling.solve_sample(catalogue.scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
-    text = scene_text("lin-pitch-2p1")
+    text = catalogue.scene_text("lin-pitch-2p1")
     found = sampling.solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
     load = run_model(scene_file.loads(text, "lin-pitch-2p1.toml"), "lin", options).load
     assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
 
 
 def test_several_sets_have_the_same_outputs():
-    found = sampling.solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
-    assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
+    found = sampling.solve_sample(catalogue.scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
+    assembly = scene_file.read(catalogue.scene_text("double-nut"), "double-nut.toml")
     answers = gather_axis(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
