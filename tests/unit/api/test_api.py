@@ -77,12 +77,6 @@ def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:
         rollbench.mesh_study("two-balls", levels=9, store=tmp_path)
 
 
-def test_a_sweep_gives_its_summary(tmp_path: Path) -> None:
-    swept = rollbench.sweep("two-balls", ["errors.balls.oversize=4 um:6 um"], samples=8, model="lin", out=tmp_path / "out")
-    assert swept["converged"] == swept["solved"] > 4
-    assert (tmp_path / "out" / "samples.csv").exists()
-
-
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
     assert page["passed"]

@@ -1,14 +1,7 @@
 """Every number of the output is defined, and every definition is of a number that some command prints."""
 
-import contextlib
-import io
-import json
-from collections.abc import Iterator
 from itertools import chain
 
-import pytest
-
-from rollbench.comparison.cli import main
 from rollbench.comparison.definitions import _known, definition
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.template import template
@@ -20,7 +13,7 @@ NO_QUANTITY = (
 )
 
 
-def leaves(value: object, path: str = "") -> Iterator[tuple[str, object]]:
+def leaves(value: object, path: str = ""):
     """Paths and values of all that an answer holds."""
     if isinstance(value, dict):
         for key, inner in value.items():
@@ -40,16 +33,7 @@ COMMANDS = (
 )
 
 
-def answered(command: str) -> object:
-    """The JSON of a command line."""
-    output = io.StringIO()
-    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(io.StringIO()), contextlib.suppress(SystemExit):
-        main([word.replace("_mm", " mm") for word in [*command.split(), "--json"]])
-    return json.loads(output.getvalue())
-
-
-@pytest.fixture(scope="module")
-def printed(tmp_path_factory) -> list[tuple[str, object]]:
+def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
     one, two = (scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1
@@ -57,15 +41,12 @@ def printed(tmp_path_factory) -> list[tuple[str, object]]:
         "bearings": template("support-bearings"),
         "sets": f'{two}\n[[cases]]\nname = "one"\nshare = 1\n',
     }
-    folder = tmp_path_factory.mktemp("definitions")
     for name, text in scenes.items():
-        (folder / f"{name}.toml").write_text(text)
-    of_cases = [f"{word} {folder}/lin.toml --model lin" for word in ("friction", "compare", "check --no-compute")]
-    commands = (*COMMANDS, *of_cases, *(f"solve {folder}/{name}.toml --model lin" for name in scenes))
-    return list(chain.from_iterable(leaves(answered(command)) for command in commands))
-
-
-def test_every_number_is_defined_and_every_definition_is_of_something_printed(printed):
+        (tmp_path / f"{name}.toml").write_text(text)
+    of_cases = [f"{word} {tmp_path}/lin.toml --model lin" for word in ("friction", "compare", "check --no-compute")]
+    commands = (*COMMANDS, *of_cases, *(f"solve {tmp_path}/{name}.toml --model lin" for name in scenes))
+    words = ([word.replace("_mm", " mm") for word in line.split()] for line in commands)
+    printed = list(chain.from_iterable(leaves(command.json(*line, "--json")[1]) for line in words))
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}
     assert not sorted(path for path in numbers if definition(path) is None and path.rsplit(".")[-1] not in NO_QUANTITY)
     paths = {path for path, _ in printed}

@@ -3,7 +3,6 @@
 import ast
 import json
 from importlib import resources
-from typing import Any
 
 import pytest
 
@@ -22,15 +21,15 @@ def test_a_spreadsheet_that_is_8_percent_off_fails(factor: float, word: str, cap
     assert ("(ball 5 SL)" in capsys.readouterr().out) is (word == "fail")
 
 
-def shown(value: Any) -> str:
+def shown(value) -> str:
     """What a notebook keeps of the value of a cell: its table, or its text."""
     return str(value._repr_html_()) if hasattr(value, "_repr_html_") else repr(value)
 
 
-def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
     text = resources.files("rollbench.comparison").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
-    names: dict[str, Any] = {}
+    names = {}
     for cell in json.loads(text)["cells"]:
         if cell["cell_type"] == "code":
             *body, last = ast.parse("".join(cell["source"])).body

@@ -9,19 +9,15 @@ from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, b
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.comparison.models.registry import MODELS
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
-from rollbench.lowfi.bearings.combined_load import combined
+from rollbench.lowfi.bearings import angular_contact, combined_load
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
 from rollbench.lowfi.rollers.tapered_roller import RollerRow as ThrustRow
-from rollbench.lowfi.statics.axis.elastic import ASSUMPTIONS, solve_refined
+from rollbench.lowfi.statics.axis import elastic, proof, system
 from rollbench.lowfi.statics.axis.mount import mount
-from rollbench.lowfi.statics.axis.proof import opening_motion
 from rollbench.lowfi.statics.axis.solve import RigidSets, solve_assembly
-from rollbench.lowfi.statics.axis.system import build, tapered
 from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes import helix, partition
 from rollbench.meshes.axis import Housing, RollingSet, Segment
-from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import Load, Support
 
 #: A shaft so thick that only its bearings give way.
@@ -40,17 +36,15 @@ def ball_bearing():
     gap = (inner + outer - 2.0 * BALL) * np.cos(ANGLE)
     # the ball's centre stands at the pitch radius, the grooves' centres at (r - r_B) cos(angle) to either side
     low = 2.0 * (PITCH + (inner - BALL) * np.cos(ANGLE) - inner)
-    return BallBearing(14, 2.0 * BALL, low, low + 2.0 * (inner + outer - gap), inner, outer, 210e9, 0.28)
+    return angular_contact.BallBearing(14, 2.0 * BALL, low, low + 2.0 * (inner + outer - gap), inner, outer, 210e9, 0.28)
 
 
 @pytest.mark.parametrize("pattern", ["+-", "++-", "-+", "+--"])
 def test_rows_share_thrust_as_their_laws_say(pattern):
-    row, gap = BallRow(ball_bearing()), 6e-6
+    row, gap = angular_contact.BallRow(ball_bearing()), 6e-6
     signs = [1 if c == "+" else -1 for c in pattern]
-    sets = [
-        bearing(f"row {i}", 0.03 + 0.02 * i, f"{c}z", offset=-s * gap)
-        for i, (c, s) in enumerate(zip(pattern, signs, strict=True))
-    ]
+    ways = enumerate(zip(pattern, signs, strict=True))
+    sets = [bearing(f"row {i}", 0.03 + 0.02 * i, f"{c}z", offset=-s * gap) for i, (c, s) in ways]
     for thrust in (0.0, 500.0, -500.0, 4000.0):
         found = solved(with_load(*sets, force=(0.0, 0.0, thrust)))
         closed = equilibrium(BearingSet((row,) * len(signs), tuple(signs), (gap,) * len(signs)), thrust)
@@ -68,7 +62,7 @@ def roller_set(**options):
 def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
     held = Support(0.15, tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz")))
     found = solved(with_load(roller_set(), force=(radial, 0.0, 3000.0), at=0.15, held=held))
-    alone = combined(tapered(ROLLERS), 3000.0, radial)
+    alone = combined_load.combined(system.tapered(ROLLERS), 3000.0, radial)
     # without moment equilibrium, as there: the shaft is kept from tilting, and slices are loaded evenly
     assert relative(found.sets[0].roller_load, alone.loads) < 1e-7
     assert np.ptp(found.sets[0].line_loads, axis=1).max() < 1e-6 * found.sets[0].line_loads.max()
@@ -78,10 +72,8 @@ def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
 
 def test_rollers_of_a_shaft_that_tilts_are_loaded_unevenly():
     tilted = Support(0.15, (*((k, 0.0) for k in ("ux", "uy", "rx", "rz")), ("ry", 2e-4)))
-    found, relieved = (
-        solved(with_load(rollers, force=(0.0, 0.0, 3000.0), at=0.15, held=tilted))
-        for rollers in (roller_set(), replace(roller_set(), parts=replace(ROLLERS, crown=2.0)))
-    )
+    rows = roller_set(), replace(roller_set(), parts=replace(ROLLERS, crown=2.0))
+    found, relieved = (solved(with_load(row, force=(0.0, 0.0, 3000.0), at=0.15, held=tilted)) for row in rows)
     assert np.ptp(found.sets[0].line_loads, axis=1).max() > 0.2 * found.sets[0].line_loads.max()
     assert relieved.sets[0].line_loads[:, [0, -1]].max() < found.sets[0].line_loads[:, [0, -1]].max()
 
@@ -109,12 +101,12 @@ def test_preload_is_set_before_the_shaft_warms():
 
 def test_a_preload_that_cannot_be_met_is_a_failure_and_refined_names_its_own_assumptions():
     alone = assembly(bearing("a", 0.03, "+z", preload=700.0), segments=THICK, supports=(GUIDED,))
-    found, refined = solve_assembly(alone), solve_refined(alone)
+    found, refined = solve_assembly(alone), elastic.solve_refined(alone)
     assert found.status.startswith("not held: preloads by force are not met at mounting")
     assert found.status.cause == "mounting"
     assert not found.sets
     assert "not met" in refined.status
-    assert refined.assumed == ASSUMPTIONS
+    assert refined.assumed == elastic.ASSUMPTIONS
 
 
 def pressed_nuts(preload, count=12):
@@ -179,7 +171,7 @@ def test_tapered_preload_by_force():
     other = replace(roller_set(), name="other", position=0.2, thrust="-z")
     found = solved(assembly(roller_set(preload=900.0), other, segments=THICK, supports=(GUIDED,)))
     assert [s.force[2] for s in found.sets] == pytest.approx([-900.0, 900.0], rel=1e-9)
-    assert -found.sets[0].outer[2] == pytest.approx(2.0 * ThrustRow(tapered(ROLLERS)).deflection(900.0), rel=1e-3)
+    assert -found.sets[0].outer[2] == pytest.approx(2.0 * ThrustRow(system.tapered(ROLLERS)).deflection(900.0), rel=1e-3)
 
 
 def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():
@@ -200,7 +192,7 @@ def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():
 @pytest.mark.parametrize(("away", "model"), [(9e-6, "lin"), (-9e-6, "lin"), (9e-6, "lin-source-partition")])
 def test_a_support_near_a_contact_stays_where_it_is(away, model):
     scene = MODELS[model].scene(small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0)))
-    at = float(contact_stations(scene, ball_layout(scene))[3, 0]) + away
+    at = float(partition.contact_stations(scene, helix.ball_layout(scene))[3, 0]) + away
     scene = replace(scene, supports=(*scene.supports, Support(at, (("ux", 0.0), ("uy", 0.0)))))
     alone = solve_static(scene, engine="compiled")
     assert relative(solved(one_set(scene)).sets[0].balls.load, alone.load) < 1e-12
@@ -233,7 +225,7 @@ def test_linear_program_says_whether_rows_can_carry_a_load(case):
     places = {"a": 0.1, "b": 0.13}
     sets = [roller_set() if r == "r+" else bearing(r, places[r[0]], f"{r[1]}z") for r in rows]
     parts = assembly(*sets, supports=(Support(0.15, (("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),), loads=(Load(0.15, force),))
-    motion = opening_motion(build(parts))
+    motion = proof.opening_motion(system.build(parts))
     assert (motion is None) == can
     found = solve_assembly(parts, engine="interpreted")
     assert found.converged == can
@@ -248,4 +240,4 @@ def test_a_preloaded_axis_is_held_and_nothing_to_prove_without_load():
     idle = fixed_axis((0.0, 0.0, 0.0))
     warm = replace(idle, thermal_strain=1e-4)  # pairs of forces that do no work on rigid motions
     for axis in (fixed_axis((0.0, 0.0, 600.0)), idle, warm):
-        assert opening_motion(build(axis)) is None
+        assert proof.opening_motion(system.build(axis)) is None

@@ -73,15 +73,11 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     axis_matrix.add_rollers(values, s.axis, s.slices, ready.state.slices)
     lines = full(values, s.axis)
     place = (6 * s.axis.place[:, None] + np.arange(6)).ravel()
-    product = (lines @ _placed(step, place, len(lines)))[place].reshape(step.shape)
+    placed = np.zeros(len(lines))
+    placed[place] = step.ravel()
+    product = (lines @ placed)[place].reshape(step.shape)
     free = ~s.structure.fixed
     assert relative(product[free], change[free]) < 1e-5
-
-
-def _placed(step, place, size):
-    out = np.zeros(size)
-    out[place] = step.ravel()
-    return out
 
 
 def full(values, arrays):
@@ -94,21 +90,14 @@ def full(values, arrays):
     return out
 
 
-def test_both_ways_of_adding_the_balls_agree(ready):
+def test_both_ways_of_adding_the_balls_agree_and_the_envelope_is_factored_as_the_full_matrix(ready):
     s = ready.system
     _, out = evaluated(ready)
-    one, other = np.zeros(s.axis.start[-1]), np.zeros(s.axis.start[-1])
-    axis_matrix.add_balls(one, s.axis, s.contacts, out.hessians)
-    axis_matrix.loop_balls(other, s.axis, s.contacts, out.hessians)
-    assert relative(other, one) < 1e-13
-
-
-def test_envelope_is_factored_as_the_full_matrix(ready):
-    s = ready.system
-    _, out = evaluated(ready)
-    values = np.zeros(s.axis.start[-1])
-    axis_matrix.add_axis(values, s.axis)
+    values, other = np.zeros((2, s.axis.start[-1]))
     axis_matrix.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis_matrix.loop_balls(other, s.axis, s.contacts, out.hessians)
+    assert relative(other, values) < 1e-13
+    axis_matrix.add_axis(values, s.axis)
     axis_matrix.hold(values, s.axis, np.full(6, 1e3))
     matrix, b = full(values, s.axis), np.random.default_rng(3).normal(size=s.axis.first.size)
     for factor, solve in ((skyline.row_factor, skyline.row_solve), (skyline.factor, skyline.substitute)):

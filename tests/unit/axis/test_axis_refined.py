@@ -11,7 +11,6 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi.compliance.parts import LADDER, geometry_only, smooth_body
 from rollbench.lowfi.statics import kernel
 from rollbench.lowfi.statics.axis import elastic
-from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.system import build, typical, typical_force
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.axis import Housing, RollingSet
@@ -23,7 +22,7 @@ COARSE = replace(LADDER["refined"], harmonics=0.4, mesh=0.6)
 
 
 def refined(parts, **options):
-    result = solve_refined(parts, engine="compiled", **options)
+    result = elastic.solve_refined(parts, engine="compiled", **options)
     assert result.status == "converged"
     return result
 
@@ -64,11 +63,10 @@ def carried_nut():
     return assembly(*sets, housings=(body,), supports=supports, loads=loads)
 
 
-@pytest.mark.parametrize(
-    "parts",
-    [double_nut(), fixed_axis((0.0, 0.0, 500.0)), with_rollers(), carried_nut()],
-    ids=["double nut", "axis", "rollers", "nut in a bearing"],
-)
+AXES = [double_nut(), fixed_axis((0.0, 0.0, 500.0)), with_rollers(), carried_nut()]
+
+
+@pytest.mark.parametrize("parts", AXES, ids=["double nut", "axis", "rollers", "nut in a bearing"])
 def test_with_rigid_bodies_it_is_the_model_lin(parts):
     one, other = solved(parts), refined(parts, backend=LADDER["lin"])
     for a, b in zip(one.sets, other.sets, strict=True):
@@ -162,7 +160,7 @@ def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     parts = double_nut(count=6)
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
     with pytest.raises(ValueError, match="an inner ring on a housing that stands on springs"):
-        solve_refined(replace(parts, sets=(*parts.sets, carried)))
+        elastic.solve_refined(replace(parts, sets=(*parts.sets, carried)))
 
 
 def half_axis():

@@ -13,7 +13,6 @@ from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve, summary
 from rollbench.lowfi.statics.axis.elastic import solve_refined
-from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.axis.system import build
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
@@ -27,13 +26,13 @@ def scene(name):
     return scene_file.read(own_text(name), name)
 
 
-@pytest.mark.parametrize(
-    "model",
-    [  # each a group of its own, for a worker of its own: their kernels are most of what tests of the core compile
-        pytest.param("lin", marks=[pytest.mark.compiles(37), pytest.mark.xdist_group("kernels of axes")]),
-        pytest.param("refined", marks=[pytest.mark.compiles(80), pytest.mark.xdist_group("kernels of bodies")]),
-    ],
-)
+MODELS = [  # each a group of its own, for a worker of its own: their kernels are most of what tests of the core compile
+    pytest.param("lin", marks=[pytest.mark.compiles(37), pytest.mark.xdist_group("kernels of axes")]),
+    pytest.param("refined", marks=[pytest.mark.compiles(80), pytest.mark.xdist_group("kernels of bodies")]),
+]
+
+
+@pytest.mark.parametrize("model", MODELS)
 def test_a_row_that_carries_nothing_is_not_crossed(model):
     """Its balls carry 1e-11 of 14 kN at an angle below zero; contacts alone hold the shaft, metres away without."""
     found = run_model(scene("axis-crossed-by-nothing"), model, Options(engine="compiled"))
@@ -66,7 +65,7 @@ def test_a_ball_or_housing_out_of_balance_is_named(of, monkeypatch):
     monkeypatch.setattr(solve, "assemble_axis", off)
     if of == "h":
         monkeypatch.setattr(summary, "judged", lambda status, *_: status)
-    assert solve_assembly(double_nut()).status.startswith(f"not converged: {of} is out of balance")
+    assert solve.solve_assembly(double_nut()).status.startswith(f"not converged: {of} is out of balance")
 
 
 def test_a_load_beside_a_contact_stays_where_it_is():
@@ -74,7 +73,7 @@ def test_a_load_beside_a_contact_stays_where_it_is():
     parts = assembly(bearing("a", 0.05, "+z", offset=-4e-6), bearing("b", 0.25, "-z", offset=4e-6), supports=(TURNING,))
     contact = build(parts).structure.nodes[0]
     load = Load(float(contact) + 5e-6, (2e3, 0.0, 100.0))
-    found = solve_assembly(replace(parts, loads=(load,)))
+    found = solve.solve_assembly(replace(parts, loads=(load,)))
     assert found.status == "converged"
     assert found.equilibrium.largest < 1e-12
 
@@ -84,7 +83,7 @@ def test_balls_across_the_bottom_of_a_one_way_groove_are_no_equilibrium_of_it():
     forces at nominal contacts could balance the loads."""
     rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z", offset=-0.4e-3)
     loads = (Load(0.25, (2e3, 0.0, 500.0)),)
-    found = solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
+    found = solve.solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
     assert found.status.startswith("not held: no equilibrium has all loaded balls of b on the side")
     sent = pickle.loads(pickle.dumps(found.status))  # as a worker of a campaign or a sweep sends it back
     assert (sent, sent.kind, sent.cause) == (found.status, "not held", "crossed row")

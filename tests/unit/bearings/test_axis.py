@@ -3,27 +3,14 @@
 import numpy as np
 import pytest
 
-from rollbench.lowfi.bearings.as_printed import series_stiffness
-from rollbench.lowfi.bearings.axis import (
-    Axis,
-    TorqueBudget,
-    acceleration_torque,
-    angular_speed,
-    axis_stiffness,
-    branches,
-    shaft_inertia,
-    shaft_stiffness,
-    support_loads,
-    tension,
-    unloading_warming,
-)
+from rollbench.lowfi.bearings import as_printed, axis
 
 SHAFT = {"length": 1.3, "area": 9.6e-4, "young": 207e9}
-AXIS = Axis(**SHAFT, left=1.8e9, right=0.9e9)
+AXIS = axis.Axis(**SHAFT, left=1.8e9, right=0.9e9)
 NUT = 1e9
 
 
-def chain(a: Axis, x: float, nut: float) -> np.ndarray:
+def chain(a: axis.Axis, x: float, nut: float) -> np.ndarray:
     """Stiffness (4, 4): left end of the shaft, shaft under the nut, right end, carriage; springs to the frame."""
     ea = a.young * a.area
     k = np.diag([a.left, 0.0, a.right, 0.0])
@@ -35,16 +22,16 @@ def chain(a: Axis, x: float, nut: float) -> np.ndarray:
 @pytest.mark.parametrize("x", [0.01, 0.3, 0.65, 1.2])
 @pytest.mark.parametrize("right", [0.9e9, 0.0])
 def test_stiffness_is_that_of_the_chain(x, right):
-    a = Axis(**SHAFT, left=1.8e9, right=right)
+    a = axis.Axis(**SHAFT, left=1.8e9, right=right)
     u = np.linalg.solve(chain(a, x, NUT), [0.0, 0.0, 0.0, 1.0])
-    assert float(axis_stiffness(a, x, NUT)) == pytest.approx(1.0 / u[3], rel=1e-10)
-    assert float(shaft_stiffness(a, x)) == pytest.approx(1.0 / u[1], rel=1e-10)
+    assert float(axis.axis_stiffness(a, x, NUT)) == pytest.approx(1.0 / u[3], rel=1e-10)
+    assert float(axis.shaft_stiffness(a, x)) == pytest.approx(1.0 / u[1], rel=1e-10)
 
 
 @pytest.mark.parametrize("x", [0.05, 0.65, 1.0])
 def test_loads_of_the_supports_are_those_of_the_chain(x):
     u = np.linalg.solve(chain(AXIS, x, NUT), [0.0, 0.0, 0.0, 700.0])
-    left, right = support_loads(AXIS, x, 700.0, 5e3)
+    left, right = axis.support_loads(AXIS, x, 700.0, 5e3)
     assert left == pytest.approx(5e3 + AXIS.left * u[0], rel=1e-10)
     assert right == pytest.approx(5e3 - AXIS.right * u[2], rel=1e-10)
     assert left - right == pytest.approx(700.0, rel=1e-12)
@@ -53,51 +40,51 @@ def test_loads_of_the_supports_are_those_of_the_chain(x):
 def test_rigid_supports_give_the_formulas_of_the_source_and_ends_of_the_travel():
     """Beside a support the nut feels it and the whole screw with the other one; a rigid one takes all."""
     ea, x = SHAFT["young"] * SHAFT["area"], np.linspace(0.1, 1.2, 12)
-    np.testing.assert_allclose(shaft_stiffness(Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13)
-    np.testing.assert_allclose(shaft_stiffness(Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
-    left, right = branches(AXIS, np.array([0.0, 1.3]))
+    np.testing.assert_allclose(axis.shaft_stiffness(axis.Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13)
+    np.testing.assert_allclose(axis.shaft_stiffness(axis.Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
+    left, right = axis.branches(AXIS, np.array([0.0, 1.3]))
     np.testing.assert_allclose(left, [1.8e9, 1.0 / (1 / 1.8e9 + 1.3 / ea)], rtol=1e-13)
     np.testing.assert_allclose(right, [1.0 / (1 / 0.9e9 + 1.3 / ea), 0.9e9], rtol=1e-13)
-    rigid = Axis(**SHAFT)
-    assert support_loads(rigid, 0.0, 100.0) == (100.0, 0.0)
-    assert support_loads(rigid, 1.3, 100.0) == (0.0, -100.0)
-    np.testing.assert_allclose(axis_stiffness(rigid, np.array([0.0, 1.3]), NUT), NUT)
+    rigid = axis.Axis(**SHAFT)
+    assert axis.support_loads(rigid, 0.0, 100.0) == (100.0, 0.0)
+    assert axis.support_loads(rigid, 1.3, 100.0) == (0.0, -100.0)
+    np.testing.assert_allclose(axis.axis_stiffness(rigid, np.array([0.0, 1.3]), NUT), NUT)
     for x in (-1e-9, 1.3001):
         with pytest.raises(ValueError, match="position"):
-            branches(AXIS, x)
+            axis.branches(AXIS, x)
 
 
 def test_stretch_and_warming():
     """Between rigid ends F = E A (dL/L - alpha dT); springs share the stretch, and the same warming uses it up."""
     ea, a = SHAFT["young"] * SHAFT["area"], 11e-6
-    assert tension(Axis(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
-    assert tension(Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)
-    pulled = tension(AXIS, 4e-5)
+    assert axis.tension(axis.Axis(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
+    assert axis.tension(axis.Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)
+    pulled = axis.tension(AXIS, 4e-5)
     assert pulled * (1.3 / ea + 1 / AXIS.left + 1 / AXIS.right) == pytest.approx(4e-5, rel=1e-12)
-    limit = unloading_warming(AXIS, 4e-5, a)
-    assert tension(AXIS, 4e-5, a, limit) == pytest.approx(0.0, abs=1e-9 * pulled)
-    assert tension(AXIS, 4e-5, a, 2.0 * limit) == pytest.approx(-pulled, rel=1e-9)
-    assert tension(Axis(**SHAFT, right=0.0), 4e-5) == 0.0
+    limit = axis.unloading_warming(AXIS, 4e-5, a)
+    assert axis.tension(AXIS, 4e-5, a, limit) == pytest.approx(0.0, abs=1e-9 * pulled)
+    assert axis.tension(AXIS, 4e-5, a, 2.0 * limit) == pytest.approx(-pulled, rel=1e-9)
+    assert axis.tension(axis.Axis(**SHAFT, right=0.0), 4e-5) == 0.0
 
 
 def test_sum_in_series_is_softer_than_any_topology():
     """The source's sum, against the chain: with both ends side by side the supports count a fourth of what it takes."""
     k = 1.75e9
-    a = Axis(**SHAFT, left=k, right=k)
-    middle = float(shaft_stiffness(Axis(**SHAFT), 0.65))
-    summed = series_stiffness((k, k), middle, NUT)
-    right = float(axis_stiffness(a, 0.65, NUT))
+    a = axis.Axis(**SHAFT, left=k, right=k)
+    middle = float(axis.shaft_stiffness(axis.Axis(**SHAFT), 0.65))
+    summed = as_printed.series_stiffness((k, k), middle, NUT)
+    right = float(axis.axis_stiffness(a, 0.65, NUT))
     assert 1 / summed - 1 / middle - 1 / NUT == pytest.approx(2.0 / k, rel=1e-12)
     assert 1 / right - 1 / middle - 1 / NUT == pytest.approx(0.5 / k, rel=1e-9)
 
 
 def test_torque():
-    assert angular_speed(0.3, 14e-3) == pytest.approx(2.0 * np.pi * 0.3 / 14e-3, rel=1e-14)
+    assert axis.angular_speed(0.3, 14e-3) == pytest.approx(2.0 * np.pi * 0.3 / 14e-3, rel=1e-14)
     radius, length = 17.5e-3, 1.3
     mass = 7850.0 * np.pi * radius**2 * length
-    assert shaft_inertia(7850.0, 2 * radius, length) == pytest.approx(0.5 * mass * radius**2, rel=1e-12)
-    assert acceleration_torque([1e-3, 2e-3], 150.0, 0.5) == pytest.approx(0.9)
-    budget = TorqueBudget(1.0, 2.0, (0.3, 0.4), 0.9)
+    assert axis.shaft_inertia(7850.0, 2 * radius, length) == pytest.approx(0.5 * mass * radius**2, rel=1e-12)
+    assert axis.acceleration_torque([1e-3, 2e-3], 150.0, 0.5) == pytest.approx(0.9)
+    budget = axis.TorqueBudget(1.0, 2.0, (0.3, 0.4), 0.9)
     assert budget.constant_speed == pytest.approx(3.7)
     assert budget.start_up == pytest.approx(4.6)
 
@@ -105,4 +92,4 @@ def test_torque():
 @pytest.mark.parametrize("change", [{"length": 0.0}, {"left": -1.0}, {"left": 0.0, "right": 0.0}])
 def test_faulty_axes_are_refused(change):
     with pytest.raises(ValueError, match="must"):
-        Axis(**{**SHAFT, **change})
+        axis.Axis(**{**SHAFT, **change})

@@ -5,12 +5,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
-from rollbench.lowfi.bearings.as_printed import shared_loads
+from rollbench.lowfi.bearings import angular_contact, as_printed
 from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium, lift_off_force, preloaded, state_at
 
-ROW = BallRow(of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
-OTHER = BallRow(of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))
+ROW = angular_contact.BallRow(angular_contact.of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
+OTHER = angular_contact.BallRow(angular_contact.of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))
 TRIPLEX = (1, 1, -1)
 
 
@@ -60,11 +59,9 @@ def test_equilibrium_balances_and_minimises_the_energy(force):
 
     def energy(u):
         """From that at the solution on: there the loads are smooth, but at lift-off."""
-        work = [
-            quad(r.load, max(d * s.displacement + g, 0.0), max(d * u + g, 0.0), epsrel=1e-11)[0]
-            for r, d, g in zip(rows.rows, rows.directions, rows.offsets, strict=True)
-        ]
-        return 1e3 * (sum(work) - force * (u - s.displacement))
+        each = zip(rows.rows, rows.directions, rows.offsets, strict=True)
+        ends = ((r.load, max(d * s.displacement + g, 0.0), max(d * u + g, 0.0)) for r, d, g in each)
+        return 1e3 * (sum(quad(*of, epsrel=1e-11)[0] for of in ends) - force * (u - s.displacement))
 
     found = minimize_scalar(energy, bounds=(s.displacement - 3e-5, s.displacement + 3e-5), options={"xatol": 1e-12})
     assert found.x == pytest.approx(s.displacement, abs=2e-9)
@@ -115,24 +112,24 @@ def test_a_set_facing_one_way_rests_loose():
 
 def test_state_at_a_displacement_and_the_source_s_sharing():
     """In its sharing each side is moved by the whole force."""
-    assert np.array(TRIPLEX) @ shared_loads((1020.0, 1020.0, 2040.0), TRIPLEX, 300.0) == pytest.approx(600.0)
+    assert np.array(TRIPLEX) @ as_printed.shared_loads((1020.0, 1020.0, 2040.0), TRIPLEX, 300.0) == pytest.approx(600.0)
     rows = BearingSet((Power(1.0), Power(1.0)), (1, -1), (2e-6, 5e-6))
     s = state_at(rows, 1e-6)
     np.testing.assert_allclose(s.loads, [3e3, 4e3], rtol=1e-12)
     assert s.stiffness == pytest.approx(2e9)
 
 
-@pytest.mark.parametrize(
-    ("use", "words"),
-    [
-        (lambda: BearingSet((), (), ()), "at least one row"),
-        (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
-        (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
-        (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
-        (lambda: preloaded(ROW, (1, 1), 1e3), "both directions"),
-        (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
-    ],
-)
+REFUSED = [
+    (lambda: BearingSet((), (), ()), "at least one row"),
+    (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
+    (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
+    (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
+    (lambda: preloaded(ROW, (1, 1), 1e3), "both directions"),
+    (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
+]
+
+
+@pytest.mark.parametrize(("use", "words"), REFUSED)
 def test_refusals(use, words):
     with pytest.raises(ValueError, match=words):
         use()

@@ -12,23 +12,18 @@ import pytest
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.modelling import varied
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.benchmark import answers, exporting
+from rollbench.comparison.wings.benchmark import answers, exporting, scoring, step_files
 from rollbench.comparison.wings.benchmark.command import run_score
-from rollbench.comparison.wings.benchmark.exporting import schema
 from rollbench.comparison.wings.benchmark.neutral import described
 from rollbench.comparison.wings.benchmark.problems import JUNCTION, PROBLEMS, RUNS, fixed_text, key_of
-from rollbench.comparison.wings.benchmark.scoring import Given, read, score
-from rollbench.comparison.wings.benchmark.step_files import _surface, off, write_step
 from rollbench.comparison.wings.crosscheck.calculix import run_calculix
 from rollbench.comparison.wings.crosscheck.export_deck import run
 from rollbench.hifi.several_sets import bodies_of
-from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes import axis, gmsh_session, parts, solid
 
 pytestmark = pytest.mark.xdist_group("benchmark")
 KEYS = json.loads((answers.HERE / answers.KEYS).read_text(encoding="utf-8"))
-WHOLE = [name for name, one in PROBLEMS.items() if isinstance(one.described, Scene)]
+WHOLE = [name for name, one in PROBLEMS.items() if isinstance(one.described, parts.Scene)]
 
 
 def rows(name, factor=1.0, without=""):
@@ -105,32 +100,32 @@ def test_a_missing_contact_is_named_but_one_that_the_answer_has_lost_which_may_n
     assert found.data["problems"][0]["beyond"][0]["contact"] == lost
 
 
-@pytest.mark.parametrize(
-    ("column", "right", "wrong"),
-    [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)]
-    + [(c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")],
-)
+BESIDE = [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)]
+BESIDE += [(c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")]
+
+
+@pytest.mark.parametrize(("column", "right", "wrong"), BESIDE)
 def test_what_stands_beside_a_load_is_judged_where_it_is_given(column, right, wrong):
     found = answers.shipped()["screw"]
     for change, passed in ((right, True), (wrong, False)):
-        given = {c: Given(a.load, {column: change(a.beside[column])}) for c, a in found.items() if a.load > 0.0}
-        result = score("screw", found, given)
+        given = {c: scoring.Given(a.load, {column: change(a.beside[column])}) for c, a in found.items() if a.load > 0.0}
+        result = scoring.score("screw", found, given)
         assert result.passed is passed
         assert {m.column for m in result.misses} == (set() if passed else {column})
 
 
-@pytest.mark.parametrize(
-    ("lines", "problem", "words"),
-    [
-        (["nonsense,1 SL,3"], (), "problem: got nonsense; allowed: two-balls"),
-        (["two-balls,3 SL,3"], (), "got 3 SL; allowed: ball 1 to 2 and flank"),
-        (["two-balls,1 SL,3", "two-balls,1 sl,3"], (), "line 3: contact: got two-balls, 1 SL again"),
-        (["two-balls,1 SL,many"], (), "line 2: load_N: got many"),
-        (["two-balls,1 SL,-3"], (), "line 2: load_N: got -3"),
-        ([], (), "no contacts"),
-        (["two-balls,1 SL,3"], ("nonsense",), "got nonsense"),
-    ],
-)
+REFUSED = [
+    (["nonsense,1 SL,3"], (), "problem: got nonsense; allowed: two-balls"),
+    (["two-balls,3 SL,3"], (), "got 3 SL; allowed: ball 1 to 2 and flank"),
+    (["two-balls,1 SL,3", "two-balls,1 sl,3"], (), "line 3: contact: got two-balls, 1 SL again"),
+    (["two-balls,1 SL,many"], (), "line 2: load_N: got many"),
+    (["two-balls,1 SL,-3"], (), "line 2: load_N: got -3"),
+    ([], (), "no contacts"),
+    (["two-balls,1 SL,3"], ("nonsense",), "got nonsense"),
+]
+
+
+@pytest.mark.parametrize(("lines", "problem", "words"), REFUSED)
 def test_a_file_that_cannot_be_judged_is_refused(lines, problem, words, tmp_path):
     with pytest.raises(InputError, match=words):
         run_score(file(tmp_path, lines), *problem)
@@ -138,7 +133,7 @@ def test_a_file_that_cannot_be_judged_is_refused(lines, problem, words, tmp_path
 
 def test_other_columns_and_separators_are_read(tmp_path):
     path = file(tmp_path, ["screw;1  sl;200,5;a;46,2"], "problem;contact;LOAD_N;remark;angle_deg")
-    assert read(path, answers.shipped()) == {"screw": {"1 SL": Given(200.5, {"angle_deg": 46.2})}}
+    assert scoring.read(path, answers.shipped()) == {"screw": {"1 SL": scoring.Given(200.5, {"angle_deg": 46.2})}}
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +167,7 @@ def test_the_folder_is_small_its_hashes_hold_and_its_page_leaves_nothing_open(fo
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_plain_numbers_are_those_of_the_scene(name, folder):
     plain = json.loads((folder / "problems" / f"{name}.json").read_text(encoding="utf-8"))
-    pytest.importorskip("jsonschema").validate(plain, schema())
+    pytest.importorskip("jsonschema").validate(plain, exporting.schema())
     contacts = answers.shipped()[name]
     assert [b["number"] for s in plain["sets"] for b in s["balls"]] == list(range(1, len(contacts) // 4 + 1))
     track = plain["sets"][0]["helix"]
@@ -189,7 +184,7 @@ def test_the_scene_leaves_no_dimension_to_an_assumption(name, folder):
     text = (folder / "problems" / f"{name}.toml").read_text(encoding="utf-8")
     found, meant = scene_file.read(text, f"{name}.toml"), PROBLEMS[name].described
     assert text == fixed_text(PROBLEMS[name])
-    written, ours = dimensions(found), dimensions(meant)
+    written, ours = solid.dimensions(found), solid.dimensions(meant)
     assert written.assumed[0].startswith(("The groove runs", "Flat ends"))
     assert (written.land, written.hole, written.shaft) == pytest.approx((ours.land, ours.hole, ours.shaft), rel=1e-9)
     assert (written.nut_held, written.screw_held) == (ours.nut_held, ours.screw_held)
@@ -198,16 +193,12 @@ def test_the_scene_leaves_no_dimension_to_an_assumption(name, folder):
 
 
 def test_step_files_open_in_gmsh(tmp_path):
-    import gmsh
-
-    written = (write_step(PROBLEMS[name], tmp_path) for name in ("two-balls", "three-balls"))
+    written = (step_files.write_step(PROBLEMS[name], tmp_path) for name in ("two-balls", "three-balls"))
     files = {path.stem: worst for found in written for path, worst in found.items()}
     assert {name for name, worst in files.items() if worst == 0.0} == {"two-balls", "three-balls"}
     assert 0.0 < files["three-balls-grooves"] < 1e-6
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        volumes = {}
+    volumes = {}
+    with gmsh_session.session() as gmsh:
         for name in files:
             gmsh.model.add(name)
             gmsh.model.occ.importShapes(str(tmp_path / f"{name}.step"))
@@ -215,8 +206,6 @@ def test_step_files_open_in_gmsh(tmp_path):
             volumes[name] = sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(3))
             if name == "three-balls-grooves":
                 assert len(gmsh.model.getEntities(2)) == 4
-    finally:
-        gmsh.finalize()
     ball = 4.0 / 3.0 * np.pi * 4.005**3
     r = np.linspace(18.4 - 4.0, 18.4, 200001)[:-1]  # the groove of the inner ring: 2 pi r times its width at r
     centre, radius = 20.0 + 0.4 * np.cos(np.pi / 4.0), 4.4
@@ -229,9 +218,9 @@ def test_step_files_open_in_gmsh(tmp_path):
 
 def test_the_distance_from_a_flank_is_seen():
     scene = PROBLEMS["screw"].described
-    points = _surface(scene, 3, np.radians([20.0, 45.0, 60.0]), 2.0, 0.0)
-    assert np.abs(off(scene, 3, points, 0.0)).max() < 1e-12
-    assert np.abs(off(scene, 3, 1.0001 * points, 0.0)).max() > 5e-7
+    points = step_files._surface(scene, 3, np.radians([20.0, 45.0, 60.0]), 2.0, 0.0)
+    assert np.abs(step_files.off(scene, 3, points, 0.0)).max() < 1e-12
+    assert np.abs(step_files.off(scene, 3, 1.0001 * points, 0.0)).max() > 5e-7
 
 
 @pytest.mark.parametrize(("name", "radius"), [("two-balls", 4e-3), ("double-nut", 3.175e-3)])
@@ -266,7 +255,7 @@ def test_calculix_solves_the_deck_of_an_exported_scene(folder, tmp_path):
 
 def test_the_double_nut_is_meshed_as_its_first_set():
     scene = PROBLEMS["double-nut"].described
-    assert isinstance(scene, Assembly)
+    assert isinstance(scene, axis.Assembly)
     plain = described(PROBLEMS["double-nut"])
     first, second = plain["sets"]
     assert first["stretch_meshed_by_the_reference"][1] == pytest.approx(second["stretch_meshed_by_the_reference"][0])

@@ -11,33 +11,26 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError
+from rollbench.comparison import __version__, errors
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes.catalogue import scene as shipped
-from rollbench.comparison.scenes.scene_file import loads
+from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, section, startup, waits
+from rollbench.comparison.wings.bench import bench, prepared, section, startup, waits
 from rollbench.comparison.wings.bench.arguments import bench as bench_command
-from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.comparison.wings.bench.costs import timing
-from rollbench.comparison.wings.bench.costs.timing import Job, timed
-from rollbench.comparison.wings.bench.prepared import Energy, Source
-from rollbench.comparison.wings.bench.startup import command_line_job
-from rollbench.comparison.wings.bench.waits import LONG, TYPED, Wait
 from rollbench.lowfi.jit import code_folder
 from rollbench.lowfi.statics.kernel.ball import MZ
 
 
 def test_timing_is_a_median_after_an_uncounted_run():
     calls: list[str] = []
-    timed(lambda: calls.append("work"), 3, lambda: calls.append("reset"))
+    timing.timed(lambda: calls.append("work"), 3, lambda: calls.append("reset"))
     assert calls == 4 * ["reset", "work"]
 
 
 def test_runs_begin_from_the_same_state_and_a_warm_one_carries_one_per_cent_more_load():
-    scene = shipped("lin-case1")
-    energy, before, source = Energy(scene), Energy(scene), Source(scene)
+    scene = catalogue.scene("lin-case1")
+    energy, before, source = prepared.Energy(scene), prepared.Energy(scene), prepared.Source(scene)
     before.cold()
     first = before.prepared.force.copy()
     assert first.max() > 100.0
@@ -55,7 +48,7 @@ def test_runs_begin_from_the_same_state_and_a_warm_one_carries_one_per_cent_more
 
 
 def test_failed_source_gives_no_ratio_and_a_power_law_its_exponent():
-    task = Source(shipped("lin-case1"))
+    task = prepared.Source(catalogue.scene("lin-case1"))
     task.begin = task.begin * 0.0  # no contact anywhere: singular
     assert (bench._source_seconds(task, 1), bench._ratio(None, 1.0), bench._ratio(3.0, 2.0)) == (None, None, 1.5)
     assert bench._power([10, 100, 1000], [3.0, 300.0, 30000.0]) == pytest.approx(2.0)
@@ -64,7 +57,7 @@ def test_failed_source_gives_no_ratio_and_a_power_law_its_exponent():
 def test_command_line_that_fails_is_not_measured(monkeypatch):
     done = type("Done", (), {"stdout": "", "stderr": "No module named rollbench.comparison.__main__\n", "returncode": 1})
     monkeypatch.setattr(startup, "launch", lambda _: (0.1, done))
-    job = command_line_job()
+    job = startup.command_line_job()
     assert (job.seconds, job.note) == (None, "not measured: No module named rollbench.comparison.__main__")
 
 
@@ -96,7 +89,7 @@ def once_if_long(work, repeats, reset=None):
     begin = perf_counter()
     work()
     seconds = perf_counter() - begin
-    return seconds if seconds > 0.02 else timed(work, repeats, reset)
+    return seconds if seconds > 0.02 else timing.timed(work, repeats, reset)
 
 
 def test_a_process_is_launched_with_one_thread_and_its_failure_is_told(monkeypatch):
@@ -106,7 +99,7 @@ def test_a_process_is_launched_with_one_thread_and_its_failure_is_told(monkeypat
     assert done.stdout == "1 x\n"
     monkeypatch.setattr(bench, "launch", lambda _: (0.1, subprocess.CompletedProcess([], 1, "", "first\nlast\n")))
     with pytest.raises(RuntimeError, match=r"the timing process failed: \['last'\]"):
-        run_bench()
+        bench.run_bench()
 
 
 @pytest.mark.slow
@@ -118,7 +111,7 @@ def test_all_jobs(monkeypatch):
     monkeypatch.setattr(bench, "timed", once_if_long)
     monkeypatch.setattr(startup, "launch", once_alike())  # so that to compile and to load are one and the same process
     seen: list[str] = []
-    jobs = run_bench(seen.append, repeats=1)
+    jobs = bench.run_bench(seen.append, repeats=1)
     assert [line.partition(":")[0] for line in seen] == [j.job for j in jobs]
     assert len({j.job for j in jobs}) == len(jobs)
     json.dumps([asdict(j) for j in jobs], allow_nan=False)
@@ -129,7 +122,7 @@ def test_all_jobs(monkeypatch):
     assert all(j.ratio is None for j in jobs if j.job.startswith("source"))
     assert [named[f"cold solve, {what}"].unknowns for what in ("case 1", "all sides")] == [193, 385]
     for name in ("set-up, case 1", "imports", "compile the kernels", "load the kernels", "250 balls, cold"):
-        assert isinstance(named[name], Job)
+        assert isinstance(named[name], timing.Job)
         assert named[name].seconds is not None
     assert all(j.note for j in jobs)
 
@@ -142,23 +135,23 @@ def test_random_errors_against_the_elimination():
 
 
 def test_commands_as_typed_and_what_they_cannot_do_without():
-    found = Wait("a schema", "schema", 1e-3, "import pydantic", module="scenes.kinds").measured()
+    found = waits.Wait("a schema", "schema", 1e-3, "import pydantic", module="scenes.kinds").measured()
     assert (found.job, found.when) == ("a schema", "")
     assert 0.0 < found.floor < found.modules < found.seconds
-    (row,) = waits.spent_table([found, Job("no aim", 1.0, None, None, None, "")]).rows
+    (row,) = waits.spent_table([found, timing.Job("no aim", 1.0, None, None, None, "")]).rows
     assert row["floor"] + row["modules"] + row["work"] == pytest.approx(row["seconds"])
     assert row["misses"] == pytest.approx(found.seconds / 1e-3)
-    failed = Wait("none", "no-such-command", 1.0, "import sys", module="errors").measured()
+    failed = waits.Wait("none", "no-such-command", 1.0, "import sys", module="errors").measured()
     assert (failed.seconds, waits.spent_table([failed]).rows[0]["misses"]) == (None, None)
-    assert all(one.module and one.aim for one in TYPED)
-    said = TYPED[0].job, LONG[9].words
+    assert all(one.module and one.aim for one in waits.TYPED)
+    said = waits.TYPED[0].job, waits.LONG[9].words
     assert said == ("list, as typed", "report --all --out {folder}/report --store {folder}/runs")
 
 
 def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path):
-    sample = Wait("sample", "list", 1e-9, "sum(range(200_000 * {count}))", "a sum", (1, 20))
-    answer = Wait("first use", "schema", 5.0, "import pydantic", caches="empty", clock="answer")
-    broken = Wait("first report", "no-such-command", 5.0, caches="as they are", clock="wall")
+    sample = waits.Wait("sample", "list", 1e-9, "sum(range(200_000 * {count}))", "a sum", (1, 20))
+    answer = waits.Wait("first use", "schema", 5.0, "import pydantic", caches="empty", clock="answer")
+    broken = waits.Wait("first report", "no-such-command", 5.0, caches="as they are", clock="wall")
     monkeypatch.setattr(waits, "LONG", (answer, broken, sample))
     one, other = waits.long_jobs(["first"], tmp_path)
     assert 0.0 < one.floor < one.seconds < 60.0
@@ -169,15 +162,15 @@ def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path
     waits.keep(tmp_path, later)
     assert waits.kept([tmp_path / "none", tmp_path]) == [one, later]
     assert [row["measured"] for row in waits.spent_table(waits.kept([tmp_path])).rows] == [one.when, other.when]
-    with pytest.raises(InputError, match="--long"):
+    with pytest.raises(errors.InputError, match="--long"):
         next(waits.long_jobs(["frist"], None))
-    with pytest.raises(InputError, match="add --long"):
+    with pytest.raises(errors.InputError, match="add --long"):
         bench_command(["audit"])
 
 
 @pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
 def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
-    longer, case = loads(waits._balls(count), "balls"), shipped("lin-case1")
+    longer, case = scene_file.loads(waits._balls(count), "balls"), catalogue.scene("lin-case1")
     assert (longer.ball_count, longer.nut.length) == (count, pytest.approx(length))
     assert np.diff(longer.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
     assert longer.time.steps == 200

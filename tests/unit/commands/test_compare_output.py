@@ -2,9 +2,7 @@
 
 import csv
 import io
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,17 +14,15 @@ from rollbench.comparison.models.comparison import Loads, compared_models, optio
 from rollbench.comparison.models.model_form import estimate, shipped_points
 from rollbench.comparison.models.registry import MODELS, run_model
 from rollbench.comparison.models.total_uncertainty import Choices, Total
+from rollbench.comparison.reference import grid_parts, store
 from rollbench.comparison.reference.estimate import Reference, reference
-from rollbench.comparison.reference.grid_parts import GridParts
-from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
-from rollbench.meshes.parts import Scene
 
 TOTAL = Total(0.2, True, Choices("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False)
 
 
-def loads(scene: Scene, model: str, factor: float) -> Loads:
+def loads(scene, model: str, factor: float) -> Loads:
     n = scene.ball_count
     load = np.zeros((n, 4))
     load[:, [0, 3]] = (200.0 + np.arange(n)[:, None]) * factor
@@ -36,18 +32,18 @@ def loads(scene: Scene, model: str, factor: float) -> Loads:
 
 
 @pytest.fixture
-def case() -> tuple[Scene, list[Any], Reference, Any]:
+def case():
     scene = catalogue.scene("lin-case1")
     exact = loads(scene, "3D reference", 1.0)
-    runs: Any = (SimpleNamespace(level=1, moving=0.0),)
-    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
+    runs = (SimpleNamespace(level=1, moving=0.0),)
+    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), grid_parts.GridParts(0.2))
     models = [
         output.beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
     ]
     return scene, models, found, output.beside(scene, exact, None)
 
 
-def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case: Any) -> None:
+def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case) -> None:
     scene, models, found, itself = case
     text = output.verdict(output.Comparison(tuple(models), itself, None, TOTAL), found)
     assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
@@ -59,7 +55,7 @@ def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case: Any)
     assert line.endswith("and by 10.00 % of a contact's own load")
 
 
-def shown(table: Any) -> list[str]:
+def shown(table) -> list[str]:
     """Lines of a table that fits 80 columns."""
     stream = io.StringIO()
     Console(file=stream, width=80).print(table)
@@ -69,7 +65,7 @@ def shown(table: Any) -> list[str]:
     return lines
 
 
-def test_the_table_has_the_reference_first_and_once(case: Any) -> None:
+def test_the_table_has_the_reference_first_and_once(case) -> None:
     scene, models, found, itself = case
     lines = shown(output.table(models, itself))
     assert [line.split()[0] for line in lines] == ["model", "3D", "refined", "lin-source-partition"]
@@ -77,7 +73,7 @@ def test_the_table_has_the_reference_first_and_once(case: Any) -> None:
     assert not output.is_itself(loads(scene, "3D source mesh", 1.0), found)
 
 
-def test_every_contact_is_written_beside_its_reference(case: Any, tmp_path: Path) -> None:
+def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
     scene, models, found, _ = case
     said = output.write_files(scene, models, found, tmp_path)
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
@@ -88,7 +84,7 @@ def test_every_contact_is_written_beside_its_reference(case: Any, tmp_path: Path
     assert "lin-case1-compare.csv" in said
 
 
-def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
+def test_answers_of_model_and_reference_stand_side_by_side(case) -> None:
     _, models, found, itself = case
     whole = output.Comparison(tuple(models), itself, None, TOTAL)
     lines = shown(output.answers_table(whole))
@@ -105,10 +101,10 @@ def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
     assert all(output.answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in output.ANSWERS)
 
 
-def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Path) -> None:
+def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
     scene = catalogue.scene("unseen-short-nut")
-    found = reference(scene, (tmp_path, shipped_store()))
-    whole = output.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, shipped_store()))
+    found = reference(scene, (tmp_path, store.shipped_store()))
+    whole = output.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, store.shipped_store()))
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
@@ -122,7 +118,7 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Pa
     assert whole.itself.displacement == pytest.approx(condensed.displacement, rel=0.01)
 
 
-def test_bodies_that_no_store_has_are_asked_for(tmp_path: Path) -> None:
+def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:
     scene = catalogue.scene("unseen-four-point")
     found = reference(scene)
     assert found is not None

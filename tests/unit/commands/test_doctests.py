@@ -2,14 +2,14 @@
 
 import doctest
 import importlib
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
-ROOT = Path(__file__).resolve().parents[3] / ".import"
+SOURCES = ROOT / ".import"
 PACKAGES = ("lowfi", "hifi", "meshes", "comparison", "reports")
-FILES = [path for package in PACKAGES for path in (ROOT / "rollbench" / package).rglob("*.py")]
-WITH_EXAMPLES = [path.relative_to(ROOT).with_suffix("") for path in FILES if ">>> " in path.read_text(encoding="utf-8")]
+FILES = [path for package in PACKAGES for path in (SOURCES / "rollbench" / package).rglob("*.py")]
+WITH_EXAMPLES = [path.relative_to(SOURCES).with_suffix("") for path in FILES if ">>> " in path.read_text(encoding="utf-8")]
 MODULES = ["rollbench", *sorted(".".join(path.parts) for path in WITH_EXAMPLES)]
 
 

@@ -3,14 +3,13 @@
 import re
 import sys
 from importlib import metadata
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison import system
 from rollbench.comparison.wings.doctor import command as doctor
 from rollbench.meshes import libraries
-from rollbench.meshes.libraries import MESHING, PICTURES, install, missing
 from rollbench.reports import offscreen
 
 
@@ -21,7 +20,7 @@ def _drawn_already(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "available_GB", lambda: 16.0)
 
 
-def test_a_machine_with_everything(command, tmp_path: Path) -> None:
+def test_a_machine_with_everything(command, tmp_path) -> None:
     out = command.said("doctor", "--store", tmp_path / "runs")
     drawn = "off-screen rendering: a picture was drawn"
     for words in ("nothing is missing", "gmsh: ", drawn, "memory: 16.0 GB", "GPL-2.0-or-later", "MIT licence"):
@@ -36,7 +35,7 @@ def test_what_lacks_is_named_with_its_cost_and_remedy(command, monkeypatch: pyte
     bad = {check["name"]: check for check in data["checks"] if check["state"] == "missing"}
     assert (code, data["complete"], set(bad)) == (1, False, {"meshing", "memory"})
     assert "libgomp.so.1" in bad["meshing"]["found"]
-    assert bad["meshing"]["advice"] == install(MESHING)
+    assert bad["meshing"]["advice"] == libraries.install(libraries.MESHING)
     assert "no 3D meshes" in bad["meshing"]["cost"]
     assert bad["memory"]["found"] == "1.5 GB free"
 
@@ -56,7 +55,7 @@ def test_packages_that_are_absent_or_old(monkeypatch: pytest.MonkeyPatch) -> Non
     assert found["rich"].found == "1.30, older than 13.7"
 
 
-def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     (tmp_path / "matplotlib.py").write_text("raise RuntimeError('half installed')")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
@@ -78,18 +77,18 @@ def test_the_python_package_is_advised_where_it_is_what_lacks(monkeypatch: pytes
 
 
 def test_every_requirement_of_the_package_is_looked_at() -> None:
-    text = (Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8")
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     listed = text.split("\ndependencies = [")[1].split("\n]")[0]
     assert set(re.findall(r'"([\w.-]+)>=', listed)) == set(doctor.requirements())
 
 
-def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written(tmp_path) -> None:
     (tmp_path / "file").write_text("no folder")
     check = doctor._folder("store", tmp_path / "file" / "runs", "nothing is kept", "another")
     assert (check.state, check.cost) == ("missing", "nothing is kept")
 
 
-def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path: Path) -> None:
+def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None:
     proc = tmp_path / "meminfo"
     proc.write_text("MemTotal: 9 kB\nMemAvailable:    2000000 kB\n")
     assert system.available_GB(proc, tmp_path) == pytest.approx(2.048)
@@ -101,6 +100,6 @@ def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path: Path) -
 
 
 def test_libraries_are_one_list() -> None:
-    assert missing({"libnothere.so.7": "nothing", "libc.so.6": "libc6"}) == ["libnothere.so.7"]
-    assert "libgomp1" in install(MESHING)
-    assert install(PICTURES) in offscreen.ADVICE
+    assert libraries.missing({"libnothere.so.7": "nothing", "libc.so.6": "libc6"}) == ["libnothere.so.7"]
+    assert "libgomp1" in libraries.install(libraries.MESHING)
+    assert libraries.install(libraries.PICTURES) in offscreen.ADVICE

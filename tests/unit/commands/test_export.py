@@ -5,6 +5,7 @@ import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import meshio
 import numpy as np
@@ -22,14 +23,9 @@ from rollbench.comparison.wings.crosscheck.calculix import run_calculix
 from rollbench.comparison.wings.export import command as export_command
 from rollbench.comparison.wings.export.command import parts_of, run_export
 from rollbench.hifi.bodies import submodel
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.assembly import assemble
-from rollbench.hifi.elements.assembly import cells as space
-from rollbench.hifi.elements.forms import elasticity, share
-from rollbench.meshes import bridge
+from rollbench.hifi.elements import assembly, forms
+from rollbench.meshes import bridge, parts, solid
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, nodes_on, points_of
-from rollbench.meshes.parts import Flange
-from rollbench.meshes.solid import dimensions
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 
@@ -52,11 +48,8 @@ SCENE = four_balls()
 #: Two balls in a shorter nut, for result fields.
 TWO = replace(SCENE, balls=replace(SCENE.balls, azimuths=(-1.2, 1.2)), nut=replace(SCENE.nut, length=24e-3))
 #: The same nut held by the annulus of a flange.
-FLANGED = replace(
-    TWO,
-    nut=replace(TWO.nut, flange=Flange(1.5 * TWO.nut.outer_diameter, 6e-3, (28e-3, 34e-3))),
-    solid=replace(TWO.solid, nut_held="flange"),
-)
+FLANGE = parts.Flange(1.5 * TWO.nut.outer_diameter, 6e-3, (28e-3, 34e-3))
+FLANGED = replace(TWO, nut=replace(TWO.nut, flange=FLANGE), solid=replace(TWO.solid, nut_held="flange"))
 #: Changes of mesh level 1.
 COARSE = {"b_over_h": 1.0, **two_balls.COARSE}
 
@@ -122,9 +115,7 @@ def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, parts_cache: P
 
 
 def groups(file: Path) -> dict[str, dict[str, np.ndarray]]:
-    """Middles of the faces of every named group of a mesh, as scikit-fem, meshio and gmsh find them in a file."""
-    import gmsh
-
+    """Middles of the faces of every named group of a mesh, as scikit-fem and meshio find them in a file."""
     mesh = skfem.Mesh.load(file)
     found = {"scikit-fem": {k: mesh.p[:, mesh.facets[:, x]].mean(axis=1).T for k, x in mesh.boundaries.items()}}
     if file.suffix == ".msh":
@@ -132,20 +123,6 @@ def groups(file: Path) -> dict[str, dict[str, np.ndarray]]:
         by_name = {k: x["triangle6"] for k, x in read.cell_sets_dict.items() if "triangle6" in x and ":" not in k}
         faces = read.cells_dict["triangle6"][:, :3]
         found["meshio"] = {k: read.points[faces[x]].mean(axis=1) for k, x in by_name.items()}
-        gmsh.initialize(interruptible=False)
-        try:
-            gmsh.option.setNumber("General.Terminal", 0)
-            gmsh.merge(str(file))
-            tags, xyz, _ = gmsh.model.mesh.getNodes()
-            place = np.empty((int(tags.max()) + 1, 3))
-            place[tags.astype(int)] = xyz.reshape(-1, 3)
-            found["gmsh"] = {}
-            for group in gmsh.model.getPhysicalGroups(2):
-                entities = gmsh.model.getEntitiesForPhysicalGroup(*group)
-                nodes = np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0].reshape(-1, 6) for e in entities])
-                found["gmsh"][gmsh.model.getPhysicalName(*group)] = place[nodes[:, :3].astype(int)].mean(axis=1)
-        finally:
-            gmsh.finalize()
     return found
 
 
@@ -182,18 +159,18 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
     for part, mesh in solids.items():
         faces = np.concatenate(list(mesh.boundaries.values()))
         np.testing.assert_array_equal(np.sort(faces), mesh.boundary_facets())
-        volume = float(share().assemble(space(mesh)).sum())
+        volume = float(forms.share().assemble(assembly.cells(mesh)).sum())
         if part == "ball":
             assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
         if part == "nut":
-            land = dimensions(TWO).land
+            land = solid.dimensions(TWO).land
             tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
             groove = 0.5 * np.pi * (TWO.nut.groove_radius) ** 2 * TWO.nut.length / TWO.track.lead
             groove *= np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
             assert tube - groove < volume < tube - 0.3 * groove
     # where the scene says so, the groove of the nut ends
     filled = coarse_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut")
-    through, ended = (float(share().assemble(space(mesh)).sum()) for mesh in (solids["nut"], filled))
+    through, ended = (float(forms.share().assemble(assembly.cells(mesh)).sum()) for mesh in (solids["nut"], filled))
     assert ended > 1.02 * through
 
 
@@ -246,10 +223,7 @@ def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
 
 
 def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monkeypatch):
-    def never(*_):
-        raise AssertionError("meshed")
-
-    monkeypatch.setattr(export_command, "part_mesh", never)
+    monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=AssertionError("meshed")))
     bodies, patches = ("screw", "nut", "ball"), ("patch-SL", "patch-NR")
     sockets, of_balls = (f"{body}-with-sockets" for body in bodies), (f"ball-{patch}" for patch in patches)
     assert parts_of(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
@@ -271,11 +245,7 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"a\.vtu: file: got "):
         run_export(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache)
-
-    def bad(*_):
-        raise ValueError("a contact patch does not fit")
-
-    monkeypatch.setattr(export_command, "part_mesh", bad)
+    monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=ValueError("a contact patch does not fit")))
     with pytest.raises(InputError, match="lin-case1: screw: a contact patch does not fit"):
         run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1)
 
@@ -290,7 +260,7 @@ def moved_here(points: np.ndarray, cells: np.ndarray, held: np.ndarray, forces: 
     assert np.array_equal(number, np.arange(len(points)))
     free = np.setdiff1d(np.arange(forces.size), (3 * held[:, None] + np.arange(3)).ravel())
     u = np.zeros(forces.size)
-    u[free] = spsolve(assemble(elasticity(*STEEL), mesh)[free][:, free], forces.ravel()[free])
+    u[free] = spsolve(assembly.assemble(forms.elasticity(*STEEL), mesh)[free][:, free], forces.ravel()[free])
     return u.reshape(-1, 3)
 
 
@@ -336,31 +306,6 @@ def test_calculix_solves_an_exported_whole_nut(hold: str, solids, tmp_path: Path
     ours = moved_here(points, cells, held, forces)
     assert work == pytest.approx((forces * ours).sum(), rel=5e-5)
     np.testing.assert_allclose(theirs, ours[nodes], atol=5e-3 * np.abs(ours).max())
-
-
-@pytest.mark.slow
-@CCX
-def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
-    """Unit forces on two sockets of the nut, held outside: every node of the sockets moves as in our own elements."""
-    scene = catalogue.scene("two-balls")
-    run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1)
-    mesh = meshio.read(tmp_path / "nut.inp")
-    (block,) = [b for b in mesh.cells if b.type == "tetra10"]
-    points, cells = mesh.points, block.data[:, np.argsort(bridge.VTK["P2"][1])]
-    sockets = mesh.point_sets["sockets"]
-    held = np.flatnonzero(np.abs(np.hypot(*points[:, :2].T) - scene.nut.outer_diameter / 2.0) < 1e-7)
-    forces = np.zeros((len(points), 3))
-    pushed = [sockets[(points[sockets, 0] > 0.0) & (points[sockets, 2] > 7e-3)], sockets[points[sockets, 0] < 0.0]]
-    forces[pushed[0], 0], forces[pushed[1], 2] = 1.0 / len(pushed[0]), 1.0 / len(pushed[1])
-    loads = "*CLOAD\n" + "".join(f"{n + 1}, {k + 1}, {forces[n, k]:.12e}\n" for n, k in np.argwhere(forces))
-    nodes, found = moved_there(tmp_path / "nut.inp", "".join(f"{n + 1}, 1, 3\n" for n in held), loads, "sockets")
-    ours, theirs = moved_here(points, cells, held, forces), np.zeros_like(points)
-    theirs[nodes] = found
-    assert set(nodes) == set(sockets)
-    largest = np.abs(ours[sockets]).max()
-    for group in pushed:
-        np.testing.assert_allclose(theirs[group].mean(axis=0), ours[group].mean(axis=0), atol=2e-4 * largest)
-    np.testing.assert_allclose(theirs[sockets], ours[sockets], atol=1e-3 * largest)
 
 
 @pytest.mark.slow

@@ -9,7 +9,6 @@ from tests.feed_drive import MINE, answer, mine
 from tests.helpers import small_screw
 
 from rollbench.comparison.commands import printing
-from rollbench.comparison.commands.printing import Answer, print_answer
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.friction.answer import as_table, increase
@@ -107,7 +106,7 @@ def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width, mo
     assert short[3].startswith("torque    ")
     assert "which a motor must give the nut" in short[3].replace("\n          ", " ")
     monkeypatch.setattr(printing, "text_width", lambda: width)
-    print_answer(Answer(parts=[part for part in short if isinstance(part, str)], folded=True))
+    printing.print_answer(printing.Answer(parts=[part for part in short if isinstance(part, str)], folded=True))
     assert max(map(len, capsys.readouterr().out.splitlines())) <= width
     titles = [[part.title for part in parts if not isinstance(part, str)] for parts in (short, long)]
     assert titles == [["losses by contact and cause"], ["losses by contact and cause", "per ball"]]

@@ -12,7 +12,6 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.friction import solve as friction_answer
 from rollbench.comparison.wings.friction.answer import as_table
 from rollbench.comparison.wings.friction.band import feedback_warnings
-from rollbench.comparison.wings.friction.solve import solve_friction
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion
@@ -35,14 +34,14 @@ def test_large_pressure_is_warned_of():
         assert any("ISO 76" in line for line in warned) is (force > 300.0)
 
 
-@pytest.mark.parametrize(
-    ("lead", "feedback", "words"),
-    [
-        (20e-3, True, ("from four displaced starts",)),
-        (20e-3, False, ("none was searched for", "feedback = true")),
-        (0.0, True, ("none was searched for", "along the grooves")),
-    ],
-)
+SEARCHES = [
+    (20e-3, True, ("from four displaced starts",)),
+    (20e-3, False, ("none was searched for", "feedback = true")),
+    (0.0, True, ("none was searched for", "along the grooves")),
+]
+
+
+@pytest.mark.parametrize(("lead", "feedback", "words"), SEARCHES)
 def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, feedback, words):
     scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
     found = answer(replace(scene, friction=Friction(0.4, 0.4, feedback=feedback), motion=Motion(3.0)))
@@ -82,19 +81,19 @@ def test_a_scene_that_states_no_play_says_what_play_does():
     assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).data["play"] is None
 
 
-@pytest.mark.parametrize(
-    ("name", "old", "new", "said"),
-    [
-        ("lin-case1-cut", "", "", ("WARNING: no preload and no play are stated",)),
-        ("two-balls", "", "", ()),
-        ("two-balls", 'oversize = "5 um"', 'oversize = "60 um"', ("WARNING outside", "contact pressure", "static safety")),
-        ("double-nut", "", "", ()),
-        ("double-nut", 'offset = "-4 um"', 'offset = "-120 um"', ("WARNING outside", "nut 1: preload", "nut 2: preload")),
-    ],
-)
+STRICT = [
+    ("lin-case1-cut", "", "", ("WARNING: no preload and no play are stated",)),
+    ("two-balls", "", "", ()),
+    ("two-balls", 'oversize = "5 um"', 'oversize = "60 um"', ("WARNING outside", "contact pressure", "static safety")),
+    ("double-nut", "", "", ()),
+    ("double-nut", 'offset = "-4 um"', 'offset = "-120 um"', ("WARNING outside", "nut 1: preload", "nut 2: preload")),
+]
+
+
+@pytest.mark.parametrize(("name", "old", "new", "said"), STRICT)
 def test_strict_ends_with_1_where_a_line_stands_above_the_answers(name, old, new, said, tmp_path, command, monkeypatch):
     (tmp_path / "a.toml").write_text(catalogue.scene_text(name).replace(old, new), encoding="utf-8")
-    found = solve_friction(str(tmp_path / "a.toml"), Choices(mu=(0.1,)))
+    found = friction_answer.solve_friction(str(tmp_path / "a.toml"), Choices(mu=(0.1,)))
     monkeypatch.setattr(friction_answer, "solve_friction", lambda *_: found)
     for strict in (False, True):
         code, data = command.json("friction", name, "--mu", "0.1", "--json", *(["--strict"] if strict else []))

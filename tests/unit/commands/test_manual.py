@@ -2,7 +2,6 @@
 
 import csv
 import re
-from pathlib import Path
 
 import pytest
 import yaml
@@ -15,19 +14,18 @@ drawings, generate = map(docs_module, ("drawings", "generate"))
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(tmp_path_factory: pytest.TempPathFactory):
     folder = tmp_path_factory.mktemp("reference")
     generate.pages(folder)
     return folder
 
 
-def test_reference_has_every_command_key_and_quantity_with_its_unit(written: Path) -> None:
+def test_reference_has_every_command_key_and_quantity_with_its_unit(written) -> None:
     commands = (written / "commands.md").read_text(encoding="utf-8")
     for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
         assert f"## `rollbench {name}`" in commands
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
-    for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases"):
-        assert table in scene
+    assert [table for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases") if table not in scene] == []
     text = (written / "quantities.md").read_text(encoding="utf-8")
     units = {"axial.rigidity_N_per_um": "N/µm", "loads.worst_ball": "–", "rigidities_N_per_um.with_bodies": "N/µm"}
     assert "`loads.max_N`" in text
@@ -59,7 +57,7 @@ def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_named_files_exist(page: Path) -> None:
+def test_named_files_exist(page) -> None:
     text = page.read_text(encoding="utf-8")
     for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests|docs)/[\w./*-]+)`", text):
         assert page.name == "CHANGELOG.md" or list(ROOT.glob(named.rstrip("/"))), named
@@ -68,11 +66,10 @@ def test_named_files_exist(page: Path) -> None:
         assert file.exists() or file.stem in ("commands", "quantities", "scene-file", "misprints"), target
 
 
-def test_every_drawing_is_made_and_shown(tmp_path: Path, written: Path) -> None:
+def test_every_drawing_is_made_and_shown(tmp_path, written) -> None:
     drawings.draw(tmp_path)
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
-    for drawn in tmp_path.glob("*.svg"):
-        assert f"_static/{drawn.name}" in scene
+    assert [drawn for drawn in tmp_path.glob("*.svg") if f"_static/{drawn.name}" not in scene] == []
     lengths = " ".join(p.read_text(encoding="utf-8") for p in tmp_path.glob("*.svg"))
     keys = "screw.length nut.length track.lead nut.flange.seat solid.shaft groove_radius screw.bore"
     assert [key for key in keys.split() if key not in lengths] == []

@@ -37,16 +37,16 @@ def test_rows_say_the_columns_of_their_table():
     assert table.rows == [{"scene": "a"}, {"scene": "b", "error": 1.0}]
 
 
-@pytest.mark.parametrize(
-    ("value", "error", "text"),
-    [
-        (1234.56, 4.3, "1235"),
-        (1234.56, 0.43, "1235"),
-        (12.3456, 0.43, "12.35"),
-        (12.3456, 5, "12.3"),
-        (-838.6, 9e2, "-840"),
-    ],
-)
+SHOWN = [
+    (1234.56, 4.3, "1235"),
+    (1234.56, 0.43, "1235"),
+    (12.3456, 0.43, "12.35"),
+    (12.3456, 5, "12.3"),
+    (-838.6, 9e2, "-840"),
+]
+
+
+@pytest.mark.parametrize(("value", "error", "text"), SHOWN)
 def test_people_see_one_digit_beyond_the_first_that_the_error_touches(value: float, error: float, text: str) -> None:
     assert shown(value, error) == text
     assert abs(float(text) - value) <= max(0.05 * 10.0 ** math.floor(math.log10(error)), abs(value) * 5e-4)

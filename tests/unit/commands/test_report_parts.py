@@ -1,17 +1,13 @@
 """The report's list of sections stands once; drawing writes nothing into a store."""
 
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.commands.reporting import report
-from rollbench.comparison.commands.reporting.first import COSTLY
+from rollbench.comparison.commands.reporting import first, report
 from rollbench.comparison.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
-from rollbench.comparison.commands.reporting.report import save_model_form, wanted_parts
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models import ladder, model_form
-from rollbench.comparison.models.applicability import PLACES
+from rollbench.comparison.models import applicability, ladder, model_form
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.reports.records import Section, Table
@@ -26,13 +22,13 @@ def test_every_part_has_a_module_with_a_section_and_stands_on_one_of_twelve_page
 
 
 def test_wanted_parts():
-    assert [p.name for p in wanted_parts(["timing", "hertz"], quick=True)] == ["hertz", "timing"]
-    assert [p.name for p in wanted_parts([])] == list(report.SECTIONS)
-    quick = wanted_parts([], quick=True)
+    assert [p.name for p in report.wanted_parts(["timing", "hertz"], quick=True)] == ["hertz", "timing"]
+    assert [p.name for p in report.wanted_parts([])] == list(report.SECTIONS)
+    quick = report.wanted_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
-    assert {p.name for p in quick}.isdisjoint({*COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
+    assert {p.name for p in quick}.isdisjoint({*first.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
     with pytest.raises(InputError, match="no-such"):
-        wanted_parts(["no-such"])
+        report.wanted_parts(["no-such"])
 
 
 def test_a_page_opens_with_the_first_conclusion_or_the_verdicts_of_its_tables():
@@ -46,14 +42,14 @@ def test_a_page_opens_with_the_first_conclusion_or_the_verdicts_of_its_tables():
     assert conclusion([Section("c", "C", ())]) == ""
 
 
-def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: pytest.MonkeyPatch):
     study = Study((tmp_path, shipped_store()))
     found = study.reference("lin-case1")
     rungs = ladder.climb(study.scene("lin-case1"), found, None)[:2]
     monkeypatch.setattr(ladder, "ladder", lambda _: rungs)
-    save_model_form(study)
+    report.save_model_form(study)
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2
-    save_model_form(Study())
-    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE, PLACES]
-    assert (tmp_path / PLACES).read_bytes() == (shipped_store() / PLACES).read_bytes()
+    report.save_model_form(Study())
+    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE, applicability.PLACES]
+    assert (tmp_path / applicability.PLACES).read_bytes() == (shipped_store() / applicability.PLACES).read_bytes()

@@ -3,24 +3,22 @@
 import os
 import sys
 import venv
-from pathlib import Path
 
 import pytest
 from hatchling.builders.wheel import WheelBuilder
+from tests.copies import ROOT
 from tests.processes import ran
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.doctor import requirements as module
-from rollbench.comparison.wings.doctor.requirements import closure, run_requirements
 from rollbench.meshes.libraries import NEEDED_BY, ONLY_FOR, version
 
-ROOT = Path(__file__).parents[3]
 #: Largest environment of the gate beside stored runs [MB].
 LARGEST_MB = 400
 
 
 def lines(command: str) -> list[str]:
-    return run_requirements(command).data["requirements"]
+    return module.run_requirements(command).data["requirements"]
 
 
 def names(command: str) -> set[str]:
@@ -36,7 +34,7 @@ def test_commands_need_no_more_than_they_say_in_the_versions_of_this_environment
     assert names("solve") < names("compare") < names("report") == names("all")
     assert {"gmsh", "scikit-fem", "pymetis", "matplotlib"} <= names("compare")
     assert {"vtk", "typst", "trimesh"} <= names("report")
-    text = "\n".join(run_requirements("check").parts)
+    text = "\n".join(module.run_requirements("check").parts)
     assert all(f"# without {name}: " in text for name in ONLY_FOR)
     assert all(line.startswith("#") or "==" in line for line in text.splitlines())
 
@@ -44,13 +42,13 @@ def test_commands_need_no_more_than_they_say_in_the_versions_of_this_environment
 def test_a_package_that_is_not_installed_has_no_version(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "version", lambda name: None if name == "typst" else version(name))
     with pytest.raises(InputError, match=r"--requirements: got typst is not installed.*pip install typst"):
-        closure(["typst"])
+        module.closure(["typst"])
     assert "typst" not in names("check")
     assert set(NEEDED_BY) == {"check", "solve", "compare", "report", "all"}
 
 
 @pytest.mark.installs
-def test_the_gate_runs_in_an_environment_of_these_lines_alone(tmp_path: Path) -> None:
+def test_the_gate_runs_in_an_environment_of_these_lines_alone(tmp_path) -> None:
     (wheel,) = WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
     (tmp_path / "requirements.txt").write_text("\n".join(lines("check")) + "\n", encoding="utf-8")
     venv.create(tmp_path / "small", with_pip=False)

@@ -11,8 +11,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.rolling import commands as rolling
 from rollbench.comparison.wings.rolling import runs
 from rollbench.comparison.wings.rolling.rows import RollingRow, uncertainty, within
-from rollbench.hifi.rolling import balls
-from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling import balls, bodies
 
 
 @pytest.fixture(autouse=True)
@@ -83,7 +82,7 @@ def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):
-    monkeypatch.setitem(runs.BODIES, "finite", Sizes(cells=(2, 2), growth=3.0, degree=2))
+    monkeypatch.setitem(runs.BODIES, "finite", bodies.Sizes(cells=(2, 2), growth=3.0, degree=2))
     words = "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", tmp_path
     rows = command.answer(*words)["rows"]
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")

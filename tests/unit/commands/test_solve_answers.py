@@ -6,7 +6,6 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,9 +24,7 @@ from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.reference.estimate import reference
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.like import scene_like
+from rollbench.comparison.scenes import catalogue, like
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic
@@ -137,10 +134,10 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None
     assert max(map(len, out.splitlines())) <= 100
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")],
-)
+PIPED = [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")]
+
+
+@pytest.mark.parametrize("words", PIPED)
 def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     """No box-drawing, no colours, no line wider than 100."""
     done = ran(*COMMAND, *words, environ={"FORCE_COLOR": ""})
@@ -169,7 +166,7 @@ ANSWERS = ("balls", "rollers", "sets", "housings", "centreline", "equilibrium", 
 PLACES = ("set", "index", "name", "kind", "azimuth_deg", "z_mm", "position_mm", "housing", "offset_um")
 
 
-def numbers(value: Any) -> list[float]:
+def numbers(value) -> list[float]:
     """All numbers under a value but those of places."""
     if isinstance(value, dict):
         return [x for key, v in value.items() if key not in PLACES for x in numbers(v)]
@@ -178,19 +175,19 @@ def numbers(value: Any) -> list[float]:
     return [value] if isinstance(value, int | float) else []
 
 
-@pytest.mark.parametrize(
-    ("scene", "model", "module"),
-    [
-        ("lin-case3", "lin", static),
-        ("bearing-9", "refined", static),
-        ("double-nut", "lin", axis_solve),
-        ("double-nut", "refined", axis_elastic),
-    ],
-)
+SOLVERS = [
+    ("lin-case3", "lin", static),
+    ("bearing-9", "refined", static),
+    ("double-nut", "lin", axis_solve),
+    ("double-nut", "refined", axis_elastic),
+]
+
+
+@pytest.mark.parametrize(("scene", "model", "module"), SOLVERS)
 def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command, tmp_path, scene, model, module) -> None:
     if scene == "double-nut":
         scene = str(tmp_path / "two.toml")
-        text = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+        text = catalogue.scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
         Path(scene).write_text(text, encoding="utf-8")
     whole = command.answer("solve", scene, "--model", model)
     monkeypatch.setattr(module, "MAX_ITERATIONS", 1)
@@ -205,7 +202,7 @@ def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command
 
 
 def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
-    text = scene_like("40x10")
+    text = like.scene_like("40x10")
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)
@@ -213,16 +210,15 @@ def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
     return str(folder / "my.toml")
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ((), ()),
-        ((('force = "5 % of C"', 'oversize = "60 um"'),), ("contact pressure", "static safety", "above C =")),
-        (((', "5.7 kN"]', ', "900 kN"]'),), ("contact pressure", "below 1")),
-        ((('"800 mm"\nfix = ["ux", "uy"]', '"800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'),), ("rotations of",)),
-    ],
-    ids=["as written", "oversize", "load", "bent"],
-)
+OUTSIDE = [
+    ((), ()),
+    ((('force = "5 % of C"', 'oversize = "60 um"'),), ("contact pressure", "static safety", "above C =")),
+    (((', "5.7 kN"]', ', "900 kN"]'),), ("contact pressure", "below 1")),
+    ((('"800 mm"\nfix = ["ux", "uy"]', '"800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'),), ("rotations of",)),
+]
+
+
+@pytest.mark.parametrize(("changes", "said"), OUTSIDE, ids=["as written", "oversize", "load", "bent"])
 def test_a_line_above_the_answers_says_what_leaves_the_models(tmp_path, command, changes, said) -> None:
     file = changed_40x10(tmp_path, *changes)
     lines = command.said("solve", file, "--model", "lin").splitlines()
@@ -236,7 +232,7 @@ def test_a_line_above_the_answers_says_what_leaves_the_models(tmp_path, command,
 
 
 def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
-    text = scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
+    text = catalogue.scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
     (tmp_path / "a.toml").write_text(text, encoding="utf-8")
     code, out, _ = command("solve", tmp_path / "a.toml", "--model", "lin", "--strict")
     assert code == 1
@@ -245,9 +241,10 @@ def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
     assert re.search("WARNING outside what the models mean: nut 1: .*nut 2: preload", head)
 
 
-@pytest.mark.parametrize(
-    ("modulus", "code"), [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
-)
+MODULI = [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
+
+
+@pytest.mark.parametrize(("modulus", "code"), MODULI)
 def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, command, modulus: str, code: int) -> None:
     material = f'youngs_modulus = "{modulus}"\npoissons_ratio = 0.3'
     rest = (('force = "5 % of C"', 'oversize = "0.1 um"'), (', "5.7 kN"]', ', "100 N"]'))

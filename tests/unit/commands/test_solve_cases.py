@@ -10,8 +10,7 @@ from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
 from rollbench.comparison.commands.reporting.verify import _stable, read
-from rollbench.comparison.models.load_cases import solve_any, solve_one
-from rollbench.comparison.models.registry import Options
+from rollbench.comparison.models import load_cases, registry
 from rollbench.comparison.wings.sweep.keys import read_vary
 from rollbench.comparison.wings.sweep.run import Sweep
 from rollbench.comparison.wings.sweep.sample import solve_sample
@@ -45,7 +44,7 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
     whole = found["summary"]
     assert (whole["largest_pressure_case"], whole["least_static_safety_case"]) == ("push", "push")
     assert whole["largest_pressure_MPa"] == max(one["summary"]["worst_contact"]["pressure_MPa"] for one in cases)
-    loads = [solve_one(SHIPPED, "lin", Options()).result.load]
+    loads = [load_cases.solve_one(SHIPPED, "lin", registry.Options()).result.load]
     loads.append(np.array([list(ball["load_N"].values()) for ball in cases[1]["balls"]]))
     assert whole["life"]["L10_million_revolutions"] == life(SHIPPED, over_cases(loads, [0.75, 0.25])).revolutions
     assert whole["standard_life"] is None
@@ -128,6 +127,6 @@ def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path) -> N
 @pytest.mark.parametrize("force", [0.02, 600.0])
 def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
     """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
-    nut = solve_any(one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", Options()).sets["nut"]
+    nut = load_cases.solve_any(one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", registry.Options()).sets["nut"]
     found = equivalent_life([nut.parts], [1.0], [nut.force], nut.preload)
     assert found.loads == (pytest.approx(force, rel=1e-6), 0.0)

@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes.body_checks import geometry_faults
-from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.scenes import body_checks, catalogue
 from rollbench.comparison.wings.extremes import static
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics import elastic, problem
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.section import screw_section
 
@@ -34,15 +32,15 @@ def test_cases_cover_the_issue_with_scenes_that_a_file_may_describe_but_for_the_
     groups = "axial load, clearance, preload, random balls, shaft stiffness, moduli, conformity, lateral load, offset, "
     groups += "moment only, ball count, lead, contact angle, one ball, support"
     assert {c.group for c in every} >= set(groups.split(", "))
-    refused = {c.name for c in every if list(geometry_faults(c.scene))}
+    refused = {c.name for c in every if list(body_checks.geometry_faults(c.scene))}
     assert refused == {f"shaft x {f:g}, contacts unchanged" for f in (1e-3, 1e-2, 1e-1)}
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e-1, 1e1, 1e3])
 def test_shaft_is_scaled_without_its_contacts(factor):
-    base = shipped("lin-case1")
+    base = catalogue.scene("lin-case1")
     scaled = static.shaft_scaled(base, factor)
-    np.testing.assert_allclose(nominal_hertz(scaled).C, nominal_hertz(base).C, rtol=1e-12)
+    np.testing.assert_allclose(problem.nominal_hertz(scaled).C, problem.nominal_hertz(base).C, rtol=1e-12)
     before, after = screw_section(base), screw_section(scaled)
     assert pytest.approx(factor, rel=1e-9) == after.EA / before.EA
     assert pytest.approx(factor * (2.0 - factor) if factor < 1 else factor, rel=1e-9) == after.EI / before.EI
@@ -81,7 +79,7 @@ def test_source_needs_a_start_with_contact_agrees_but_beyond_the_arc_and_is_not_
 
 
 def test_false_claims_of_convergence_are_refused():
-    good = solve_static(shipped("lin-case1"))
+    good = solve_static(catalogue.scene("lin-case1"))
     assert static._fault(good) == ""
     assert "not finite" in static._fault(replace(good, load=np.full_like(good.load, np.nan)))
     for residual in (1e-9, float("nan")):
@@ -113,6 +111,6 @@ def test_table_keeps_the_order_and_reports_progress(monkeypatch):
 @pytest.mark.parametrize("backend", ["lin-nut", "refined"])
 def test_a_ball_that_moves_off_takes_few_steps(backend):
     """Under a contact that vanishes the stiffness of a step before it is too much: 994 steps, by one that was kept."""
-    found = solve_elastic(CASES["one ball, squeezed, free to move off"].scene, backend=LADDER[backend])
+    found = elastic.solve_elastic(CASES["one ball, squeezed, free to move off"].scene, backend=LADDER[backend])
     assert found.status == "converged"
     assert found.solver.iterations < 40

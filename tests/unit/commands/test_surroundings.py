@@ -10,14 +10,9 @@ from types import SimpleNamespace
 import pytest
 from tests.processes import COMMAND, python, ran
 
-from rollbench.comparison import provenance
-from rollbench.comparison.cli import main
-from rollbench.comparison.commands.reporting import report, scene_page
-from rollbench.comparison.commands.reporting.verify import Checked
-from rollbench.comparison.errors import InputError
+from rollbench.comparison import cli, errors, provenance, writing
+from rollbench.comparison.commands.reporting import report, scene_page, verify
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.writing import need_writable, replace_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
 from rollbench.reports.cells import harmless
@@ -40,7 +35,7 @@ def test_a_full_output_ends_in_one_line(words, monkeypatch, capsys):
     with open("/dev/full", "w") as full:
         monkeypatch.setattr(sys, "stdout", full)
         with pytest.raises(SystemExit, match="74"):
-            main(words)
+            cli.main(words)
     assert capsys.readouterr().err == SAID
 
 
@@ -89,7 +84,7 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
     (folder / "x").write_text("half")
     for other in (mine, left, tmp_path / ".a.json.notes.tmp"):
         other.write_text("half")
-    replace_file(path, "whole")
+    writing.replace_file(path, "whole")
     temporary(path, "new")
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
 
@@ -111,8 +106,8 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
 
 
 def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
-    assert Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
-    text = scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
+    assert verify.Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
+    text = catalogue.scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
     scene = scene_file.loads(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")
     assert scene.name == "bad\\x1bname"
@@ -127,9 +122,9 @@ def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
 def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
     (tmp_path / "file").write_text("")
     for bad in (tmp_path, tmp_path / "file" / "x.npz"):
-        with pytest.raises(InputError):
-            need_writable(bad)
-    need_writable(tmp_path / "new" / "x.npz")
+        with pytest.raises(errors.InputError):
+            writing.need_writable(bad)
+    writing.need_writable(tmp_path / "new" / "x.npz")
     assert list((tmp_path / "new").iterdir()) == []
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
@@ -144,10 +139,10 @@ def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monke
 
     def build(*_):
         seen.append(provenance.commit.cache_info().currsize)
-        raise InputError("report", "build", "begun", "nothing", "the rest is not needed here")
+        raise errors.InputError("report", "build", "begun", "nothing", "the rest is not needed here")
 
     monkeypatch.setattr(report, "make_sections", build)
-    with pytest.raises(InputError, match="begun"):
+    with pytest.raises(errors.InputError, match="begun"):
         report.make_report(["hertz"], tmp_path / "out", stored=True)
     assert seen == [1]
     assert provenance.commit() == "f" * 40, "what is written afterwards is no change"
@@ -190,7 +185,7 @@ def test_a_caller_keeps_its_own_handler_of_term(words):
     before = signal.signal(signal.SIGTERM, handler)
     try:
         with pytest.raises(SystemExit):
-            main(words)
+            cli.main(words)
         assert signal.getsignal(signal.SIGTERM) is handler
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -1,16 +1,13 @@
-from pathlib import Path
-
 import pytest
+from tests.copies import ROOT
 from tests.processes import COMMAND, ran
 
 from rollbench.comparison import watch
 
-SCENES = Path(__file__).parents[2] / "property" / "scenes"
-
 
 @pytest.mark.parametrize(
     "words",
-    [("solve", str(SCENES / "extreme-2513.toml"), "--model", "lin"), ("friction", "lin-screw-run")],
+    [("solve", str(ROOT / "tests/property/scenes/extreme-2513.toml"), "--model", "lin"), ("friction", "lin-screw-run")],
     ids=lambda w: w[0],
 )
 def test_a_limit_of_time_ends_a_solution_in_one_line(words):

@@ -2,17 +2,14 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.measure import load_error
+from rollbench.comparison import errors, measure
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_parts import GridParts
+from rollbench.comparison.reference import estimate, grid_parts
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck import section as crosscheck
 from rollbench.comparison.wings.crosscheck import study as crosscheck_study
@@ -70,18 +67,16 @@ def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) ->
     return replace(CrossRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
 
 
-RUNS = (
-    *(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4))),
-    *(a_run(1.1, 0.6, 1e18), a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT)),
-)
+RUNS = tuple(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4), (1.1, 0.6, 1e18)))
+RUNS += (a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT),)
 DATA = CrossData("two-balls", "k", "0", "4", RUNS)
 
 
-def ours(loads: list[np.ndarray]) -> Reference:
+def ours(loads: list[np.ndarray]) -> estimate.Reference:
     """A reference of runs with these loads."""
 
     runs = tuple(SimpleNamespace(level=k, load=x) for k, x in enumerate(loads, start=1))
-    return Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), GridParts(1.0))
+    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), grid_parts.GridParts(1.0))
 
 
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
@@ -161,7 +156,7 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
     assert found.uncertainty[0, 0] > abs(two[1] - two[0])[0, 0]  # any order and length fits
 
 
-def test_results_are_kept_with_all_that_identifies_them(tmp_path: Path):
+def test_results_are_kept_with_all_that_identifies_them(tmp_path):
     save(tmp_path, DATA)
     again = load(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
@@ -173,7 +168,7 @@ def test_results_are_kept_with_all_that_identifies_them(tmp_path: Path):
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
         path_of(tmp_path, "two-balls").write_text(json.dumps(broken))
-        with pytest.raises(InputError, match="results that rollbench crosscheck wrote"):
+        with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
             load(tmp_path, "two-balls")
 
 
@@ -210,7 +205,7 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
 
 
 def test_the_key_is_of_what_a_checked_scene_says(monkeypatch):
-    with pytest.raises(InputError, match="two-balls, lin-case1-cut"):
+    with pytest.raises(errors.InputError, match="two-balls, lin-case1-cut"):
         checked_scene("lin-case1")
     before = scene_key("two-balls")
     text = checked_scene("two-balls").title
@@ -221,8 +216,8 @@ def test_the_key_is_of_what_a_checked_scene_says(monkeypatch):
     assert scene_key("two-balls") != before
 
 
-def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
-    def solved(text: str, _: Path):
+def test_a_study_runs_every_deck(tmp_path, monkeypatch):
+    def solved(text: str, _):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
         forces = {"SL": (3.0, 0.0, 4.0), "NR": (-3.0, 0.0, -4.0), "SR": (1.0, 0.0, 0.0), "NL": (-1.0, 0.0, 0.001)}
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
@@ -240,24 +235,24 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
     assert (half.half, half.weak) == (True, pytest.approx(0.002))
 
 
-def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, monkeypatch):
+def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path, monkeypatch):
     solved, meshed = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
     monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: meshed)
 
-    def run(text: str, _: Path):
+    def run(text: str, _):
         solved.append(digest(text))
         raise ValueError("not to be solved")
 
     monkeypatch.setattr(crosscheck_study, "run_calculix", run)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.9)])
-    with pytest.raises(InputError, match="not to be solved"):
+    with pytest.raises(errors.InputError, match="not to be solved"):
         run_study(checked_scene("two-balls"), tmp_path, print, (replace(RUNS[0], deck="another"),))
     stored, said = replace(RUNS[0], deck=solved[0]), []
     data = run_study(checked_scene("two-balls"), tmp_path, said.append, (RUNS[1], stored))
     assert (data.runs, len(solved), "stored" in said[0]) == ((stored,), 1, True)
 
 
-def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path, monkeypatch):
+def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path, monkeypatch):
     save(tmp_path, replace(DATA, key=scene_key("two-balls")))
     monkeypatch.setattr(Study, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
     found = crosscheck.section(Study(), print, tmp_path)
@@ -266,7 +261,7 @@ def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path,
     assert len(tables["crosscheck-two-balls"].rows) == 6
     assert "within 0.5 %" in tables["crosscheck-two-balls"].note
     runs = tables["crosscheck-runs-two-balls"].rows
-    assert runs[-1]["large_change"] == pytest.approx(load_error(2.0 * LIMIT, RUNS[2].load).max_percent)
+    assert runs[-1]["large_change"] == pytest.approx(measure.load_error(2.0 * LIMIT, RUNS[2].load).max_percent)
     assert runs[0]["large_change"] is None
     for table in tables.values():
         assert {c.key for c in table.columns} == set(table.rows[0])

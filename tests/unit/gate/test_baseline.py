@@ -3,7 +3,6 @@
 import json
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -20,7 +19,7 @@ def row(word: str, error: float, quantity: str = "largest error", *, scene: str 
     return Outcome(word == "pass", word, scene, "a.csv", quantity, error, 0.1, limit, unit, 4, "SL", near=near)
 
 
-def test_what_changed_is_said(tmp_path: Path) -> None:
+def test_what_changed_is_said(tmp_path) -> None:
     before = [row("pass", -5.1), row("pass", 1.234, scene="same"), row("pass", 0.2, "contact angle")]
     (tmp_path / "old.csv").write_text(table([*before, row("pass", 2, "life")]), encoding="utf-8")
     after = [row("undecided", 6.8), row("pass", 1.2341, scene="same"), row("fail", 1.3, "contact angle")]
@@ -38,7 +37,7 @@ def test_what_changed_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADS) + "\nx\n", "[" * 99])
-def test_another_file_is_refused(tmp_path: Path, text: str) -> None:
+def test_another_file_is_refused(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="verdicts that --csv or --json wrote"):
         changes(tmp_path / "a.csv", [row("pass", 1)])
@@ -46,7 +45,7 @@ def test_another_file_is_refused(tmp_path: Path, text: str) -> None:
 
 @pytest.mark.parametrize("unit", ["%", "deg"])
 @pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
-def test_both_forms_name_the_rows_alike(tmp_path: Path, of: dict[str, str], unit: str) -> None:
+def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str) -> None:
     one = Verdict("mine", "a.csv", "largest error", "pass", -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
     (tmp_path / "a.csv").write_text(table([of_verdict(one)]), encoding="utf-8")
     (tmp_path / "a.json").write_text(json.dumps({"verdicts": [one.as_json()]}), encoding="utf-8")
@@ -73,7 +72,7 @@ def test_the_chart_is_of_the_worst_ball_of_what_is_not_green() -> None:
     assert "mermaid" not in markdown([row("pass", 1, near=())])
 
 
-def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path: Path) -> None:
+def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path) -> None:
     old, new = tmp_path / "old.csv", tmp_path / "gate.md"
     check = "check", "two-balls", "--no-compute"
     said = command(*check, "--model", "lin", "--csv", old, "--json").out

@@ -1,8 +1,6 @@
 """`rollbench check` on angles, approaches, pressures and values of the whole: limits, uncertainty, units."""
 
-from collections.abc import Callable
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,30 +12,23 @@ from rollbench.comparison.gate.loads_file import column, read_loads
 from rollbench.comparison.gate.user import asked, check_scenes
 from rollbench.comparison.gate.values_file import GivenValue, read_values
 from rollbench.comparison.gate.verdict import LARGEST, Limits, Verdict
-from rollbench.comparison.models.loading import scaled
+from rollbench.comparison.models import loading, u_val
 from rollbench.comparison.models.referenced import referenced
-from rollbench.comparison.models.u_val import QUANTITIES as COMPARED
-from rollbench.comparison.models.u_val import grid_uncertainty
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.reference.store import save, shipped_store
-from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.reference import jobs, store, tasks
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import SIDES
 
 SCENE = "lin-case1"
 
 
-def scene() -> Scene:
-    return catalogue.scene(SCENE)
+GIVEN = catalogue.scene(SCENE)
 
 
-def stored() -> Reference:
-    return referenced(scene(), (shipped_store(),))[0].found
+def stored():
+    return referenced(GIVEN, (store.shipped_store(),))[0].found
 
 
-def table(path: Path, heads: str, cells: Callable[[int, int], str]) -> Path:
+def table(path, heads: str, cells):
     """A row of every contact of the 32 balls: ball, flank and cells."""
     rows = [f"{b + 1},{SIDES[s]},{cells(b, s)}" for b in range(32) for s in range(4)]
     path.write_text("\n".join([f"ball,flank,{heads}", *rows]) + "\n", encoding="utf-8")
@@ -45,7 +36,7 @@ def table(path: Path, heads: str, cells: Callable[[int, int], str]) -> Path:
 
 
 def judged(**what: object) -> list[Verdict]:
-    return check_scenes([scene()], asked(compute=False, **what), Engine(), lambda _: None)
+    return check_scenes([GIVEN], asked(compute=False, **what), jobs.Engine(), lambda _: None)
 
 
 #: Factors of headings by quantity.
@@ -67,16 +58,16 @@ def test_headings_say_quantity_and_unit(name: str) -> None:
     assert {head: of.factor for head, of in found.items()} == pytest.approx(HEADS[name], rel=1e-14)
 
 
-def test_units_of_the_header_are_obeyed(tmp_path: Path) -> None:
+def test_units_of_the_header_are_obeyed(tmp_path) -> None:
     file = table(tmp_path / "a.csv", "kN,angle_rad,approach_mm", lambda b, _: f"{0.1 * b},0.8,{0.005 if b else ''}")
     found = read_loads(file, 32)
     places = found.load[3, 0], found.further["angle"][0, 0], found.further["approach"][3, 0]
     assert places == pytest.approx((300.0, 0.8, 5e-6), abs=0.0, rel=1e-6)
 
 
-def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path: Path) -> None:
+def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path) -> None:
     found = stored()
-    approach, pressure = (judging.hertz_of(scene(), x, found.load) for x in (judging.APPROACH, judging.PRESSURE))
+    approach, pressure = (judging.hertz_of(GIVEN, x, found.load) for x in (judging.APPROACH, judging.PRESSURE))
     angle = np.nan_to_num(found.best.angle)
     angle[4, 0] += 1.2
     approach[7, 3] *= 1.05
@@ -106,19 +97,19 @@ def test_the_uncertainty_by_loads_is_the_larger_end() -> None:
     assert judging.by_loads(lambda x: float(x.sum() ** -3), load, bar) == pytest.approx(7.0**-3 - 8.0**-3)
 
 
-def values(path: Path, *rows: str) -> Path:
+def values(path, *rows: str):
     path.write_text("\n".join(["quantity,value,unit,where", *rows]) + "\n", encoding="utf-8")
     return path
 
 
-def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path: Path) -> None:
+def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -> None:
     rows = ("displacement,22.5,um,", "displacement,0.0225,mm,300 mm", "rigidity,230,N/um,", "life,9e6,revolutions,")
     file = values(tmp_path / "v.csv", *rows)
     moved, there, stiff, life = judged(values=file, limits=["rigidity=10"])
     found = stored()
-    place, at = np.interp([scene().nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
+    place, at = np.interp([GIVEN.nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
     assert moved.error == pytest.approx(100.0 * (22.5e-6 / place - 1.0))
-    assert moved.uncertainty == pytest.approx(float(grid_uncertainty(scene(), found, COMPARED[2])[0]), rel=1e-6)
+    assert moved.uncertainty == pytest.approx(float(u_val.grid_uncertainty(GIVEN, found, u_val.QUANTITIES[2])[0]), rel=1e-6)
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
@@ -126,8 +117,8 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path: P
     assert not_judged([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
 
-def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    loads: list[Array] = []
+def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    loads = []
 
     def torque(sets, *_: object) -> float:
         loads.append(sets[0][1].load)
@@ -141,17 +132,17 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
     assert len(loads) == 4
 
 
-def test_a_rigidity_curve_is_judged_load_by_load(tmp_path: Path) -> None:
+def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     """At another load the reference is that of the scene with its loads in proportion, here stored by the test."""
-    half, run = scaled(scene(), 0.5), stored().best
+    half, run = loading.scaled(GIVEN, 0.5), stored().best
     line = run.centreline * np.array([1.0, 0.5, 0.5, 0.55])
-    settings = asdict(settings_of([half], run.level, ""))
+    settings = asdict(tasks.settings_of([half], run.level, ""))
     (tmp_path / "store").mkdir()
-    save(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
+    store.save(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
     file = values(tmp_path / "v.csv", "rigidity,226,N/um,5 kN", "rigidity,206,N/um,2.5 kN", "rigidity,180,N/um,1 kN")
     whole, less, least = judged(values=file, store=tmp_path / "store")
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
-    assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(scene().nut.position, line[:, 0], line[:, 3])), rel=1e-3)
+    assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.nut.position, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
     none = "no stored run of its 3D reference, and none is to be computed"
     assert least.line() == f"NOT COVERED: lin-case1, v.csv: rigidity at 1 kN: {none}"
@@ -165,7 +156,7 @@ def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
 
 def test_a_place_without_load_is_counted_from(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rollbench.comparison.gate.judged.unloaded_place", lambda *_: 2e-6)
-    verdict = value_verdict("x", GivenValue(judging.DISPLACEMENT, 2.005e-5), scene(), stored(), Limits())
+    verdict = value_verdict("x", GivenValue(judging.DISPLACEMENT, 2.005e-5), GIVEN, stored(), Limits())
     assert (verdict.word, verdict.detail) == ("pass", "from the place without loads, by refined 2 um")
 
 
@@ -177,7 +168,7 @@ def test_faulty_limits() -> None:
         judging.parse_limits(["life=1", "life=2"])
 
 
-def test_faulty_values_are_refused_by_line(tmp_path: Path) -> None:
+def test_faulty_values_are_refused_by_line(tmp_path) -> None:
     faulty = {
         "line 2: quantity": ("mass,1,kg,",),
         "line 2: value, unit": ("rigidity,1,um,", "rigidity,x,N/um,", "life,3,h,", "life,-3,revolutions,"),
@@ -190,7 +181,7 @@ def test_faulty_values_are_refused_by_line(tmp_path: Path) -> None:
         assert caught.value.key == key, row
 
 
-def test_values_of_several_loads_and_decimal_commas(tmp_path: Path) -> None:
+def test_values_of_several_loads_and_decimal_commas(tmp_path) -> None:
     text = "quantity;value;unit;where;who\nrigidity;210,5;N/um;2,5 kN\nlife;3;million revolutions\n"
     (tmp_path / "v.csv").write_text(text)
     found, unknown = read_values(tmp_path / "v.csv")
@@ -198,7 +189,7 @@ def test_values_of_several_loads_and_decimal_commas(tmp_path: Path) -> None:
     assert unknown == ('"who"',)
 
 
-def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_path: Path) -> None:
+def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_path) -> None:
     load = stored().load
     file = str(table(tmp_path / "a.csv", "newton,note,approach_N", lambda b, s: f"{load[b, s]},x,1"))
     check = "check", SCENE, "--no-compute", "--loads", file
@@ -210,15 +201,15 @@ def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_pa
     assert '"note", "approach_N"' in command.refused(*check, "--strict")
 
 
-@pytest.mark.parametrize(
-    ("heads", "cells", "words"),
-    [
-        ("newton,angle_deg", "100,", "no angle of ball 1 SL"),
-        ("newton,load_kN", "100,0.1", "each quantity once"),
-        ("newton,approach_um", "100,-1", "from 0"),
-        ("newton,pressure_MPa", "100,inf", "from 0"),
-    ],
-)
-def test_faulty_columns(tmp_path: Path, heads: str, cells: str, words: str) -> None:
+FAULTY = [
+    ("newton,angle_deg", "100,", "no angle of ball 1 SL"),
+    ("newton,load_kN", "100,0.1", "each quantity once"),
+    ("newton,approach_um", "100,-1", "from 0"),
+    ("newton,pressure_MPa", "100,inf", "from 0"),
+]
+
+
+@pytest.mark.parametrize(("heads", "cells", "words"), FAULTY)
+def test_faulty_columns(tmp_path, heads: str, cells: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         read_loads(table(tmp_path / "a.csv", heads, lambda *_: cells), 32)

@@ -1,7 +1,6 @@
 """A user's own loads in the place of the 3D reference: `check`, `compare`, `report SCENE`; its uncertainty decides."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,21 +8,19 @@ import pytest
 from rollbench.comparison.commands.reporting.scene_page import page_of
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.reference_file import exceeding, read_reference
-from rollbench.comparison.reference.estimate import reference
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.reference import estimate, store
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import SIDES
 
 SCENE = "two-balls"
 
 
-def scene() -> Scene:
-    return catalogue.scene(SCENE)
+GIVEN = catalogue.scene(SCENE)
 
 
-def written(path: Path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0) -> Path:
+def written(path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0):
     """The stored reference's own loads, that of ball 2 SR times a factor."""
-    load = reference(scene()).load.copy()
+    load = estimate.reference(GIVEN).load.copy()
     load[1, 1] *= factor
     heads = "ball,flank,newton" + (f",{column}" if column else "")
     rows = [f"{b + 1},{s},{load[b, k]:.9g}{f',{each}' if column else ''}" for b in range(2) for k, s in enumerate(SIDES)]
@@ -31,7 +28,7 @@ def written(path: Path, *notes: str, factor: float = 1.0, column: str = "", each
     return path
 
 
-def test_ones_own_reference_flips_a_verdict(command, tmp_path: Path) -> None:
+def test_ones_own_reference_flips_a_verdict(command, tmp_path) -> None:
     file = written(tmp_path / "bench.csv", "# provenance: load cells of 2026,,", "#uncertainty: 1 %", factor=1.2)
     assert command("check", SCENE, "--no-compute").code == 0
     code, out, _ = command("check", SCENE, "--reference", str(file))
@@ -50,8 +47,8 @@ def test_ones_own_reference_flips_a_verdict(command, tmp_path: Path) -> None:
     assert "by the stored 3D reference: 20.00 % - 0.44 % > 7 %, fail" in verdict["detail"]
 
 
-def test_uncertainty_by_column_by_note_or_zero(tmp_path: Path) -> None:
-    mean = reference(scene()).mean
+def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
+    mean = estimate.reference(GIVEN).mean
     file = tmp_path / "a.csv"
     for notes, column, each, expected in (
         ((), "", 0.0, 0.0),
@@ -59,52 +56,52 @@ def test_uncertainty_by_column_by_note_or_zero(tmp_path: Path) -> None:
         (("# uncertainty: 0.5 %",), "", 0.0, 0.005 * mean),
         ((), "uncertainty_kN", 0.003, 3.0),
     ):
-        found, unknown = read_reference(written(file, *notes, column=column, each=each), scene())
+        found, unknown = read_reference(written(file, *notes, column=column, each=each), GIVEN)
         np.testing.assert_allclose(found.uncertainty, expected, rtol=1e-12)
         assert (unknown, found.label, found.levels) == ((), "a.csv", ())
-    found, _ = read_reference(written(file, column="uncertainty_percent", each=2.0), scene())
+    found, _ = read_reference(written(file, column="uncertainty_percent", each=2.0), GIVEN)
     np.testing.assert_allclose(found.uncertainty, 0.02 * found.load)
     assert exceeding(found, 2.1) == ""
     assert "2 % at ball" in exceeding(found, 1.9)
 
 
-@pytest.mark.parametrize(
-    ("notes", "given", "change", "words"),
-    [
-        (("# uncertainty: lots",), {}, ("", ""), "0.5 %"),
-        (("# uncertainty: -1 %",), {}, ("", ""), "0.5 %"),
-        ((), {}, ("2,NR", "2,NX"), "SL, SR, NL, NR"),
-        ((), {}, ("newton", "uncertainty_N"), "a column newton"),
-        (("# uncertainty: 1 N",), {"column": "uncertainty_N", "each": 1.0}, ("", ""), "one column or one note"),
-        ((), {}, (r"\d,NL,.*\n", ""), "no loads on NL"),
-    ],
-)
-def test_faulty_references_are_refused(tmp_path: Path, notes, given, change, words) -> None:
+FAULTY = [
+    (("# uncertainty: lots",), {}, ("", ""), "0.5 %"),
+    (("# uncertainty: -1 %",), {}, ("", ""), "0.5 %"),
+    ((), {}, ("2,NR", "2,NX"), "SL, SR, NL, NR"),
+    ((), {}, ("newton", "uncertainty_N"), "a column newton"),
+    (("# uncertainty: 1 N",), {"column": "uncertainty_N", "each": 1.0}, ("", ""), "one column or one note"),
+    ((), {}, (r"\d,NL,.*\n", ""), "no loads on NL"),
+]
+
+
+@pytest.mark.parametrize(("notes", "given", "change", "words"), FAULTY)
+def test_faulty_references_are_refused(tmp_path, notes, given, change, words) -> None:
     file = written(tmp_path / "a.csv", *notes, **given)
     file.write_text(re.sub(*change, file.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(InputError, match=words):
-        read_reference(file, scene())
+        read_reference(file, GIVEN)
 
 
-@pytest.mark.parametrize(
-    ("tokens", "words"),
-    [
-        (("check", SCENE, "lin-case1"), "one scene, not 2"),
-        (("check", SCENE, "--levels", "2"), "the file is the reference"),
-        (("check", "double-nut"), "no rows of set 1"),
-        (("check",), "name the scenes"),
-        (("compare", SCENE, "lin-case1"), "one scene, not 2"),
-        (("compare", SCENE, "--levels", "1"), "--levels"),
-        (("compare", SCENE, "--fresh"), "--fresh"),
-        (("compare", SCENE, "--model", "condensed"), "condensed bodies"),
-        (("report",), "name the scene"),
-    ],
-)
-def test_what_it_cannot_stand_with_is_one_line(command, tmp_path: Path, tokens: tuple[str, ...], words: str) -> None:
+REFUSED = [
+    (("check", SCENE, "lin-case1"), "one scene, not 2"),
+    (("check", SCENE, "--levels", "2"), "the file is the reference"),
+    (("check", "double-nut"), "no rows of set 1"),
+    (("check",), "name the scenes"),
+    (("compare", SCENE, "lin-case1"), "one scene, not 2"),
+    (("compare", SCENE, "--levels", "1"), "--levels"),
+    (("compare", SCENE, "--fresh"), "--fresh"),
+    (("compare", SCENE, "--model", "condensed"), "condensed bodies"),
+    (("report",), "name the scene"),
+]
+
+
+@pytest.mark.parametrize(("tokens", "words"), REFUSED)
+def test_what_it_cannot_stand_with_is_one_line(command, tmp_path, tokens: tuple[str, ...], words: str) -> None:
     assert words in command.refused(*tokens, "--reference", written(tmp_path / "a.csv"))
 
 
-def test_compare_sets_models_and_ours_beside_it(command, tmp_path: Path) -> None:
+def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
     file = written(tmp_path / "bench.csv", "# uncertainty: 1 %", factor=1.2)
     tokens = ("compare", SCENE, "--reference", str(file), "--store", str(tmp_path / "store"))
     code, out, _ = command(*tokens)
@@ -119,8 +116,8 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path: Path) -> None
     assert (moved["bench.csv"], moved["stored 3D reference"] is None) == (None, False)
 
 
-def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
-    page = page_of(SCENE, (shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
+def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
+    page = page_of(SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
     assert "against bench.csv, uncertain by 30 % of the mean load, loads are off by up to" in page.verdict
     assert "exceeds the limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
@@ -128,5 +125,5 @@ def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
     bench = series[1]
-    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)
+    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * estimate.reference(GIVEN).mean, rel=0.2)
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

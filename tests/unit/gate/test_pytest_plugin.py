@@ -5,19 +5,16 @@ import subprocess
 import sys
 import tomllib
 from importlib import import_module
-from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.copies import ROOT
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.pytest_plugin import Rollbench
 from rollbench.comparison.scenes.catalogue import scene_text
 
-ROOT = Path(__file__).resolve().parents[3]
 
-
-def test_a_scene_that_passes_and_one_that_does_not(tmp_path: Path) -> None:
+def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:
     (tmp_path / "two-balls.toml").write_text(scene_text("two-balls"), encoding="utf-8")
     here = Rollbench(tmp_path)
     (verdict,) = here.check("two-balls.toml", max_error=7, compute=False)
@@ -28,10 +25,10 @@ def test_a_scene_that_passes_and_one_that_does_not(tmp_path: Path) -> None:
         here.check("none.toml", compute=False)
 
 
-def test_files_are_sought_in_the_folder_of_the_test(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given: dict[str, Any] = {}
+def test_files_are_sought_in_the_folder_of_the_test(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = {}
 
-    def asked(**keywords: Any) -> None:
+    def asked(**keywords) -> None:
         given.update(keywords)
         raise InputError("two-balls", "nothing", "none", "any", "")
 
@@ -48,7 +45,7 @@ def test_the_entry_point_names_the_plug_in() -> None:
     assert hasattr(import_module(project["entry-points"]["pytest11"]["rollbench"]), "rollbench")
 
 
-def test_in_a_pytest_of_its_own(tmp_path: Path) -> None:
+def test_in_a_pytest_of_its_own(tmp_path) -> None:
     """Another project's test, three lines long, beside a compare.py of that project; the plug-in loads no part of the
     workbench before it is used."""
     (tmp_path / "compare.py").write_text("raise SystemExit('not rollbench')\n", encoding="utf-8")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.models import referenced as references
-from rollbench.comparison.models.referenced import referenced
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.reference.tasks import balls_of
 from rollbench.comparison.scenes import catalogue
@@ -18,15 +17,13 @@ NUTS = ["nut 1", "nut 2"]
 
 def test_a_double_nut_is_judged_by_its_own_3d(command):
     """29.1 % at ball 68, 0.89 ball radii from its nut's free face: its load is uncertain by some per cent."""
-    code, found = command.json("check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "32", "--json")
-    assert code == 0
+    found = command.answer("check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "32")
     assert [(v["scene"], v["set"], v["word"]) for v in found["verdicts"]] == [("double-nut", name, "pass") for name in NUTS]
     assert all(v["contacts"] == 136 and 1.0 < v["max_percent_of_mean"] < 30.0 for v in found["verdicts"])
 
 
 def test_comparison_of_a_double_nut_names_its_sets(command, tmp_path):
-    code, found = command.json("compare", "double-nut", "--model", "lin", "--store", tmp_path, "--json")
-    assert code == 0
+    found = command.answer("compare", "double-nut", "--model", "lin", "--store", tmp_path)
     assert [(x["scene"], x["set"]) for x in found["scenes"]] == [("double-nut", name) for name in NUTS]
     assert {(row["scene"], row["set"]) for row in found["rows"]} == {("double-nut", name) for name in NUTS}
     assert all(x["expected_error_percent"] is None or x["expected_error_percent"] > 0.0 for x in found["scenes"])
@@ -37,7 +34,7 @@ def test_where_the_nominal_sets_are_not_solved_the_mean_is_of_the_contacts_that_
     references._contacts.cache_clear()
     monkeypatch.setattr(references, "run_model", lambda *_: SimpleNamespace(converged=False))
     try:
-        for one in referenced(scene, (shipped_store(),), (1,)):
+        for one in references.referenced(scene, (shipped_store(),), (1,)):
             load = one.found.load
             assert one.found.mean == pytest.approx(load.sum() / (load > BARELY * load.max()).sum(), rel=1e-12)
     finally:
@@ -47,7 +44,7 @@ def test_where_the_nominal_sets_are_not_solved_the_mean_is_of_the_contacts_that_
 def test_references_of_sets_are_parts_of_one_run():
     scene = catalogue.any_scene("double-nut")
     run = load(scene, 1, stores=(shipped_store(),))
-    sets = referenced(scene, (shipped_store(),), (1,))
+    sets = references.referenced(scene, (shipped_store(),), (1,))
     assert max(run.balance, run.screw_balance) < 1e-9
     assert [one.of.name for one in sets] == NUTS
     for one, place in zip(sets, balls_of(scene), strict=True):

@@ -2,39 +2,32 @@
 
 import csv
 import re
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate import user
-from rollbench.comparison.gate.loads_file import read_loads
+from rollbench.comparison.gate import loads_file, user
 from rollbench.comparison.gate.publish import HEADS, Outcome, junit, markdown, publish, table
 from rollbench.comparison.gate.user import Asked, asked, check_scenes, limits_of
-from rollbench.comparison.gate.verdict import Verdict
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.estimate import reference
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.reference.store import key_of
+from rollbench.comparison.reference import estimate, jobs, store
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.meshes.parts import SIDES
 
 TWO = catalogue.scene("two-balls")
 
 
-def check(scenes: list, what: Asked) -> list[Verdict]:
-    return check_scenes(scenes, what, Engine(), lambda _: None)
+def check(scenes: list, what: Asked):
+    return check_scenes(scenes, what, jobs.Engine(), lambda _: None)
 
 
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
-def test_loads_of_another_program(command, tmp_path: Path, factor: float, code: int, word: str) -> None:
+def test_loads_of_another_program(command, tmp_path, factor: float, code: int, word: str) -> None:
     """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
-    load, file = reference(TWO).load.copy(), tmp_path / "mesys.csv"
+    load, file = estimate.reference(TWO).load.copy(), tmp_path / "mesys.csv"
     load[1, 1] *= factor
     lines = [f"{b + 1},{s},{load[b, k]:.6g}" for b in range(2) for k, s in enumerate(SIDES)]
     file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
@@ -45,9 +38,9 @@ def test_loads_of_another_program(command, tmp_path: Path, factor: float, code: 
     assert "in per cent of a contact's own load, of the mean load for contacts below a tenth of it" in out
 
 
-def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path: Path) -> None:
+def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path) -> None:
     mine = tmp_path / "mine.toml"
-    mine.write_text(scene_text("two-balls").replace('"6 um"', '"6.1 um"'), encoding="utf-8")
+    mine.write_text(catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"'), encoding="utf-8")
     code, data = command.json("check", "two-balls", str(mine), "--stored", str(tmp_path), "--json")
     assert (code, data["verdict"], data["passed"]) == (4, "not covered", False)
     first, second = data["verdicts"]
@@ -59,10 +52,10 @@ def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path: Pat
 
 
 def test_a_scene_may_set_its_own_limits() -> None:
-    text = scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
+    text = catalogue.scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
     scene = scene_file.loads(text, "two-balls.toml")
     assert scene == TWO, "limits are no part of what is solved and stored"
-    assert key_of(scene, "", {}, (0, 3)) == key_of(TWO, "", {}, (0, 3))
+    assert store.key_of(scene, "", {}, (0, 3)) == store.key_of(TWO, "", {}, (0, 3))
     stated, given = limits_of(scene, None), limits_of(scene, 9.0)
     assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
     assert limits_of(TWO, None).largest == 7.0
@@ -70,7 +63,7 @@ def test_a_scene_may_set_its_own_limits() -> None:
     assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
 
-def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(monkeypatch, tmp_path: Path) -> None:
+def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(monkeypatch, tmp_path) -> None:
     planned: list[tuple[list[str], list[int]]] = []
 
     def refused(tasks, *_: object, **__: object) -> list[object]:
@@ -78,7 +71,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
         raise Refusal("mine", "3D reference", "no room for the contact", "deepen the groove")
 
     monkeypatch.setattr(user, "ensure", refused)
-    text = scene_text("two-balls").replace('"6 um"', '"6.1 um"')
+    text = catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"')
     first, second = check([scene_file.loads(text, "mine.toml"), TWO], Asked((tmp_path, asked().stores[1])))
     assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
     assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
@@ -101,34 +94,34 @@ ORDERED = "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n"
 
 
 @pytest.mark.parametrize("text", [GOOD, *SAVED, GOOD.replace(",", ";").replace(".", ","), ORDERED])
-def test_spreadsheets_as_they_are_saved(tmp_path: Path, text: str) -> None:
+def test_spreadsheets_as_they_are_saved(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
-    found = read_loads(tmp_path / "a.csv", 2)
+    found = loads_file.read_loads(tmp_path / "a.csv", 2)
     assert found.flanks == ("SL", "NR")
     np.testing.assert_array_equal(found.load, [[100.0, 0.0, 0.0, 90.5], [0.0, 0.0, 0.0, 80.0]])
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "key", "words"),
-    [
-        ("ball,", "index,", "line 1", "a column ball"),
-        ("1,SL,100", "3,SL,100", "line 2: ball", "1 to 2"),
-        ("1,SL,100", "0,SL,100", "line 2: ball", "1 to 2"),
-        ("1,SL,100", "1,left,100", "line 2: flank", "SL, SR, NL, NR"),
-        ("1,SL,100", "1,SL,-100", "line 2: newton", "from 0"),
-        ("1,SL,100", "1,SL,nan", "line 2: newton", "from 0"),
-        ("1,SL,100", "1,SL,100 N", "line 2: newton", "without unit"),
-        ("1,SL,100", "1,SL", "line 2: newton", "nothing"),
-        ("2,sl,0\n", "", "rows", "no load of ball 2 SL"),
-        ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR again"),
-        (GOOD, "", "line 1", "ball,flank,newton"),
-        (GOOD, "ball,flank,newton\n", "file", "no loads"),
-    ],
-)
-def test_faulty_loads_are_refused_by_line(tmp_path: Path, old: str, new: str, key: str, words: str) -> None:
+FAULTY = [
+    ("ball,", "index,", "line 1", "a column ball"),
+    ("1,SL,100", "3,SL,100", "line 2: ball", "1 to 2"),
+    ("1,SL,100", "0,SL,100", "line 2: ball", "1 to 2"),
+    ("1,SL,100", "1,left,100", "line 2: flank", "SL, SR, NL, NR"),
+    ("1,SL,100", "1,SL,-100", "line 2: newton", "from 0"),
+    ("1,SL,100", "1,SL,nan", "line 2: newton", "from 0"),
+    ("1,SL,100", "1,SL,100 N", "line 2: newton", "without unit"),
+    ("1,SL,100", "1,SL", "line 2: newton", "nothing"),
+    ("2,sl,0\n", "", "rows", "no load of ball 2 SL"),
+    ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR again"),
+    (GOOD, "", "line 1", "ball,flank,newton"),
+    (GOOD, "ball,flank,newton\n", "file", "no loads"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "words"), FAULTY)
+def test_faulty_loads_are_refused_by_line(tmp_path, old: str, new: str, key: str, words: str) -> None:
     (tmp_path / "a.csv").write_text(GOOD.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        read_loads(tmp_path / "a.csv", 2)
+        loads_file.read_loads(tmp_path / "a.csv", 2)
     assert caught.value.key == key
     assert words in str(caught.value)
 
@@ -145,7 +138,7 @@ def test_junit_is_green_only_where_it_passes() -> None:
     assert "error %: 8.5; uncertainty %: 1; limit %: 7" in str(failure.get("message"))
 
 
-def test_markdown_and_csv(tmp_path: Path) -> None:
+def test_markdown_and_csv(tmp_path) -> None:
     text = markdown(ROWS)
     lines = text.splitlines()
     assert lines[0] == "### rollbench check: 1 pass, 1 fail"
@@ -164,13 +157,13 @@ def test_markdown_and_csv(tmp_path: Path) -> None:
     assert publish(ROWS, csv_file=other, environment=environment) == [other]
 
 
-def solved_loads(command, folder: Path) -> list[dict[str, str]]:
+def solved_loads(command, folder) -> list[dict[str, str]]:
     assert command("solve", "lin-case1", "--model", "lin", "--loads-csv", folder / "loads.csv").code == 0
     with (folder / "loads.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
-def judged(folder: Path, rows: list[dict[str, str]], *drop: str) -> Verdict:
+def judged(folder, rows: list[dict[str, str]], *drop: str):
     heads = [head for head in rows[0] if head not in drop]
     lines = [",".join(heads), *(",".join(row[head] for head in heads) for row in rows)]
     (folder / "given.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -179,7 +172,7 @@ def judged(folder: Path, rows: list[dict[str, str]], *drop: str) -> Verdict:
     return found
 
 
-def changed(rows: list[dict[str, str]], column: str, of: Callable[[str], object]) -> list[dict[str, str]]:
+def changed(rows: list[dict[str, str]], column: str, of) -> list[dict[str, str]]:
     """Rows with another value in a column."""
     return [row | {column: str(of(row[column]))} for row in rows]
 
@@ -189,19 +182,19 @@ def turned(ball: str) -> int:
     return 33 - int(ball)
 
 
-def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path: Path) -> None:
+def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path) -> None:
     rows = solved_loads(command, tmp_path)
     text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
     assert (text.splitlines()[0], "#" in text, len(rows)) == ("ball,flank,newton,azimuth_deg,z_mm", False, 32 * 4)
     result = run_model(catalogue.scene("lin-case1"), "lin", Options())
-    given = read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
+    given = loads_file.read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
     np.testing.assert_array_equal(given.load, result.load)
     assert given.renumbered == 0
     found = judged(tmp_path, rows)
     assert (found.word, found.detail) == ("pass", "")
 
 
-def test_balls_are_matched_by_azimuth_and_station(command, tmp_path: Path) -> None:
+def test_balls_are_matched_by_azimuth_and_station(command, tmp_path) -> None:
     rows = solved_loads(command, tmp_path)
     found, right = judged(tmp_path, changed(rows, "ball", turned)), judged(tmp_path, rows)
     assert found.error_percent == right.error_percent
@@ -214,7 +207,7 @@ def test_balls_are_matched_by_azimuth_and_station(command, tmp_path: Path) -> No
         judged(tmp_path, [rows[0] | {"z_mm": "x"}, *rows[1:]])
 
 
-def test_what_loads_look_like_is_said_and_a_file_of_several_cases_is_refused(command, tmp_path: Path) -> None:
+def test_what_loads_look_like_is_said_and_a_file_of_several_cases_is_refused(command, tmp_path) -> None:
     rows, places = solved_loads(command, tmp_path), ("azimuth_deg", "z_mm")
     found = judged(tmp_path, changed(rows, "newton", lambda x: 1e-3 * float(x)))
     assert (found.word, "look like kilonewtons" in found.line()) == ("fail", True)
@@ -231,7 +224,7 @@ def test_what_loads_look_like_is_said_and_a_file_of_several_cases_is_refused(com
         judged(tmp_path, [{"case": row["ball"]} | row for row in rows])
 
 
-def test_several_sets_write_their_loads_with_their_number(command, tmp_path: Path) -> None:
+def test_several_sets_write_their_loads_with_their_number(command, tmp_path) -> None:
     command("solve", "double-nut", "--model", "lin", "--loads-csv", tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
     assert (lines[0], len(lines)) == ("set,ball,flank,newton,azimuth_deg,z_mm", 1 + 2 * 68 * 4)

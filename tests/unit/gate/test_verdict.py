@@ -8,20 +8,19 @@ import pytest
 from rollbench.comparison.gate.gate import GateRow
 from rollbench.comparison.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
 from rollbench.comparison.models.comparison import RULE
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_parts import GridParts
+from rollbench.comparison.reference import estimate, grid_parts
 
 LOAD = np.array([[100.0, 0.0, 0.0, 100.0], [100.0, 0.0, 0.0, 100.0]])
 
 
-def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> Reference:
+def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> estimate.Reference:
     """A reference of two levels with the same uncertainty [N] of every loaded contact (None: of one level, 0.3 N by
     experience)."""
     levels = (1,) if uncertainty is None else (1, 2)
     runs = tuple(SimpleNamespace(level=k, load=load, moving=0.0) for k in levels)
     bar = 0.3 if uncertainty is None else uncertainty
-    parts = GridParts(bar) if uncertainty is None else GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
-    return Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)
+    parts = grid_parts.GridParts(bar) if uncertainty is None else grid_parts.GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
+    return estimate.Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)
 
 
 def changed(loads: dict[tuple[int, int], float]) -> np.ndarray:

@@ -1,7 +1,5 @@
 """The ball of the 3D reference: rays through the grooves, sockets, its mesh, and what does not fit."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +7,12 @@ import pytest
 from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import small_screw
 
+from rollbench.meshes import groove_map, quality
 from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
-from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.quality import scaled_jacobians
 from rollbench.meshes.sockets import SocketSize, local_points
 
 FOUR = (0, 1, 2, 3)
-MAP = GrooveMap.of(small_screw(2))
+MAP = groove_map.GrooveMap.of(small_screw(2))
 
 
 def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
@@ -24,7 +21,7 @@ def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
 
 @pytest.mark.parametrize("side", range(4))
 def test_rays_of_a_ball_pass_through_the_groove(side):
-    m = GrooveMap.of(small_screw(2, hand="left"))
+    m = groove_map.GrooveMap.of(small_screw(2, hand="left"))
     (socket,) = ball_sockets((side,))
     xi = np.random.default_rng(0).uniform([-1, 0, -socket.exact], [1, 1, socket.exact], (50, 3))
     x = ball_points(m, socket, xi)
@@ -71,15 +68,15 @@ def socket_volume(m, socket):
     return float((angle * (m.ball**3 - inner)).sum()) / 3.0
 
 
-@pytest.mark.parametrize(
-    ("beta", "sides"),
-    [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR), (65.0, (2, 3)), (78.0, (0, 3))],
-)
+BALLS = [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR), (65.0, (2, 3)), (78.0, (0, 3))]
+
+
+@pytest.mark.parametrize(("beta", "sides"), BALLS)
 def test_ball(beta, sides):
-    m = GrooveMap.of(small_screw(2, beta=np.radians(beta)))
+    m = groove_map.GrooveMap.of(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)
     mesh = build_ball(m, sockets, 0.55e-3, 1.2e-3)
-    assert scaled_jacobians(mesh.mesh).min() > 0.02
+    assert quality.scaled_jacobians(mesh.mesh).min() > 0.02
     assert mesh.quality.smallest > 0.04
     faces, count = outer_faces(mesh.cells)
     assert count.max() == 2
@@ -107,17 +104,17 @@ def test_edges_of_a_ball_are_as_long_as_asked():
     assert length.max() < 1.8e-3
 
 
-@pytest.mark.parametrize(
-    ("sockets", "match"),
-    [
-        ((), "at least one socket"),
-        ((*ball_sockets((0,)), replace(*ball_sockets((3,)), depth=2.5e-3)), "2.5 mm deep"),
-        (ball_sockets((0, 1), gamma=0.68, depth=1.6e-3), "overlap"),
-        (ball_sockets((0, 1), gamma=0.66), "wider than its depth of 0.9 mm allows"),
-        (ball_sockets((0, 0)), "overlap"),
-        (ball_sockets((0,), gamma=0.8, depth=2e-3), "over the ball's middle"),
-    ],
-)
+UNFIT = [
+    ((), "at least one socket"),
+    ((*ball_sockets((0,)), replace(*ball_sockets((3,)), depth=2.5e-3)), "2.5 mm deep"),
+    (ball_sockets((0, 1), gamma=0.68, depth=1.6e-3), "overlap"),
+    (ball_sockets((0, 1), gamma=0.66), "wider than its depth of 0.9 mm allows"),
+    (ball_sockets((0, 0)), "overlap"),
+    (ball_sockets((0,), gamma=0.8, depth=2e-3), "over the ball's middle"),
+]
+
+
+@pytest.mark.parametrize(("sockets", "match"), UNFIT)
 def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
     with pytest.raises(ValueError, match=match):
-        build_ball(GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)
+        build_ball(groove_map.GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)

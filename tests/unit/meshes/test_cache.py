@@ -9,6 +9,7 @@ import resource
 from dataclasses import dataclass, replace
 from functools import wraps
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -37,10 +38,6 @@ class Recipe:
     sizes: np.ndarray
     inner: Inner
     options: dict
-    edge: float = 0.1
-    count: int = 3
-    note: str | None = None
-    pair: tuple = (1, 0.0)
 
 
 RECIPE = Recipe(np.linspace(0.0, 1.0, 3000), Inner("a", np.eye(3)), {"b": 1, "a": 2})
@@ -115,19 +112,11 @@ def moved(array: np.ndarray, place: int) -> np.ndarray:
     return out
 
 
+#: In places that a record, a list of fields and long arrays have; numbers, words and containers are test_canonical's.
 CHANGES = {
     "one ulp in the middle": replace(RECIPE, sizes=moved(RECIPE.sizes, 1500)),
-    "shape": replace(RECIPE, sizes=RECIPE.sizes[None]),
-    "type": replace(RECIPE, sizes=RECIPE.sizes.view(np.int64)),
     "nested array": replace(RECIPE, inner=Inner("a", -np.eye(3))),
-    "sign of zero": replace(RECIPE, pair=(1, -0.0)),
     "nested string": replace(RECIPE, inner=Inner("b", np.eye(3))),
-    "float": replace(RECIPE, edge=float(np.nextafter(0.1, 1.0))),
-    "int": replace(RECIPE, count=4),
-    "none": replace(RECIPE, note=""),
-    "tuple": replace(RECIPE, pair=(1, 0.0, None)),
-    "list": replace(RECIPE, pair=[1, 0.0]),
-    "dict value": replace(RECIPE, options={"b": 2, "a": 2}),
     "dict key": replace(RECIPE, options={"b": 1, "c": 2}),
     "without its class": vars(RECIPE),
 }
@@ -186,11 +175,8 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
 
 
 def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch):
-    def interrupt(*_, **__):
-        raise KeyboardInterrupt
-
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "replace", interrupt)
+        patch.setattr(Path, "replace", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             answers(Cache(tmp_path))
     assert stored(tmp_path) == []
@@ -234,11 +220,7 @@ def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path, capsys
 
 def test_a_read_only_folder_still_answers(tmp_path: Path, capsys, monkeypatch):
     Cache(tmp_path).get(record, (1,), Record)
-
-    def refuse(*_, **__):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(Path, "write_bytes", refuse)
+    monkeypatch.setattr(Path, "write_bytes", Mock(side_effect=PermissionError(13, "Permission denied")))
     store = Cache(tmp_path)
     answers(store, never(record))
     for k in (2, 3):

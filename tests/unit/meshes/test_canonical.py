@@ -109,11 +109,10 @@ def test_containers_and_arrays_count_by_content() -> None:
     assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
 
 
-@pytest.mark.parametrize(
-    "value",
-    [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.0])],
-    ids=lambda value: type(value).__name__,
-)
+FORMLESS = [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.0])]
+
+
+@pytest.mark.parametrize("value", FORMLESS, ids=lambda value: type(value).__name__)
 def test_what_has_no_form_is_refused(value: object) -> None:
     for inside in (value, (value,), {"a": value}):
         with pytest.raises(TypeError, match="no canonical form"):

@@ -10,7 +10,7 @@ import pytest
 import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
-from rollbench.meshes import bridge
+from rollbench.meshes import bridge, gmsh_session
 from rollbench.meshes.bridge import FORMATS, form_of, only, reduced, write_mesh
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, moved, points_of
 
@@ -25,22 +25,16 @@ FACES_27 = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3)
 
 @pytest.fixture
 def gmsh():
-    import gmsh
-
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield gmsh
-    gmsh.finalize()
+    with gmsh_session.session() as program:
+        yield program
 
 
 def example(name: str) -> skfem.Mesh:
     """A cube with two named sides that share an edge; its cells of second order are straight."""
     points, cells = cube(name, 2)
     faces = boundary_faces(cells, name)
-    sides = {
-        "low end": faces[np.all(points[faces][:, :, 2] < 1e-12, axis=1)],
-        "side": faces[np.all(points[faces][:, :, 0] > 1.0 - 1e-12, axis=1)],
-    }
+    x, _, z = points[faces].transpose(2, 0, 1)
+    sides = {"low end": faces[np.all(z < 1e-12, axis=1)], "side": faces[np.all(x > 1.0 - 1e-12, axis=1)]}
     return mesh_of(points + np.array([0.1, 0.2, 0.3]), cells, name, sides)[0]
 
 
@@ -154,10 +148,11 @@ def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
     assert (kind, width) == ("NodeData", 3)
     np.testing.assert_allclose(np.array(values), place[np.asarray(at, dtype=int)], atol=1e-14)
     if form == "msh":
-        entity = gmsh.model.getEntitiesForPhysicalGroup(*groups["low end"])[0]
-        ours = points[faces_of(mesh, "low end")]
-        corners = place[gmsh.model.mesh.getElements(2, entity)[2][0].astype(int)]
-        np.testing.assert_allclose(corners.reshape(ours.shape), ours)
+        for side in mesh.boundaries:
+            entities = gmsh.model.getEntitiesForPhysicalGroup(*groups[side])
+            ours = points[faces_of(mesh, side)]
+            corners = place[np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0] for e in entities]).astype(int)]
+            np.testing.assert_allclose(np.sort(corners.reshape(ours.shape), axis=0), np.sort(ours, axis=0))
         kind, at, values, _, _ = gmsh.view.getModelData(views["skfem:s:body"], 0)
         values, inside = np.array(values)[:, 0], np.isin(at, elements)
         assert kind == "ElementData"

@@ -4,10 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import gmsh
 import pytest
+from tests.copies import ROOT
 
 from rollbench.meshes.gmsh_session import RESET, session
 
@@ -30,8 +30,7 @@ UNIX = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix
 
 
 def test_gmsh_is_begun_in_one_place():
-    top = Path(__file__).parents[3]
-    texts = {path: path.read_text(encoding="utf-8") for name in PACKAGES for path in (top / name).rglob("*.py")}
+    texts = {path: path.read_text(encoding="utf-8") for name in PACKAGES for path in (ROOT / name).rglob("*.py")}
     assert [path.name for path, text in texts.items() if "gmsh.initialize" in text] == ["gmsh_session.py"]
 
 

@@ -1,14 +1,8 @@
 """Geometries that are kept between commands: off unless switched on, read where their file is whole, else made anew."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
-from rollbench.meshes import kept
-from rollbench.meshes.parts import Material
+from rollbench.meshes import kept, parts
 from rollbench.meshes.section import BeamSection, tube_section
 
 calls: list[float] = []
@@ -17,11 +11,11 @@ calls: list[float] = []
 @kept.kept(BeamSection)
 def section(outer: float) -> BeamSection:
     calls.append(outer)
-    return tube_section(outer, 0.01, Material(2.1e11, 0.3))
+    return tube_section(outer, 0.01, parts.Material(2.1e11, 0.3))
 
 
 @pytest.fixture
-def on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def on(tmp_path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
     calls.clear()
     kept.switch_on()
@@ -29,7 +23,7 @@ def on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     kept.switch_off()
 
 
-def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on: Path) -> None:
+def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on) -> None:
     whole = section(0.04)
     assert section(0.04) == whole
     assert calls == [0.04]
@@ -45,7 +39,7 @@ def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on: 
     assert calls == [0.04] * 3
 
 
-def test_nothing_is_kept_unless_switched_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_kept_unless_switched_on(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
     section(0.05)
     assert not list(tmp_path.iterdir())

@@ -8,8 +8,7 @@ import pytest
 from rollbench.comparison.commands.solving.summary import loads_json
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics import nominal, static
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import BallErrors, Errors
 
@@ -37,8 +36,8 @@ def test_a_contact_that_is_barely_touched_moves_no_percentage():
 def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name, contacts, loaded):
     """One number for a scene and all its specimens: errors load further contacts, or leave some without load."""
     scene = catalogue.scene(name)
-    assert nominal_contacts(scene) == contacts
-    load = solve_static(scene).load
+    assert nominal.nominal_contacts(scene) == contacts
+    load = static.solve_static(scene).load
     assert np.count_nonzero(load) == loaded
     assert mean_load(load, contacts) == pytest.approx(load.sum() / contacts, rel=1e-12)
     said = loads_json(load, contacts)
@@ -50,9 +49,9 @@ def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name,
 
 def test_preload_is_no_error_and_a_screw_that_only_errors_press_is_counted_by_its_loads():
     preloaded = catalogue.scene("lin-case3")
-    assert nominal_contacts(preloaded) == 128
+    assert nominal.nominal_contacts(preloaded) == 128
     bare = replace(preloaded, loads=(), errors=Errors(balls=BallErrors(sigma=2e-6)))
-    assert nominal_contacts(bare) == 0
+    assert nominal.nominal_contacts(bare) == 0
     assert mean_load(loads(0.2), 0) == mean_load(loads(0.2))
 
 

@@ -2,34 +2,31 @@
 
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from rollbench.meshes import memory
-from rollbench.meshes.memory import peak_MB, reset_peak
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started anew on Linux only")
 def test_every_piece_of_work_has_its_own_peak() -> None:
-    assert reset_peak()
-    before = peak_MB()
+    assert memory.reset_peak()
+    before = memory.peak_MB()
     np.ones(40_000_000).sum()
-    large = peak_MB()
-    assert reset_peak()
+    large = memory.peak_MB()
+    assert memory.reset_peak()
     np.ones(5_000_000).sum()
-    small = peak_MB()
+    small = memory.peak_MB()
     assert None not in (before, large, small)
     assert large - before > 250.0
     assert small < large - 200.0
 
 
 def test_a_record_that_was_not_started_anew_is_not_quoted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> int:
-        raise PermissionError
-
     monkeypatch.setattr(memory, "_stale", False)
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "write_text", refuse)
-        assert not reset_peak()
-    assert peak_MB() is None
+        patch.setattr(Path, "write_text", Mock(side_effect=PermissionError))
+        assert not memory.reset_peak()
+    assert memory.peak_MB() is None

@@ -1,7 +1,5 @@
 """Measures of meshes: scaled Jacobians of curved cells, mending, refusal."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -65,14 +63,6 @@ def test_scaled_jacobians_of_straight_cells_are_vtks(shaken, kind):
     grid = pyvista.UnstructuredGrid({cell_type: cells}, points)
     theirs = grid.cell_quality("scaled_jacobian")["scaled_jacobian"]
     np.testing.assert_allclose(jacobians(points, cells, kind), theirs, atol=1e-12)
-
-
-def test_node_slopes_are_the_gradients_of_a_linear_field():
-    for kind in KINDS:
-        mesh, _ = mesh_of(LOCAL[kind], np.arange(len(LOCAL[kind]))[None], kind)
-        table, at = quality.node_slopes(mesh.elem()), mesh.elem.doflocs
-        slope = np.array([1.0, -2.0, 0.5])
-        np.testing.assert_allclose(np.einsum("qnd,n->qd", table, at @ slope), np.tile(slope, (len(at), 1)))
 
 
 def test_chunks_change_nothing(shaken, monkeypatch):

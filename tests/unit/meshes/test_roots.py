@@ -1,13 +1,10 @@
 """Brent's method is that of scipy, digit for digit; near points are found alike with a tree and without."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import optimize
 
-from rollbench.meshes import near
-from rollbench.meshes.roots import brentq
+from rollbench.meshes import near, roots
 
 
 def test_roots_are_those_of_scipy() -> None:
@@ -21,15 +18,15 @@ def test_roots_are_those_of_scipy() -> None:
             return float(np.polyval(c, x) + c[0] * np.exp(x))
 
         if f(low) * f(high) < 0.0:
-            assert brentq(f, low, high, xtol=tolerance) == optimize.brentq(f, low, high, xtol=tolerance, maxiter=300)
+            assert roots.brentq(f, low, high, xtol=tolerance) == optimize.brentq(f, low, high, xtol=tolerance, maxiter=300)
             compared += 1
 
 
 def test_a_step_is_bisected_and_one_sign_is_refused() -> None:
     f = lambda x: -1.0 if x < 0.3 else 1.0  # noqa: E731
-    assert brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
+    assert roots.brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
     with pytest.raises(ValueError, match="different signs"):
-        brentq(lambda x: x + 2.0, 0.0, 1.0)
+        roots.brentq(lambda x: x + 2.0, 0.0, 1.0)
 
 
 def test_near_points_with_and_without_a_tree(monkeypatch: pytest.MonkeyPatch) -> None:

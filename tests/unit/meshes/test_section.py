@@ -9,10 +9,7 @@ from tests.helpers import STEEL, small_screw, with_ingredients
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
 
-
-@pytest.fixture(scope="module")
-def lin():
-    return catalogue.scene("lin-case1")
+LIN = catalogue.scene("lin-case1")
 
 
 def outline(scene, points=4001):
@@ -29,30 +26,30 @@ def polygon_area(x, z):
     return 0.5 * abs(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1)))
 
 
-def test_groove_range_printed_in_2_4_2(lin):
-    section = groove_section(lin)
+def test_groove_range_printed_in_2_4_2():
+    section = groove_section(LIN)
     assert round(section.gamma_1 / np.pi, 3) == 0.033
     assert round(section.gamma_2 / np.pi, 3) == 0.417
 
 
 @pytest.mark.parametrize(("outer", "beta"), [(32e-3, np.pi / 4), (33e-3, np.pi / 4), (31e-3, 0.6), (34e-3, 1.2)])
-def test_groove_area_against_a_polygon(lin, outer, beta):
-    scene = replace(lin, screw=replace(lin.screw, outer_diameter=outer), track=replace(lin.track, contact_angle=beta))
+def test_groove_area_against_a_polygon(outer, beta):
+    scene = replace(LIN, screw=replace(LIN.screw, outer_diameter=outer), track=replace(LIN.track, contact_angle=beta))
     x, z = outline(scene)
     assert x.max() == pytest.approx(outer / 2 - 16.5e-3, abs=1e-15)
     assert groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
 
 
-def test_nut_groove_range(lin):
-    low, high = nut_groove_range(replace(lin, nut=replace(lin.nut, groove_radius=3.4e-3)))
+def test_nut_groove_range():
+    low, high = nut_groove_range(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
     assert 3.4e-3 * np.sin(low) == pytest.approx((3.4e-3 - 2.778e-3) * np.sin(np.pi / 4), rel=1e-14)
     assert high == np.pi / 2
 
 
 @pytest.mark.parametrize("starts", [1, 2])
-def test_volume_ratio(lin, starts):
+def test_volume_ratio(starts):
     """1 minus the groove's volume per lead (polygon's area along the ball path) over the cylinder's."""
-    scene = replace(lin, track=replace(lin.track, starts=starts))
+    scene = replace(LIN, track=replace(LIN.track, starts=starts))
     path = np.hypot(2 * np.pi * 16.5e-3, 20e-3)
     expected = 1 - starts * polygon_area(*outline(scene)) * path / (np.pi * 16e-3**2 * 20e-3)
     assert volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
@@ -61,19 +58,19 @@ def test_volume_ratio(lin, starts):
 
 
 @pytest.mark.parametrize(("reading", "power"), [("full", 0.0), ("groove", 0.5), ("groove squared", 1.0)])
-def test_readings_of_c_8(lin, reading, power):
+def test_readings_of_c_8(reading, power):
     """k_r scales the diameter: stiffnesses as its square and fourth power."""
-    k = volume_ratio(lin) ** power
-    found, full = screw_section(with_ingredients(lin, section=reading)), tube_section(32e-3, 0.0, STEEL)
+    k = volume_ratio(LIN) ** power
+    found, full = screw_section(with_ingredients(LIN, section=reading)), tube_section(32e-3, 0.0, STEEL)
     ratios = [getattr(found, name) / getattr(full, name) for name in ("EA", "EI", "GJ", "kGA")]
     assert ratios == pytest.approx([k**2, k**4, k**4, k**2], rel=1e-13)
 
 
-def test_screw_surface_that_misses_the_groove_and_groove_that_takes_all_are_refused(lin):
+def test_screw_surface_that_misses_the_groove_and_groove_that_takes_all_are_refused():
     with pytest.raises(ValueError, match="does not cut"):
-        groove_section(replace(lin, screw=replace(lin.screw, outer_diameter=25e-3)))
+        groove_section(replace(LIN, screw=replace(LIN.screw, outer_diameter=25e-3)))
     with pytest.raises(ValueError, match="more volume"):
-        screw_section(replace(lin, track=replace(lin.track, lead=1e-3)))
+        screw_section(replace(LIN, track=replace(LIN.track, lead=1e-3)))
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.28, 0.5])

@@ -33,9 +33,10 @@ def test_a_bearing_on_a_stiff_shaft_and_a_stretch_that_ends_where_the_screw_does
     assert dimensions(short).ends(short)[0] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("solid", "key"), [(Solid(nut_inner_diameter=33e-3), "nut_inner_diameter"), (Solid(hole_diameter=28e-3), "hole")]
-)
+REFUSED = [(Solid(nut_inner_diameter=33e-3), "nut_inner_diameter"), (Solid(hole_diameter=28e-3), "hole")]
+
+
+@pytest.mark.parametrize(("solid", "key"), REFUSED)
 def test_dimensions_without_groove_or_wall_are_refused(solid, key):
     with pytest.raises(ValueError, match=key):
         dimensions(replace(catalogue.scene("lin-case1"), solid=solid))

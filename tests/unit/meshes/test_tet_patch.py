@@ -1,7 +1,5 @@
 """Boxes of first-order tetrahedra: filled, sized, matching at the contact; splitting of second-order tetrahedra."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import combinations

@@ -7,14 +7,9 @@ import pytest
 from scipy.optimize import nnls
 from tests.judging_levels import COUNT, chosen, name_of
 
-from rollbench.comparison.models import total_uncertainty
-from rollbench.comparison.models.answers import load_answers
-from rollbench.comparison.models.modelling import VARIED, combined, varied
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.grid_parts import both_flanks, moving, read
+from rollbench.comparison.models import answers, modelling, study, total_uncertainty
+from rollbench.comparison.reference import convergence, grid_parts, store
 from rollbench.comparison.reference.levels import ADVISED, LEVELS
-from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sections import grid_coverage
 from rollbench.comparison.wings.crosscheck.data import load, shipped
@@ -26,7 +21,7 @@ from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
-STUDY = Study()
+STUDY = study.Study()
 
 
 def holds(held: list[grid_coverage.Held]) -> bool:
@@ -52,7 +47,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     rows = []
     for loads in grid_coverage.levelled(STUDY).values():
         if set(levels) <= set(loads):
-            y = np.array([loads[k][moving(loads)] for k in levels])
+            y = np.array([loads[k][grid_parts.moving(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
             rows.append(changes / changes.mean())
     found = np.mean(rows, axis=0)
@@ -89,13 +84,13 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
 
 def test_drawn_judges_are_those_of_the_rule() -> None:
     """Chosen by a seed among the small ones, whatever their bars hold; their scenes are those of the survey."""
-    loads, scenes = grid_coverage.judges(shipped_store())
+    loads, scenes = grid_coverage.judges(store.shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}
     for name, scene in scenes.items():
         assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")
-    assert {both_flanks(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
+    assert {grid_parts.both_flanks(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
 
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
@@ -107,14 +102,14 @@ def test_a_single_level_s_bar_is_what_experience_says() -> None:
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
-    kept, found = read(shipped_store()), grid_coverage.experience(STUDY)
+    kept, found = grid_parts.read(store.shipped_store()), grid_coverage.experience(STUDY)
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )
     assert found.scenes == kept.scenes
-    choices = total_uncertainty.read(shipped_store())
-    for name in VARIED:
-        total = combined(STUDY.scene(name), varied(STUDY.scene(name)))
+    choices = total_uncertainty.read(store.shipped_store())
+    for name in modelling.VARIED:
+        total = modelling.combined(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 
@@ -123,11 +118,11 @@ def test_changes_between_levels_are_those_of_independent_errors() -> None:
     """Consecutive changes correlate by -0.5; extrapolated by their orders, loads lie further from the next level."""
     correlations, plain, further = [], [], []
     for loads in grid_coverage.levelled(STUDY).values():
-        if not {1, 2, 3, 4} <= set(loads) or not moving(loads).sum() >= grid_coverage.MANY:
+        if not {1, 2, 3, 4} <= set(loads) or not grid_parts.moving(loads).sum() >= grid_coverage.MANY:
             continue
-        y = np.stack([loads[k][moving(loads)] / mean_load(loads[4]) for k in (1, 2, 3, 4)])
+        y = np.stack([loads[k][grid_parts.moving(loads)] / mean_load(loads[4]) for k in (1, 2, 3, 4)])
         correlations.append(np.corrcoef(y[2] - y[1], y[3] - y[2])[0, 1])
-        limit = [observe(column[:3], [3.2 / 1.8, 3.2 / 2.4, 1.0]).extrapolated for column in y.T[::4]]
+        limit = [convergence.observe(column[:3], [3.2 / 1.8, 3.2 / 2.4, 1.0]).extrapolated for column in y.T[::4]]
         known = np.array([x is not None for x in limit])
         plain += list((y[3] - y[2])[::4][known])
         further += list(y[3, ::4][known] - np.array(limit, float)[known])
@@ -141,7 +136,7 @@ def test_the_table_shows_every_scene_and_all() -> None:
     assert set(grid_coverage.levelled(STUDY)) < set(scenes)
     assert scenes[-1] == "all"
     assert "lie within them; in the worst scene with 40 contacts" in table.note
-    assert coverage_table(Study((shipped_store() / "nowhere",))) is None
+    assert coverage_table(study.Study((store.shipped_store() / "nowhere",))) is None
     assert "0.12 to 0.19 % larger" in shared_text(STUDY)
 
 
@@ -151,7 +146,7 @@ def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     limit = 100.0 * (extrapolate(theirs.runs).load.sum() / ours.load.sum() - 1.0)
     low, high = total_uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
-    refined = [e for e in varied(STUDY.scene("lin-case3")) if e.variant.startswith("finer")]
+    refined = [e for e in modelling.varied(STUDY.scene("lin-case3")) if e.variant.startswith("finer")]
     assert len(refined) == 7
     assert max(float(e.change[e.change != 0.0].mean()) for e in refined) < 0.1 * low
 
@@ -161,7 +156,7 @@ def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     data, ours, scene = load(shipped(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
     large = next(r for r in data.runs if r.nlgeom)
     small = next(r for r in data.runs if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
-    worst = load_answers(scene, small.load, np.radians(ours.best.angle)).worst
+    worst = answers.load_answers(scene, small.load, np.radians(ours.best.angle)).worst
     on = small.load > 0.0
     a = worst.a * (small.load[on] / worst.force) ** (1.0 / 3.0)
     lost = -(large.load - small.load)[on] / small.load[on]

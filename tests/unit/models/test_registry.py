@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.comparison import compared_models, from_result, suited
-from rollbench.comparison.models.ladder import RUNGS
-from rollbench.comparison.models.model_form import estimate
+from rollbench.comparison.models import comparison, ladder, model_form
 from rollbench.comparison.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
@@ -20,9 +18,9 @@ CASE1 = catalogue.scene("lin-case1")
 
 
 def test_records_are_complete_labels_are_unique_and_every_model_is_compared():
-    assert compared_models(tuple(MODELS)) == list(MODELS.values())
+    assert comparison.compared_models(tuple(MODELS)) == list(MODELS.values())
     with pytest.raises(InputError, match="lin-source-partition"):
-        compared_models(("ansys",))
+        comparison.compared_models(("ansys",))
     assert all(m.about and m.label and m.words for m in MODELS.values())
     assert len({m.label for m in MODELS.values()}) == len(MODELS)
     assert DEFAULT in MODELS
@@ -30,12 +28,12 @@ def test_records_are_complete_labels_are_unique_and_every_model_is_compared():
 
 
 def test_uses_of_the_registry():
-    assert [m.name for m in RUNGS] == ["lin", "lin-cell", "lin-nut", "refined", "condensed"]
+    assert [m.name for m in ladder.RUNGS] == ["lin", "lin-cell", "lin-nut", "refined", "condensed"]
     assert set(BACKENDS.values()) == {"refined", "lin-nut"}
     lin = ["refined", "lin", "lin-source-partition", "lin-printed-hertz"]
     rigid = replace(CASE1, ingredients=replace(CASE1.ingredients, screw="rigid"))
     for scene, names in ((CASE1, [*lin, "mei", "mei-nut"]), (catalogue.scene("lin-case3"), lin), (rigid, lin)):
-        assert [m.name for m in suited(scene)] == names
+        assert [m.name for m in comparison.suited(scene)] == names
     assert not MODELS["source"].suits(rigid)
 
 
@@ -43,14 +41,14 @@ def test_a_variant_is_the_model_on_the_changed_scene():
     changed = replace(CASE1, ingredients=replace(CASE1.ingredients, partition="source"))
     found, expected = run_model(CASE1, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
     np.testing.assert_array_equal(found.load, expected.load)
-    assert found.model == from_result(found).model == "lin-source-partition"
+    assert found.model == comparison.from_result(found).model == "lin-source-partition"
     assert np.abs(found.load - run_model(CASE1, "lin", QUIET).load).max() > 0.1
 
 
 def test_estimate_is_no_part_of_a_run_and_speaks_for_the_source_too():
     results = [run_model(CASE1, name, QUIET) for name in ("lin", "source", "mei")]
     assert not hasattr(results[0], "model_form")
-    lin, source, mei = (estimate(CASE1, result).percent for result in results)
+    lin, source, mei = (model_form.estimate(CASE1, result).percent for result in results)
     assert (source, mei) == (pytest.approx(lin, rel=0.02), None)
 
 
@@ -58,7 +56,7 @@ def test_a_moment_without_loads_lies_far_from_what_was_compared():
     """Its distance is beyond the square root of the largest number: no overflow, and no scene is the nearest by that."""
     found = run_model(CASE1, "lin", QUIET)
     moment = replace(CASE1, loads=(Load(0.0, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),))
-    away = estimate(moment, replace(found, load=1e-250 * found.load)).distance
+    away = model_form.estimate(moment, replace(found, load=1e-250 * found.load)).distance
     assert 1e200 < away < np.inf
 
 

@@ -9,37 +9,35 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
-from rollbench.comparison.wings.evidence import audit
-from rollbench.comparison.wings.evidence.audit import left_out, misprints
-from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence import audit, record
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
 
 
-@pytest.mark.parametrize(
-    ("change", "found", "verdict"),
-    [
-        ({}, {"value": 1.004}, "reproduced"),
-        ({}, {"value": 1.1}, "contradicted"),
-        ({}, {}, "not identifiable"),
-        ({"cls": "as-printed"}, {"value": 2.0, "as_printed": 1.0}, "only as printed"),
-        ({"cls": "band", "low": 0.5, "high": 2.0}, {"value": 1.5}, "band"),
-        ({"cls": "band", "low": 0.5, "high": 2.0}, {"value": 2.5}, "contradicted"),
-        ({"cls": "input", "kind": "input"}, {}, "input"),
-        ({"cls": "input", "kind": "input"}, {"value": 2.0}, "contradicted"),
-        ({"kind": "arithmetic"}, {"value": 1.0}, "identity"),
-        ({"kind": "zero"}, {"value": 1.0}, "identity"),
-        ({"cls": "open"}, {"value": 1.0}, "not identifiable"),
-        ({"cls": "open", "value": None, "claim": "so"}, {"holds": False}, "not identifiable"),
-        ({"cls": "open", "value": None, "claim": "so"}, {"holds": True}, "not identifiable"),
-        ({"value": None, "claim": "so"}, {"holds": True}, "reproduced"),
-        ({"value": None, "claim": "so"}, {"holds": False}, "contradicted"),
-        ({"cls": "open", "table": "liu-4.2", "key": "plus_Q33_5000"}, {"value": 142.9}, "contradicted"),
-    ],
-)
+RULES = [
+    ({}, {"value": 1.004}, "reproduced"),
+    ({}, {"value": 1.1}, "contradicted"),
+    ({}, {}, "not identifiable"),
+    ({"cls": "as-printed"}, {"value": 2.0, "as_printed": 1.0}, "only as printed"),
+    ({"cls": "band", "low": 0.5, "high": 2.0}, {"value": 1.5}, "band"),
+    ({"cls": "band", "low": 0.5, "high": 2.0}, {"value": 2.5}, "contradicted"),
+    ({"cls": "input", "kind": "input"}, {}, "input"),
+    ({"cls": "input", "kind": "input"}, {"value": 2.0}, "contradicted"),
+    ({"kind": "arithmetic"}, {"value": 1.0}, "identity"),
+    ({"kind": "zero"}, {"value": 1.0}, "identity"),
+    ({"cls": "open"}, {"value": 1.0}, "not identifiable"),
+    ({"cls": "open", "value": None, "claim": "so"}, {"holds": False}, "not identifiable"),
+    ({"cls": "open", "value": None, "claim": "so"}, {"holds": True}, "not identifiable"),
+    ({"value": None, "claim": "so"}, {"holds": True}, "reproduced"),
+    ({"value": None, "claim": "so"}, {"holds": False}, "contradicted"),
+    ({"cls": "open", "table": "liu-4.2", "key": "plus_Q33_5000"}, {"value": 142.9}, "contradicted"),
+]
+
+
+@pytest.mark.parametrize(("change", "found", "verdict"), RULES)
 def test_verdict_by_rule(change, found, verdict):
-    assert audit.judge(Evidence(replace(PLAIN, **change), **found))[0] == verdict
+    assert audit.judge(record.Evidence(replace(PLAIN, **change), **found))[0] == verdict
 
 
 def test_every_entry_is_in_the_stored_list_with_its_data():
@@ -53,7 +51,7 @@ def test_every_entry_is_in_the_stored_list_with_its_data():
 
 def test_a_verdict_that_changes_without_its_data_is_named(monkeypatch):
     (row,) = (r for r in ENTRIES if (r.table, r.key) == ("lin-B1", "e_S"))
-    one = audit.Audited(Evidence(row), "contradicted", "")
+    one = audit.Audited(record.Evidence(row), "contradicted", "")
     held = {one.name: (audit.data_digest(row), "only as printed")}
     monkeypatch.setattr(audit, "stored", lambda: held)
     assert audit.changes([one]) == ["lin-B1:e_S: only as printed became contradicted, without its data changing"]
@@ -71,7 +69,7 @@ def test_every_pattern_of_contradicted_entries_fits_open_entries():
 
 
 def test_stored_list_reads_as_it_is_written_and_its_counts_are_told():
-    rows = [audit.Audited(Evidence(row), audit.stored()[f"{row.table}:{row.key}"][1], "") for row in ENTRIES]
+    rows = [audit.Audited(record.Evidence(row), audit.stored()[f"{row.table}:{row.key}"][1], "") for row in ENTRIES]
     assert audit.changes(rows) == []
     assert len(audit.as_stored(rows).splitlines()) == len(ENTRIES) + 2
     counted = audit.counts(rows)
@@ -83,7 +81,7 @@ def test_stored_list_reads_as_it_is_written_and_its_counts_are_told():
     assert all(str(row["contradicted"]) in audit.trust(row) for row in counted)
 
 
-@pytest.mark.parametrize("row", misprints(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
+@pytest.mark.parametrize("row", audit.misprints(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
 def test_every_misprint_has_a_command_and_a_test(row):
     path, _, name = row["test"].partition("::")
     assert re.search(rf"^def {name}\(", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE), row["test"]
@@ -95,5 +93,5 @@ def test_every_misprint_has_a_command_and_a_test(row):
 
 def test_what_is_left_out_has_a_reason():
     whole = {"Kalker (1990)"}  # whose one table is entered whole
-    assert {row["source"] for row in left_out()} == {*audit.sources().values(), "all"} - whole
-    assert all(len(row["reason"]) > 10 for row in left_out())
+    assert {row["source"] for row in audit.left_out()} == {*audit.sources().values(), "all"} - whole
+    assert all(len(row["reason"]) > 10 for row in audit.left_out())

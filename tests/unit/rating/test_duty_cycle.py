@@ -86,14 +86,14 @@ def test_halves_part_at_the_lift_off_load_and_have_the_rating_of_their_turns() -
     assert alone.revolutions == pytest.approx(2.0**-0.9 * (C / 1000.0) ** 3, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("fields", "said"),
-    [
-        ({"loads": (Load(0.0, (0.0, 10.0, 1e3)),)}, "radial force"),
-        ({"loads": (Load(0.0, (0.0, 0.0, 1e3), (1.0, 0.0, 0.0)),)}, "moments"),
-        ({"errors": replace(SCREW.errors, balls=replace(SCREW.errors.balls, oversize=1e-6))}, "four-point"),
-    ],
-)
+UNKNOWN = [
+    ({"loads": (Load(0.0, (0.0, 10.0, 1e3)),)}, "radial force"),
+    ({"loads": (Load(0.0, (0.0, 0.0, 1e3), (1.0, 0.0, 0.0)),)}, "moments"),
+    ({"errors": replace(SCREW.errors, balls=replace(SCREW.errors.balls, oversize=1e-6))}, "four-point"),
+]
+
+
+@pytest.mark.parametrize(("fields", "said"), UNKNOWN)
 def test_the_standard_says_what_it_does_not_know(fields: dict, said: str) -> None:
     with pytest.raises(ValueError, match=f"ISO 3408-5 does not know.*{said}"):
         equivalent_life([replace(SCREW, **fields)], [1.0], [np.array([0.0, 0.0, 1e3])], 0.0)

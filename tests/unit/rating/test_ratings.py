@@ -8,14 +8,11 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.rating.contacts import static_safety, truncation, worst_contact
+from rollbench.lowfi.rating import contacts, static
 from rollbench.lowfi.rating.life import contact_capacity, life, rating, turns_of
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
-from rollbench.lowfi.rating.static import ratings, static_rating
-from rollbench.lowfi.statics.problem import distances, nominal_curvatures, nominal_hertz
-from rollbench.lowfi.statics.validity import DENT_PRESSURE
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout
+from rollbench.lowfi.statics import problem, validity
+from rollbench.meshes import errors, helix
 from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
 
 STEEL = Material(206e9, 0.3)
@@ -97,15 +94,15 @@ def test_uneven_loads_and_a_second_pair_shorten_life() -> None:
 def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_thousandth() -> None:
     """ISO 76 says of its 4200 MPa that both surfaces together are lastingly dented by about 1e-4 of the ball's diameter."""
     scene = ring(0.15)
-    force = float((DENT_PRESSURE / nominal_hertz(scene).pressure(np.ones(4))[0]) ** 3)
+    force = float((validity.DENT_PRESSURE / problem.nominal_hertz(scene).pressure(np.ones(4))[0]) ** 3)
     load = loads(scene, force)
-    worst = worst_contact(scene, load, np.where(load > 0.0, 0.0, np.nan))
+    worst = contacts.worst_contact(scene, load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
     assert worst.pressure == pytest.approx(1.5 * force / (pi * worst.a * worst.b))
-    safety = static_safety(scene, worst)
+    safety = contacts.static_safety(scene, worst)
     assert safety.factor == pytest.approx(1.0)
     assert safety.permanent == pytest.approx(1e-4, rel=0.5)
-    across, along = 1e-3 * nominal_curvatures(scene)[0]
+    across, along = 1e-3 * problem.nominal_curvatures(scene)[0]
     assert 10.0 * safety.permanent == pytest.approx(1.3e-7 * force**2 / 10.0 * across * along, rel=1e-9)  # in mm
 
 
@@ -113,17 +110,17 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
     scene = small_screw(4)
     load = loads(scene, 100.0)
     angle = np.where(load > 0.0, scene.track.contact_angle, np.nan)
-    free = truncation(scene, load, angle)
+    free = contacts.truncation(scene, load, angle)
     assert free.margin > 0.0 == free.cut
     angle[2, 0] = free.limit - 0.5 * free.half
-    over = truncation(scene, load, angle)
+    over = contacts.truncation(scene, load, angle)
     assert (over.ball, over.side, over.edge, over.cut) == (3, "SL", "land", 1)
     assert over.margin == pytest.approx(-0.5 * free.half)
 
 
 def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     scene = catalogue.scene("lin-case1")
-    h, s = nominal_hertz(scene), slope_of(scene)
+    h, s = problem.nominal_hertz(scene), slope_of(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
     assert contacts_displacement(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
@@ -162,27 +159,27 @@ def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_n
     assert (0.95 / (0.9 * (1 - sin(a) / 3))) ** 3 == pytest.approx(3.35, abs=0.005)
     found, axial = life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
     assert (found.revolutions, found.equivalent) == pytest.approx(((rating(scene) / axial) ** 3, axial), rel=1e-12)
-    assert [ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
+    assert [static.ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
 
 
 @pytest.mark.parametrize(("ratio", "printed"), [(0.05, 15.7), (0.10, 16.4), (0.16, 14.9), (0.20, 14.0)])
 def test_static_rating_of_a_ring_is_that_of_the_table_of_ISO_76(ratio: float, printed: float) -> None:
     """C_0r = f_0 Z D^2 cos(alpha), grooves of 0.52 and 0.53."""
     scene = replace(ring(ratio), nut=replace(ring(ratio).nut, groove_radius=0.53 * 10e-3))
-    assert static_rating(scene) / (9 * 10.0**2) == pytest.approx(printed, rel=0.013)
+    assert static.static_rating(scene) / (9 * 10.0**2) == pytest.approx(printed, rel=0.013)
 
 
 def test_static_ratings_where_all_balls_share_an_axial_load() -> None:
     """A ring by pressure, a screw by ISO 3408-5: k_0 = 27.74/(D sqrt(...)), C_0a = k_0 i z sin(alpha) cos(phi) D^2."""
     a = np.radians(60.0)
-    assert static_rating(ring(0.01, 0.54, angle=a)) / (9 * 100.0 * sin(a)) == pytest.approx(60.8, rel=0.013)
+    assert static.static_rating(ring(0.01, 0.54, angle=a)) / (9 * 100.0 * sin(a)) == pytest.approx(60.8, rel=0.013)
     screw = catalogue.scene("unseen-40x10")
     alpha, D, f, pitch = screw.track.contact_angle, 6.35, 0.525, 41.4
     across, along = 2 / D - 1 / (f * D), 2 / D + cos(alpha) / (pitch / 2 - D / 2 * cos(alpha))
     phi = np.arctan2(10.0, pi * pitch)
     k_0 = 27.74 / (D * np.sqrt(across * along))
-    assert static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
-    found = ratings(screw)
+    assert static.static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
+    found = static.ratings(screw)
     assert (found.dynamic, found.static_standard) == (rating(screw), "ISO 3408-5")
 
 
@@ -196,8 +193,8 @@ def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() 
 def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
-    C, s = nominal_hertz(scene).C, slope_of(scene)
-    closure = float(distances(scene, specimen(scene, ball_layout(scene)))[1].mean())
+    C, s = problem.nominal_hertz(scene).C, slope_of(scene)
+    closure = float(problem.distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
         assert contacts_displacement(scene, force) == pytest.approx(force / stiff, rel=1e-3)

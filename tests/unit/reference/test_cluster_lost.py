@@ -1,7 +1,5 @@
 """A Dask cluster that is lost while jobs run: the last worker, the scheduler; and one that speaks TLS only."""
 
-from __future__ import annotations
-
 import copy
 import shutil
 import subprocess
@@ -15,10 +13,10 @@ from tests.jobs_in_order import run
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.parallel import use_tls
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
 
 def sleepy(seconds, begun=None):
@@ -88,8 +86,6 @@ def lose(address, process, begun, words):
     killer.join()
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(300)
 def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, monkeypatch, capfd, tmp_path):
     monkeypatch.setattr(parallel, "LONELY", 0.4)
     monkeypatch.setattr(parallel, "LOOK", 0.1)
@@ -97,8 +93,6 @@ def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, mo
     assert "waiting 0.4 s for another" in capfd.readouterr().err
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(300)
 def test_a_scheduler_that_is_lost_is_named(cluster, monkeypatch, tmp_path):
     monkeypatch.setattr(parallel, "PATIENCE", 2.0)
     lose(*cluster, tmp_path / "begun", "the scheduler does not answer any more")
@@ -124,34 +118,15 @@ def own_configuration():
     dask.config.config.update(before)
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(300)
 @pytest.mark.usefixtures("own_configuration")
 def test_jobs_run_over_tls(certificates):
     (cert, key), files = certificates, dict(zip(("cert", "key"), certificates, strict=True))
     each = ((f"tls_{who}_{what}", file) for who in ("scheduler", "worker", "client") for what, file in files.items())
     security = distributed.Security(tls_ca_file=cert, require_encryption=True, **dict(each))
     options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": "127.0.0.1:0"}
-    with (
-        distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local,
-        dask.config.set({}),
-    ):
+    with distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local:
         assert local.scheduler_address.startswith("tls://")
         with pytest.raises(InputError, match="no answer of a scheduler"):
             run([(sleepy, (0.0,))], "dask", local.scheduler_address)
-        before = dask.config.get("distributed.comm")
-        try:
-            use_tls(cert, cert, key)
-            assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]
-        finally:
-            dask.config.set({"distributed.comm": before})
-
-
-def test_certificates_come_together_and_can_be_read(tmp_path):
-    (tmp_path / "a.pem").write_text("x")
-    name = str(tmp_path / "a.pem")
-    with pytest.raises(InputError, match="--tls-key"):
-        use_tls(name, name, None)
-    with pytest.raises(InputError, match="No such file"):
-        use_tls(name, str(tmp_path / "b.pem"), name)
-    use_tls(None, None, None)
+        parallel.use_tls(cert, cert, key)
+        assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]

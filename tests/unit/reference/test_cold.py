@@ -1,20 +1,18 @@
 """Cold times are those of a new process with empty caches."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from rollbench.comparison.wings.bench.costs import cold
-from rollbench.comparison.wings.bench.costs.cold import ColdLevel, measure, measure_level
 from rollbench.comparison.wings.bench.costs.kept import Kept, load_times, save_times
 from rollbench.comparison.wings.bench.sections.reference_time import level_table
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:
     with pytest.raises(RuntimeError, match="no-such-model"):
-        measure("lin-case1", "no-such-model", repeats=1)
-    found = measure("lin-case1", "lin-nut", repeats=2)
+        cold.measure("lin-case1", "no-such-model", repeats=1)
+    found = cold.measure("lin-case1", "lin-nut", repeats=2)
     assert found.status == "converged"
     assert found.process > found.first > 2.0 * found.warm > 0.0
     assert found.process > found.first + 0.1  # interpreter and imports
@@ -28,7 +26,7 @@ def test_caches_of_the_child_are_empty_and_its_own(monkeypatch: pytest.MonkeyPat
     code = looked + "raise SystemExit(repr([(p != '/nowhere', x) for p, x in found]))"
     monkeypatch.setattr(cold, "CHILD", code.replace("{", "{{").replace("}", "}}"))
     with pytest.raises(RuntimeError, match=r"\[\(True, \[\]\), \(True, \[\]\)\]"):
-        measure("lin-case1", "lin")
+        cold.measure("lin-case1", "lin")
 
 
 def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,15 +37,15 @@ def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatc
     )
     lines = [known if "(run,) =" in line else line for line in cold.LEVEL_CHILD.splitlines()]
     monkeypatch.setattr(cold, "LEVEL_CHILD", "\n".join(lines))
-    found = measure_level("lin-case1", 2)
+    found = cold.measure_level("lin-case1", 2)
     assert (found.level, found.memory, found.status) == (2, 2.0, "x")
     assert (found.scene, found.contacts, found.load_case, found.stages) == ("lin-case1", 4, 0.5, {"nut": 2.0})
     assert min(found.process, found.cpu) > 0.1
 
 
-def test_cold_levels_are_kept(tmp_path: Path) -> None:
+def test_cold_levels_are_kept(tmp_path) -> None:
     stages = {"ball": 0.2, "nut": 1.5, "patches": 5.0, "screw": 3.0}
-    level = ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0, stages)
+    level = cold.ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0, stages)
     kept = Kept("a machine", "today", {}, {}, (level,))
     save_times(tmp_path, kept)
     assert load_times([tmp_path]) == kept

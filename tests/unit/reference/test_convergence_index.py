@@ -47,18 +47,18 @@ def test_published_orders() -> None:
     assert found.uncertainty >= 0.022 * 6.063
 
 
-@pytest.mark.parametrize(
-    ("values", "label", "text"),
-    [
-        ([1.0, 1.2, 1.1], convergence.NOT_MONOTONE, "not monotone"),
-        ([1.0, 1.4, 1.42], convergence.OUT_OF_RANGE, "order out of range (p = "),
-        ([1.0, 1.4, 1.4 + 1e-5], convergence.OUT_OF_RANGE, "order out of range (p above 12)"),
-        ([1.0, 1.1, 1.3], convergence.OUT_OF_RANGE, "order out of range (p = "),
-        ([0.0, 0.0, 0.0], convergence.HELD, "held (zero by a support or no load)"),
-        ([2.0, 2.0, 2.0], convergence.HELD, "held (zero by a support or no load)"),
-        ([2.0, 2.1], convergence.TOO_FEW, "fewer than three levels"),
-    ],
-)
+LABELLED = [
+    ([1.0, 1.2, 1.1], convergence.NOT_MONOTONE, "not monotone"),
+    ([1.0, 1.4, 1.42], convergence.OUT_OF_RANGE, "order out of range (p = "),
+    ([1.0, 1.4, 1.4 + 1e-5], convergence.OUT_OF_RANGE, "order out of range (p above 12)"),
+    ([1.0, 1.1, 1.3], convergence.OUT_OF_RANGE, "order out of range (p = "),
+    ([0.0, 0.0, 0.0], convergence.HELD, "held (zero by a support or no load)"),
+    ([2.0, 2.0, 2.0], convergence.HELD, "held (zero by a support or no load)"),
+    ([2.0, 2.1], convergence.TOO_FEW, "fewer than three levels"),
+]
+
+
+@pytest.mark.parametrize(("values", "label", "text"), LABELLED)
 def test_labels_say_why_there_is_no_order(values: list[float], label: str, text: str) -> None:
     sizes = [2.0, 1.5, 1.0] if len(values) > 2 else [2.0, 1.4]
     found = convergence.observe(values, sizes)
@@ -82,9 +82,10 @@ def test_few_levels_and_the_size_of_one() -> None:
         assert convergence.pool(np.ones((len(sizes), 2)), sizes) == pytest.approx([0.0, 0.0])
 
 
-@pytest.mark.parametrize(
-    ("values", "sizes"), [([1.0, 2.0], [1.0, 2.0]), ([1.0, 2.0], [1.0]), ([1.0, np.nan], [2.0, 1.0]), ([], [])]
-)
+UNLIKE = [([1.0, 2.0], [1.0, 2.0]), ([1.0, 2.0], [1.0]), ([1.0, np.nan], [2.0, 1.0]), ([], [])]
+
+
+@pytest.mark.parametrize(("values", "sizes"), UNLIKE)
 def test_what_does_not_go_together_is_refused(values: list[float], sizes: list[float]) -> None:
     with pytest.raises(ValueError, match="sizes"):
         convergence.observe(values, sizes)

@@ -3,21 +3,17 @@
 import json
 import os
 import stat
-from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
-from rollbench.comparison.errors import InputError
+from rollbench.comparison import errors, watch, writing
+from rollbench.comparison.reference import computing, jobs, store
 from rollbench.comparison.reference import expected as module
-from rollbench.comparison.reference import jobs
-from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
-from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.watch import reader_gone
 from rollbench.comparison.wings.bench.costs.kept import load_times
-from rollbench.comparison.writing import replace_file
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.leftovers import for_group
@@ -31,7 +27,7 @@ SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "u
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
     scene = catalogue.scene(name)
-    run = load(scene, level, stores=(shipped_store(),))
+    run = store.load(scene, level, stores=(store.shipped_store(),))
     found = expected(Task((scene,), level))
     assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
     assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
@@ -48,7 +44,7 @@ def test_a_second_process_takes_less_time_and_with_many_contacts_the_memory_of_p
 
 def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     """228 and 264 contacts on level 1 in two processes: at most a tenth more is told, and less than 3 GB."""
-    kept = load_times((shipped_store(),))
+    kept = load_times((store.shipped_store(),))
     large = [c for c in kept.levels if (c.contacts or 0) > 200]
     assert {c.contacts for c in large} == {228, 264}
     for c in large:
@@ -57,14 +53,14 @@ def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
         assert memory < 3.0
 
 
-def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path: Path, monkeypatch) -> None:
+def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(module, "available_GB", lambda: 1.0)
-    with pytest.raises(InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
+    with pytest.raises(errors.InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), lambda _: None)
     enough = expected(TASK).memory_GB
     monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
     assert need_memory([TASK, TASK], 1) == pytest.approx(enough)
-    with pytest.raises(InputError, match="--workers 1, "):
+    with pytest.raises(errors.InputError, match="--workers 1, "):
         need_memory([TASK, TASK], 2)
     monkeypatch.setattr(module, "available_GB", lambda: None)
     assert need_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
@@ -105,13 +101,9 @@ def test_time_left_counts_further_tasks_and_every_load_case() -> None:
     assert progress.under_way == progress.label
 
 
-def test_an_interrupt_says_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    said: list[str] = []
-
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(jobs, "compute_with_bodies", stopped)
+def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said = []
+    monkeypatch.setattr(jobs, "compute_with_bodies", Mock(side_effect=KeyboardInterrupt))
     monkeypatch.setattr(jobs, "reader_gone", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
@@ -123,17 +115,17 @@ def test_an_interrupt_says_what_is_kept(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_a_reader_that_goes_away_is_seen() -> None:
     read, write = os.pipe()
-    assert not reader_gone((write,))
+    assert not watch.reader_gone((write,))
     os.close(read)
-    assert reader_gone((write,))
+    assert watch.reader_gone((write,))
     os.close(write)
 
 
-def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
+def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
     before = os.umask(0o077)
     try:
-        replace_file(tmp_path / "run.json", json.dumps({}))
-        replace_file(tmp_path / "team" / "store" / "run.json", json.dumps({}))
+        writing.replace_file(tmp_path / "run.json", json.dumps({}))
+        writing.replace_file(tmp_path / "team" / "store" / "run.json", json.dumps({}))
         (tmp_path / "own").write_text("")
     finally:
         os.umask(before)
@@ -145,10 +137,7 @@ def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
 
 def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("gmsh")
-
-    def ended(*_: object, **__: object) -> None:
-        raise MemoryError("a process of the set-up was ended from outside")
-
+    ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))
     monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
-    with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
-        compute(TASK)
+    with pytest.raises(errors.InputError, match=r"memory.*ended from outside.*fewer workers"):
+        computing.compute(TASK)

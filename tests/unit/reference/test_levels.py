@@ -5,8 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference import levels
-from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.comparison.reference import levels, variants
 from rollbench.hifi.meshing.settings import Settings
 
 #: Lengths; all other settings are counts and ratios.
@@ -55,5 +54,5 @@ def test_every_choice_of_the_finest_level_can_be_refined_alone():
 
 
 def test_variants_refine_every_choice_of_the_finest_level_once():
-    named = [name for variant in VARIANTS.values() for name in variant.refined]
+    named = [name for variant in variants.VARIANTS.values() for name in variant.refined]
     assert sorted(named) == sorted(levels.LEVELS[levels.PRODUCTION])

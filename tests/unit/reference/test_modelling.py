@@ -1,7 +1,6 @@
 """Modelling uncertainty: what each variant changes, what counts, and how choices add."""
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,8 +14,7 @@ from rollbench.comparison.reference.store import save
 from rollbench.comparison.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.condensation.responses import nut_transform
-from rollbench.meshes.parts import Solid, Support
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes import parts, solid
 
 CASE1 = catalogue.scene("lin-case1")
 
@@ -32,8 +30,8 @@ def loads(*first: float) -> np.ndarray:
 def test_variants_change_what_they_say() -> None:
     without, preload = (catalogue.scene(name).errors.balls.oversize for name in VARIED)
     assert without == 0.0 < preload
-    base = dimensions(CASE1)
-    sizes = {name: dimensions(v.change(CASE1)) for name, v in VARIANTS.items()}
+    base = solid.dimensions(CASE1)
+    sizes = {name: solid.dimensions(v.change(CASE1)) for name, v in VARIANTS.items()}
     lead = CASE1.track.lead
     assert sizes["junction-phase"].shaft - base.shaft == pytest.approx(lead / 2.0)
     assert sizes["junction"].shaft - base.shaft == pytest.approx(20e-3)
@@ -59,7 +57,7 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = nut_transform(body, dimensions(replace(CASE1, solid=Solid(nut_held=where))))
+        T = nut_transform(body, solid.dimensions(replace(CASE1, solid=parts.Solid(nut_held=where))))
         fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
         x, y, z = body.points[np.unique(fixed // 3)].T
         assert fixed.size == 3 * x.size  # in all three directions
@@ -71,12 +69,12 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
     assert held("left face, inner half") == [0, *range(8)]
     assert held("right face, outer half") == [50, *range(7, 15)]
     with pytest.raises(ValueError, match="outer surface"):
-        held_ring("outer")(replace(CASE1, solid=Solid(nut_held="outer surface")))
+        held_ring("outer")(replace(CASE1, solid=parts.Solid(nut_held="outer surface")))
 
 
 def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     """Axial force and torque of the beams are statically determinate, so the stretch turns as a whole."""
-    scene = replace(CASE1, supports=(*CASE1.supports, Support(0.8, (("ux", 0.0), ("uy", 0.0)))))
+    scene = replace(CASE1, supports=(*CASE1.supports, parts.Support(0.8, (("ux", 0.0), ("uy", 0.0)))))
     turned = twisted(scene)
     before, after = (dict(s.supports[0].fixed) for s in (scene, turned))
     assert {k for k in before if before[k] != after[k]} == {"rz"}
@@ -118,7 +116,7 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     assert modelling_percent("lin-case3", {"lin-case1": found}) is None
 
 
-def test_what_a_store_holds(tmp_path: Path) -> None:
+def test_what_a_store_holds(tmp_path) -> None:
     assert varied(CASE1, (tmp_path,)) == []
     for variant, first in (("", 101.0), ("base", 100.0), ("junction", 102.0)):
         save(tmp_path, CASE1, run_of("lin-case1", 1, loads(first), variant))

@@ -7,7 +7,6 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,6 @@ from tests.jobs_in_order import run
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import jobs, parallel
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.reference.parallel import as_done
 
 pytestmark = pytest.mark.xdist_group("scheduler")
 
@@ -44,7 +41,7 @@ def process() -> int:
     return os.getpid()
 
 
-def meet(folder: Path) -> int:
+def meet(folder) -> int:
     """Wait until two processes are here."""
     (folder / str(os.getpid())).touch()
     end = time.perf_counter() + 10.0
@@ -100,15 +97,15 @@ def test_one_at_a_time_here_unless_more_are_asked_for():
     assert run([], workers=2) == []
 
 
-def wait(seconds: float, folder: Path) -> float:
+def wait(seconds: float, folder) -> float:
     time.sleep(seconds)
     (folder / str(seconds)).touch()
     return seconds
 
 
 def test_results_come_as_they_are_done_and_the_rest_is_dropped(tmp_path):
-    assert list(as_done([(wait, (0.0, tmp_path))] * 2)) == [(0, 0.0), (1, 0.0)]
-    some = as_done([(wait, (s, tmp_path)) for s in (1.5, 0.01, 0.02)], workers=2)
+    assert list(parallel.as_done([(wait, (0.0, tmp_path))] * 2)) == [(0, 0.0), (1, 0.0)]
+    some = parallel.as_done([(wait, (s, tmp_path)) for s in (1.5, 0.01, 0.02)], workers=2)
     assert next(some) == (1, 0.01)
     assert next(some) == (2, 0.02)
     some.close()
@@ -127,10 +124,8 @@ def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
     from rollbench.comparison.wings.sweep.run import run_samples
 
     sweep = sweep_of("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
-    here, there = (
-        run_samples(sweep, tmp_path / name, engine, lambda _: None)
-        for name, engine in (("here", Engine()), ("there", Engine("dask", scheduler, 2)))
-    )
+    engines = {"here": jobs.Engine(), "there": jobs.Engine("dask", scheduler, 2)}
+    here, there = (run_samples(sweep, tmp_path / name, engine, lambda _: None) for name, engine in engines.items())
     assert here == there
     assert [here[n]["status"] for n in range(12)] == ["converged"] * 12
 
@@ -282,11 +277,21 @@ def test_workers_are_started_only_where_they_are_worth_it(monkeypatch, worth):
     """The first two jobs are done here, and the others too where they take less time than starting processes."""
     monkeypatch.setattr(jobs, "WORTH_WORKERS", worth)
     said = []
-    found = dict(jobs.first_here([(os.getpid, ())] * 5, Engine(workers=2), "samples", said.append))
+    found = dict(jobs.first_here([(os.getpid, ())] * 5, jobs.Engine(workers=2), "samples", said.append))
     assert sorted(found) == [0, 1, 2, 3, 4]
     assert found[0] == found[1] == os.getpid()
     assert (set(found.values()) == {os.getpid()}) == bool(worth)
     assert [line.startswith("no other processes: the samples left") for line in said] == [True] * bool(worth)
-    alone = jobs.first_here([(os.getpid, ())] * 3, Engine(), "samples", said.append)
+    alone = jobs.first_here([(os.getpid, ())] * 3, jobs.Engine(), "samples", said.append)
     assert dict(alone) == dict.fromkeys(range(3), os.getpid())
-    assert list(jobs.first_here([], Engine(workers=2), "samples", said.append)) == []
+    assert list(jobs.first_here([], jobs.Engine(workers=2), "samples", said.append)) == []
+
+
+def test_certificates_come_together_and_can_be_read(tmp_path):
+    (tmp_path / "a.pem").write_text("x")
+    name = str(tmp_path / "a.pem")
+    with pytest.raises(InputError, match="--tls-key"):
+        parallel.use_tls(name, name, None)
+    with pytest.raises(InputError, match="No such file"):
+        parallel.use_tls(name, str(tmp_path / "b.pem"), name)
+    parallel.use_tls(None, None, None)

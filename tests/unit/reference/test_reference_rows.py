@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,14 +9,11 @@ from tests.reference_records import run_of
 
 from rollbench.comparison.gate import gate
 from rollbench.comparison.models import comparison
-from rollbench.comparison.models.comparison import from_result, gate_points, reference_answers, rows, solved
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference import grid_parts, near_face, store
 from rollbench.comparison.reference.estimate import Reference, reference, reference_of
-from rollbench.comparison.reference.grid_parts import read
 from rollbench.comparison.reference.levels import LEVELS, STUDIED
-from rollbench.comparison.reference.near_face import left_out
-from rollbench.comparison.reference.store import save, shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.mesh_study.figure import study_figure
 from rollbench.comparison.wings.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
@@ -80,7 +76,7 @@ def _found(name: str) -> Reference:
 
 
 def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    points = gate_points("lin-case1", _found("lin-case1"), 7.0, Study().solve("lin-case1").load)
+    points = comparison.gate_points("lin-case1", _found("lin-case1"), 7.0, Study().solve("lin-case1").load)
     worst = max(points, key=lambda p: abs(p.error_percent) - p.uncertainty_percent)
     limit = abs(worst.error_percent) - worst.uncertainty_percent - 0.01
     known = comparison.known_exceedances()
@@ -94,7 +90,7 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene, found = CASE1, _found("lin-case1")
-    of_lin = rows(scene, from_result(solved(MODELS["lin"], scene, found, None)[0]), found)
+    of_lin = comparison.rows(scene, comparison.from_result(comparison.solved(MODELS["lin"], scene, found, None)[0]), found)
     assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
     for quantity, most in (("load", 10.0), ("contact angle", 0.3)):
         bars = [r.reference_error for r in of_lin if r.quantity == quantity]
@@ -109,8 +105,8 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
     ratio = next(r for r in of_lin if r.quantity.startswith("largest over smallest"))
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
-    finest = next(a for a in reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
-    assert all(r.error_percent == 0.0 for r in rows(scene, finest, found) if r.quantity == "load")
+    finest = next(a for a in comparison.reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
+    assert all(r.error_percent == 0.0 for r in comparison.rows(scene, finest, found) if r.quantity == "load")
 
 
 def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
@@ -148,13 +144,13 @@ def test_the_largest_and_smallest_loads_are_those_of_each_level(name: str, sides
         assert largest["uncertainty"] == ball["uncertainty"]
 
 
-def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path: Path) -> None:
+def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path) -> None:
     """Three variants of two modelling choices, one of how the nut is held, and one of the mesh, on ball 3's load on SL."""
     moves = {"land": 3.0, "land-wide": -5.0, "hole": 12.0, "nut-right": -7.0, "modes": 99.0}
     for variant, move in {"": 0.0, **moves}.items():
         load = np.full((32, 4), 100.0)
         load[2, 0] += move
-        save(tmp_path, CASE1, run_of("lin-case1", 1, load, variant))
+        store.save(tmp_path, CASE1, run_of("lin-case1", 1, load, variant))
     table = {row["quantity"]: row for row in study_table(CASE1, [tmp_path], (1,))}
     for ball, spread in ((3, (13.0, 7.0)), (4, (0.0, 0.0))):
         row = table[f"load of ball {ball}, SL"]
@@ -182,18 +178,18 @@ def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     assert text.endswith("Hardly better than the one before: level 4.")
 
 
-def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
+def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     scene, coarse = CASE1, np.full((32, 4), 100.0)
     coarse[:, 1:3] = 0.0
     finer = coarse.copy()
     finer[0, 0] += 8.0
-    save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one, known = reference(scene, (tmp_path,)), read(shipped_store())
+    store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
+    one, known = reference(scene, (tmp_path,)), grid_parts.read(store.shipped_store())
     assert one.parts.by_experience
-    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + left_out(scene, coarse, 1)[0, 0])  # of 100 N
+    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + near_face.left_out(scene, coarse, 1)[0, 0])  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
     assert closing(one).startswith("Enough: level 1 for ")
-    save(tmp_path, scene, run_of("lin-case1", 2, finer))
+    store.save(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference(scene, (tmp_path,))
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
     cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
@@ -205,12 +201,12 @@ def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
     assert not any(" SR" in row["quantity"] or " NL" in row["quantity"] for row in study_table(scene, (tmp_path,)))
 
 
-def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path: Path) -> None:
+def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path) -> None:
     """The figure of a mesh study: values over the cell size, a bar at the finest, the power law to cells of no size."""
     for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
         line = np.array([[z, 0.0, 0.0, 1e-6 * (5.0 + 0.3 * h**1.5)] for z in (0.0, 0.01, 0.02)])
-        save(tmp_path, CASE1, replace(run_of("lin-case1", level, np.full((32, 4), 100.0)), centreline=line))
+        store.save(tmp_path, CASE1, replace(run_of("lin-case1", level, np.full((32, 4), 100.0)), centreline=line))
     whole, table = studied(CASE1, (tmp_path,)), study_table(CASE1, (tmp_path,))
     row = next(r for r in table if r["quantity"].startswith("centreline uz"))
     assert row["order"] == pytest.approx(1.5, abs=1e-3)

@@ -1,24 +1,21 @@
 """Stored runs of the 3D reference and condensed bodies: keys, damage, what serves in place of what."""
 
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.comparison.reference import jobs, store
-from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference import jobs, levels, store
 from rollbench.comparison.reference.store import bodies_path, key_of, load, path_in, save
 from rollbench.comparison.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes.condensed import load_condensed
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes import condensed, solid
 
 CASE1 = catalogue.scene("lin-case1")
 
 
-def test_round_trip_and_damage(tmp_path: Path) -> None:
+def test_round_trip_and_damage(tmp_path) -> None:
     loads = np.arange(128.0).reshape(32, 4)
     run = run_of("lin-case1", 2, loads)
     file = save(tmp_path, CASE1, run)
@@ -30,7 +27,7 @@ def test_round_trip_and_damage(tmp_path: Path) -> None:
     assert (back.setup_seconds, back.sides, back.assumed, back.settings) == (3.0, (0, 3), ("nothing",), run.settings)
     assert load(CASE1, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
-    modes = LEVELS[2]["modes"]
+    modes = levels.LEVELS[2]["modes"]
     other = whole.replace(f'"modes":{modes}', f'"modes":{modes + 1}')
     assert other != whole
     for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
@@ -49,7 +46,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     found = [key_of(replace(CASE1, **x), "", mesh, sides) for x in ({"nut": longer}, {"solid": other}, {"loads": ()})]
     found += [key_of(CASE1, "", asdict(settings_of([CASE1], 2)), sides), key_of(CASE1, "land", mesh, sides)]
     found += [key_of(CASE1, "", mesh, (0, 1, 2, 3)), key_of(CASE1, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
-    assumed = replace(dimensions(CASE1), hole=2.0 * dimensions(CASE1).hole)
+    assumed = replace(solid.dimensions(CASE1), hole=2.0 * solid.dimensions(CASE1).hole)
     for name, value in (
         ("versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
         ("SCHEMA", -1),
@@ -61,7 +58,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     assert len({key, *found}) == 11
 
 
-def test_only_converged_runs_are_stored(tmp_path: Path) -> None:
+def test_only_converged_runs_are_stored(tmp_path) -> None:
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
     with pytest.raises(ValueError, match="no reference: not held: because"):
         save(tmp_path, CASE1, failed)
@@ -69,7 +66,7 @@ def test_only_converged_runs_are_stored(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path: Path) -> None:
+def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path) -> None:
     loads = np.ones((32, 4))
     wide = run_of("lin-case1", 1, loads, group=("lin-case1", "lin-case2"))
     assert wide.settings["reach"] > run_of("lin-case1", 1, loads).settings["reach"]
@@ -97,20 +94,20 @@ def test_scenes_of_the_same_parts_share_a_set_up() -> None:
     assert geometry_of(scenes[0]) != geometry_of(replace(scenes[0], solid=replace(scenes[0].solid, nut="rigid")))
 
 
-def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Path) -> None:
+def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path) -> None:
     bodies = bodies_of(CASE1, 2)
     bodies.save(tmp_path / "a.npz")
-    read = load_condensed(tmp_path / "a.npz")
+    read = condensed.load_condensed(tmp_path / "a.npz")
     assert (read.geometry, read.level, read.base) == (bodies.geometry, 2, 0.3)
     assert np.array_equal(read.screw, bodies.screw)
     (tmp_path / "b.npz").write_bytes((tmp_path / "a.npz").read_bytes()[:-200])
     np.savez(tmp_path / "c.npz", format=99)
     for name, words in (("b", "damaged"), ("c", "format 99")):
         with pytest.raises(ValueError, match=words):
-            load_condensed(tmp_path / f"{name}.npz")
+            condensed.load_condensed(tmp_path / f"{name}.npz")
 
 
-def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path: Path) -> None:
+def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path) -> None:
     """A run under other loads has the same geometry, but its patches' own terms are sampled elsewhere."""
     run = run_of("lin-case1", 1, np.ones((32, 4)))
     heavy = replace(CASE1, loads=(replace(CASE1.loads[0], force=(0.0, 0.0, 60e3)),))

@@ -6,25 +6,21 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.models import comparison, ladder, study
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.reference import LABELS as NAMES
 from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
 from rollbench.comparison.wings.bench.sections import reference_time
 from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, time_figures, time_panel, time_table
 from rollbench.comparison.wings.mesh_study import section as reference_mesh
-from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports import figures, records
 
-STUDY = Study()
+STUDY = study.Study()
 
 
 @cache
-def stored() -> dict[str, Reference]:
-    return STUDY.references((*REFERENCED, *UNSEEN))
+def stored():
+    return STUDY.references((*comparison.REFERENCED, *ladder.UNSEEN))
 
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:
@@ -69,25 +65,19 @@ def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() ->
     assert levels.bars == ([FLOOR, FLOOR], [1.5, 1.0])
     plain = time_panel("x", [replace(p, low=None, high=None) for p in points])
     assert all(s.bars is None for s in plain.series)
-    with_bars, without = (draw(Figure("f", "t", (p,))) for p in (panel, plain))
+    with_bars, without = (figures.draw(records.Figure("f", "t", (p,))) for p in (panel, plain))
     assert with_bars.count("LineCollection") > without.count("LineCollection")
     rows = time_table({"x": points}).rows
     assert [r["status"] for r in rows] == ["", "no convergence", "", "", ""]
     assert time_table({"x": [point("m", "model", 1.0, 1.0, memory=None)]}).rows[0]["memory"] == "not measured"
 
 
-def test_bars_of_another_length_are_refused() -> None:
-    wrong = Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5]))
-    with pytest.raises(ValueError, match="error bars"):
-        draw(Figure("f", "t", (Panel("p", "x", "y", (wrong,)),)))
-
-
 def test_unseen_scenes_have_a_figure() -> None:
     axial = point(reference_time.MODELS["mei"].label, "model", 9.0, 1.0, name="mei")
     level = point("level 1", "level", 0.5, 40.0)
-    points = {"lin-case1": [axial, level], "lin-case3": [level], UNSEEN[0]: [level], UNSEEN[1]: [level]}
+    points = {"lin-case1": [axial, level], "lin-case3": [level], ladder.UNSEEN[0]: [level], ladder.UNSEEN[1]: [level]}
     names = {f.name: [p.title for p in f.panels] for f in time_figures(points)}
-    expected = {"": ["lin-case1"], "-preload": ["lin-case3"], "-unseen": [UNSEEN[0], UNSEEN[1]]}
+    expected = {"": ["lin-case1"], "-preload": ["lin-case3"], "-unseen": [ladder.UNSEEN[0], ladder.UNSEEN[1]]}
     assert names == {f"reference-time{end}": scenes for end, scenes in expected.items()}
 
 

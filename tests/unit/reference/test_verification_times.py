@@ -3,13 +3,12 @@
 from types import SimpleNamespace
 
 from rollbench.comparison.sections import verification
-from rollbench.comparison.sections.verification import Level
 
 
 def test_the_column_mesh_names_the_mesh():
     seconds = {name: 0.5 + k for k, name in enumerate(verification.TIMES)}
     run = SimpleNamespace(job="A", b_over_h=2.0, seconds=seconds)
-    table = verification.times_table([Level("27-node hexahedra", run, {})])
+    table = verification.times_table([verification.Level("27-node hexahedra", run, {})])
     (row,) = table.rows
     keys = [column.key for column in table.columns]
     assert len(set(keys)) == len(keys) == len(row)

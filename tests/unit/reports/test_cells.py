@@ -2,40 +2,36 @@
 
 import csv
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.processes import python
 from tests.report_samples import table
 
-from rollbench.reports import cells
-from rollbench.reports.records import Quantity, Table
+from rollbench.reports import cells, records
+
+CELLS = [
+    (0.0, "g4", "0"),
+    (225.0, "g4", "225.0"),
+    (-0.0123456, "g4", "−0.01235"),
+    (9.9999, "g3", "10.0"),
+    (208000.0, "g4", "208000"),
+    (2.1e8, "g4", "2.100×10⁸"),
+    (-1.5e-12, "g3", "−1.50×10⁻¹²"),
+    (1234567, "g4", "1234567"),
+    (-3.14159, ".2f", "−3.14"),
+    (np.float64(2.5), ".1f", "2.5"),
+    (None, ".2f", "–"),
+    (True, "g4", "yes"),
+    (np.False_, "s", "no"),
+    (math.nan, ".2f", "n/a"),
+    (-math.inf, "g4", "−∞"),
+    ("as-printed", "s", "as-printed"),
+    ("text", ".2f", "text"),
+]
 
 
 class TestCells:
-    @pytest.mark.parametrize(
-        ("value", "form", "text"),
-        [
-            (0.0, "g4", "0"),
-            (225.0, "g4", "225.0"),
-            (-0.0123456, "g4", "−0.01235"),
-            (9.9999, "g3", "10.0"),
-            (208000.0, "g4", "208000"),
-            (2.1e8, "g4", "2.100×10⁸"),
-            (-1.5e-12, "g3", "−1.50×10⁻¹²"),
-            (1234567, "g4", "1234567"),
-            (-3.14159, ".2f", "−3.14"),
-            (np.float64(2.5), ".1f", "2.5"),
-            (None, ".2f", "–"),
-            (True, "g4", "yes"),
-            (np.False_, "s", "no"),
-            (math.nan, ".2f", "n/a"),
-            (-math.inf, "g4", "−∞"),
-            ("as-printed", "s", "as-printed"),
-            ("text", ".2f", "text"),
-        ],
-    )
+    @pytest.mark.parametrize(("value", "form", "text"), CELLS)
     def test_format(self, value, form, text):
         assert cells.format_cell(value, form) == text
 
@@ -52,14 +48,8 @@ class TestCells:
         ]
 
 
-def test_records_import_neither_matplotlib_nor_pyvista():
-    heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
-    code = f"import sys, rollbench.reports.records; print(sorted({heavy} & set(sys.modules)))"
-    assert python("-c", code, cwd=Path(cells.__file__).parents[1]).stdout.strip() == "[]"
-
-
 def test_two_columns_of_one_heading_are_refused():
-    columns = (Quantity("a", "interval", "N", "s"), Quantity("b", "interval", "um", "s"))
-    Table("t", "intervals of two units", columns, [])
+    columns = (records.Quantity("a", "interval", "N", "s"), records.Quantity("b", "interval", "um", "s"))
+    records.Table("t", "intervals of two units", columns, [])
     with pytest.raises(ValueError, match="more than one column headed 'interval'"):
-        Table("t", "intervals", (*columns, Quantity("c", "interval", "um", "s")), [])
+        records.Table("t", "intervals", (*columns, records.Quantity("c", "interval", "um", "s")), [])

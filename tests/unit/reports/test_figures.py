@@ -31,6 +31,13 @@ def words_of(svg):
     return {"".join(element.itertext()) for element in ElementTree.fromstring(svg).iter(f"{SVG}text")}
 
 
+REFUSED = [
+    (Series("s", [1], [1], "dots"), "", r"styles \['dots'\]"),
+    (Series("s", [1], [1]), "z", "log is 'z'"),
+    (Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5])), "", "error bars"),
+]
+
+
 class TestFigures:
     def test_same_data_same_bytes_without_date_and_version_and_other_data_others(self, svg):
         assert figures.draw(figure()) == svg
@@ -77,11 +84,8 @@ class TestFigures:
         panel = Panel("t", "x", "y", [Series("s", x, values)], log=log, zero=True)
         ElementTree.fromstring(figures.draw(figure(panels=[panel])))
 
-    @pytest.mark.parametrize(
-        ("series", "log", "words"),
-        [(Series("s", [1], [1], "dots"), "", r"styles \['dots'\]"), (Series("s", [1], [1]), "z", "log is 'z'")],
-    )
-    def test_refuses_unknown_styles_and_scales(self, series, log, words):
+    @pytest.mark.parametrize(("series", "log", "words"), REFUSED)
+    def test_refuses_unknown_styles_and_scales_and_bars_of_another_length(self, series, log, words):
         with pytest.raises(ValueError, match=words):
             figures.draw(figure(panels=[Panel("t", "x", "y", [series], log=log)]))
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 import pytest
 from tests.report_samples import paged
 
-from rollbench.reports import first_pages
-from rollbench.reports.html import check_target, write
+from rollbench.reports import first_pages, html
 from rollbench.reports.records import Figure, Panel, Quantity, Report, Section, Series, Summary, Table
 
 FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
@@ -32,19 +31,19 @@ def test_pages_hold_question_answer_table_and_limits_as_they_are_written():
 
 def test_a_report_has_a_pdf_of_two_pages_and_may_be_replaced(tmp_path):
     pytest.importorskip("typst", reason="the PDF is written by typst, which is optional")
-    page = write(REPORT, tmp_path / "report")
+    page = html.write(REPORT, tmp_path / "report")
     pdf = (page.parent / first_pages.FILE).read_bytes()
     streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)
     inner = pdf + b"".join(zlib.decompress(s) for s in streams if s[:1] == b"x")
     assert len(re.findall(rb"/Type\s*/Page\b", inner)) == 2
     assert f'href="{first_pages.FILE}"' in page.read_text(encoding="utf-8")
-    check_target(page.parent)
+    html.check_target(page.parent)
 
 
 def test_without_typst_the_report_is_whole_and_says_what_installs_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "typst", None)
     said = []
-    page = write(REPORT, tmp_path / "report", said.append)
+    page = html.write(REPORT, tmp_path / "report", said.append)
     assert not (page.parent / first_pages.FILE).exists()
     assert first_pages.FILE not in page.read_text(encoding="utf-8")
     assert any(first_pages.FILE in line and "pip install typst" in line for line in said)

@@ -3,20 +3,20 @@
 import re
 from functools import cache
 from html import unescape
-from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
+from tests.copies import ROOT
 
-REPORT = Path(__file__).resolve().parents[3] / "reports/validation"
+REPORT = ROOT / "reports/validation"
 
 
 @cache
-def ids(page: Path) -> frozenset[str]:
+def ids(page) -> frozenset[str]:
     return frozenset(re.findall(r'\bid="([^"]+)"', page.read_text(encoding="utf-8")))
 
 
-def dead(page: Path) -> list[str]:
+def dead(page) -> list[str]:
     """Addresses in a page that lead nowhere."""
     text = re.sub(r"<script.*?</script>", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     found = []
@@ -31,11 +31,11 @@ def dead(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("page", sorted(REPORT.glob("*.html")), ids=lambda page: page.name)
-def test_no_link_of_the_report_is_dead(page: Path) -> None:
+def test_no_link_of_the_report_is_dead(page) -> None:
     assert not dead(page)
 
 
-def test_a_dead_link_is_found(tmp_path: Path) -> None:
+def test_a_dead_link_is_found(tmp_path) -> None:
     (tmp_path / "b.html").write_text('<p id="there">')
     page = tmp_path / "a.html"
     page.write_text('<a href="b.html#there"><a href="b.html#gone"><a href="c.html"><a href="https://a.b"><a href="#x">')

@@ -6,17 +6,14 @@ import pytest
 
 from rollbench.comparison.gate.verdict import Limits, judge
 from rollbench.comparison.measure import load_error
-from rollbench.comparison.models import ladder
-from rollbench.comparison.models.comparison import from_result, rows
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
+from rollbench.comparison.models import comparison, ladder, registry, study
 from rollbench.comparison.sections.ladder import ladder_table
 from rollbench.comparison.sections.reference import error_table, exceedance_table
 from rollbench.comparison.wings.bench.sections.overview import standing_table, standings
 from rollbench.comparison.wings.bench.sections.reference_time import time_points, time_table
 
 NAME = "unseen-thin-nut"
-STUDY = Study()
+STUDY = study.Study()
 
 
 @pytest.fixture(scope="module")
@@ -32,11 +29,11 @@ def cells(table, label, column):
 
 
 def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
-    monkeypatch.setattr(ladder, "RUNGS", [MODELS["lin"]])
+    monkeypatch.setattr(ladder, "RUNGS", [registry.MODELS["lin"]])
     lin = STUDY.solve(NAME, "lin")
     e = load_error(lin.load, found.load)
     assert e.own_max_percent > 1.2 * e.max_percent  # so that another measure would show
-    label = MODELS["lin"].label
+    label = registry.MODELS["lin"].label
     points = {NAME: time_points(NAME, found, STUDY, lambda _: None)}
     errors, rungs = error_table(STUDY, {NAME: found}), ladder_table(ladder.climb(STUDY.scene(NAME), found, STUDY.stores))
     pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(standings(points)), "lin"))
@@ -45,7 +42,7 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
         assert cells(table, name, (largest, "% of mean")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name
     for table, name in pages[:2]:
         assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]
-    compared = {r.quantity: r for r in rows(STUDY.scene(NAME), from_result(lin), found)}
+    compared = {r.quantity: r for r in comparison.rows(STUDY.scene(NAME), comparison.from_result(lin), found)}
     of_mean = compared[f"largest error, of the mean load (ball {e.ball} {e.side})"]
     of_load = compared["largest error, of the own load"]
     assert (of_mean.value, of_load.value) == (pytest.approx(e.max_percent), pytest.approx(e.own_max_percent))

@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from tests.report_samples import contents, figure, paged, report, screw, table
@@ -61,6 +62,18 @@ def no_picture(monkeypatch):
 def written(tmp_path_factory):
     """Folder of one report, which tests read and leave as it is."""
     return html.write(report(), tmp_path_factory.mktemp("report") / "out").parent
+
+
+VERDICTS = [
+    *(("Reproduced", "good"), ("converged", "good"), ("not converged", "bad"), ("no convergence", "bad")),
+    *(("nominal only", "other"), ("open", "open"), ("left out", "other")),
+]
+
+
+COLUMNS = [
+    *(([7, "12"], True), (["−3.5", None, "–"], True), ([1.5e-3], True)),
+    *((["7 of 9"], False), (["a"], False), ([None], False)),
+]
 
 
 @pytest.mark.usefixtures("no_picture")
@@ -155,13 +168,7 @@ class TestPage:
         wanted += ["tag tag-as-printed", "verdict verdict-open"]
         assert [mark for mark in marks if mark.startswith(("tag", "verdict"))] == wanted
 
-    @pytest.mark.parametrize(
-        ("text", "kind"),
-        [
-            *(("Reproduced", "good"), ("converged", "good"), ("not converged", "bad"), ("no convergence", "bad")),
-            *(("nominal only", "other"), ("open", "open"), ("left out", "other")),
-        ],
-    )
+    @pytest.mark.parametrize(("text", "kind"), VERDICTS)
     def test_verdicts(self, text, kind):
         assert cells.verdict(text) == kind
 
@@ -191,13 +198,7 @@ class TestPage:
         assert "No row has an entry under: as printed." in page
         assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").startswith("ball,as printed,claim")
 
-    @pytest.mark.parametrize(
-        ("cells_", "number"),
-        [
-            *(([7, "12"], True), (["−3.5", None, "–"], True), ([1.5e-3], True)),
-            *((["7 of 9"], False), (["a"], False), ([None], False)),
-        ],
-    )
+    @pytest.mark.parametrize(("cells_", "number"), COLUMNS)
     def test_whole_numbers_and_numbers_as_text_are_set_to_the_right(self, cells_, number):
         column = Quantity("a", "a", format="s")
         assert cells.is_number(column, Table("t", "T", (column,), [{"a": c} for c in cells_])) is number
@@ -205,6 +206,9 @@ class TestPage:
     def test_same_report_same_bytes(self, tmp_path, written):
         html.write(report(), tmp_path / "b")
         assert contents(written) == contents(tmp_path / "b")
+
+
+UNFIT = [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]
 
 
 class TestReplacing:
@@ -220,11 +224,7 @@ class TestReplacing:
     def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
         html.write(report(table()), tmp_path / "out")
         before = contents(tmp_path)
-
-        def fail(_):
-            raise error
-
-        monkeypatch.setattr(pages, "draw_parts", fail)
+        monkeypatch.setattr(pages, "draw_parts", Mock(side_effect=error))
         with pytest.raises(error):
             html.write(report(table("new"), figure("new")), tmp_path / "out")
         assert contents(tmp_path) == before
@@ -265,9 +265,7 @@ class TestReplacing:
         with pytest.raises(ValueError, match="is a file"):
             html.write(report(table()), mine)
 
-    @pytest.mark.parametrize(
-        ("items", "words"), [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]
-    )
+    @pytest.mark.parametrize(("items", "words"), UNFIT)
     def test_unfit_names_are_refused(self, tmp_path, items, words):
         with pytest.raises(ValueError, match=words):
             html.write(report(*items), tmp_path / "out")

@@ -7,13 +7,12 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.wings.bench.costs import kept as kept_times
 from rollbench.comparison.wings.bench.costs.assembly_bench import AssemblyCost
 from rollbench.comparison.wings.bench.costs.cold import Cold
-from rollbench.comparison.wings.bench.costs.kept import RUN_TIMES, Kept, RunTime
 from rollbench.comparison.wings.bench.sections import reference_time
 
-KEPT = Kept(
+KEPT = kept_times.Kept(
     "a machine",
     "2026-01-02",
-    {("lin-case1", "lin"): RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): RunTime(0.3, 2e-3, None)},
+    {("lin-case1", "lin"): kept_times.RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): kept_times.RunTime(0.3, 2e-3, None)},
     {("lin", "compiled"): Cold(12.0, 11.0, 1e-3, 380.0, "compiled", "converged")},
     assembly=(AssemblyCost("tetrahedra", 12, "one vector form", 3.0, 1e-14),),
 )
@@ -23,7 +22,7 @@ def test_what_is_saved_is_read(tmp_path):
     assert kept_times.load_times([tmp_path]) is None
     kept_times.save_times(tmp_path, KEPT)
     assert kept_times.load_times([tmp_path / "none", tmp_path]) == KEPT
-    (tmp_path / RUN_TIMES).write_text('{"times": 3}')
+    (tmp_path / kept_times.RUN_TIMES).write_text('{"times": 3}')
     assert kept_times.load_times([tmp_path]) is None
 
 

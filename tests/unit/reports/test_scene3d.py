@@ -10,6 +10,15 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.reports import scene3d
 
+ENDS = [
+    (-11, b"", "no off-screen OpenGL.*libegl1 libgl1 libxrender1"),
+    (1, b"ImportError: libGL.so.1: cannot open", "libGL.so.1.*libgl1"),
+    (1, b"Traceback\nTypeError: odd", "TypeError: odd"),
+]
+
+
+SCALES = [(215.1, 230.1, (215.0, 235.0, 5)), (0.0, 100.0, (0.0, 100.0, 5)), (5.0, 5.0, (4.5, 5.5, 5))]
+
 
 class TestScene:
     @pytest.mark.parametrize(("name", "starts"), [("lin-case1", 1), ("unseen-63x20", 2), ("unseen-four-point", 1)])
@@ -25,23 +34,13 @@ class TestScene:
         aside = 0.5 * scene.track.lead / starts or 1.5 * radius
         np.testing.assert_allclose(grooves.surface(phi, z + aside, land), land)
 
-    @pytest.mark.parametrize(
-        ("low", "high", "expected"),
-        [(215.1, 230.1, (215.0, 235.0, 5)), (0.0, 100.0, (0.0, 100.0, 5)), (5.0, 5.0, (4.5, 5.5, 5))],
-    )
+    @pytest.mark.parametrize(("low", "high", "expected"), SCALES)
     def test_colour_scale_has_round_ends(self, low, high, expected):
         first, last, labels = scene3d._round_scale(low, high)
         assert first <= low <= high <= last
         assert (first, last, labels) == pytest.approx(expected)
 
-    @pytest.mark.parametrize(
-        ("code", "stderr", "words"),
-        [
-            (-11, b"", "no off-screen OpenGL.*libegl1 libgl1 libxrender1"),
-            (1, b"ImportError: libGL.so.1: cannot open", "libGL.so.1.*libgl1"),
-            (1, b"Traceback\nTypeError: odd", "TypeError: odd"),
-        ],
-    )
+    @pytest.mark.parametrize(("code", "stderr", "words"), ENDS)
     def test_says_why_a_picture_cannot_be_drawn(self, tmp_path, monkeypatch, code, stderr, words):
         def run(command, **_):
             return subprocess.CompletedProcess(command, code, b"", stderr)

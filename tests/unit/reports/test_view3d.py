@@ -2,6 +2,7 @@
 
 import json
 import re
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -25,10 +26,7 @@ def test_finished_surfaces_show_both_sides_and_have_some_light():
 
 
 def test_without_the_viewer_the_report_is_whole_and_says_what_installs_it(tmp_path, monkeypatch):
-    def refused(*_):
-        raise ImportError("No module named 'trimesh'")
-
-    monkeypatch.setattr(view3d, "write_view", refused)
+    monkeypatch.setattr(view3d, "write_view", Mock(side_effect=ImportError("No module named 'trimesh'")))
     monkeypatch.setattr(pages.scene3d, "draw_loaded_screw", lambda _, path: path.write_bytes(b""))
     said = []
     page = write(Report("a report", "", {}, paged(Section("cases", "Cases", (PICTURE,)))), tmp_path / "report", said.append)
@@ -45,8 +43,7 @@ def test_the_screw_is_drawn_from_a_file_without_network(tmp_path):
     path, shot = tmp_path / "view.html", tmp_path / "view.png"
     view3d.write_view(PICTURE, path, pages.MARKER, "cases.html#figure-bearing")
     html = path.read_text(encoding="utf-8")
-    for words in (pages.MARKER, "A short &lt;screw&gt;", 'id="scale"'):
-        assert words in html
+    assert [words for words in (pages.MARKER, "A short &lt;screw&gt;", 'id="scale"') if words not in html] == []
     assert not re.search(r'(src|href)="https?:', html)
     look = "for (let y = 0; y < innerHeight; y += 4) for (let x = 0; x < innerWidth; x += 4) found.add(ballAt(x, y));"
     smooth = "scene.traverse(part => { if (part.isMesh) found.add(part.material.flatShading); });"

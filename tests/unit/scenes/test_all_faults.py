@@ -3,8 +3,7 @@
 import pytest
 
 from rollbench.comparison.errors import SceneError
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.mending import WORDS, hint
+from rollbench.comparison.scenes import mending, scene_file
 from rollbench.comparison.scenes.template import template
 
 GOOD = template()
@@ -42,16 +41,16 @@ def test_what_a_faulty_value_may_have_caused_is_not_told() -> None:
     assert sorted(keys(error)) == ["shaft", "track.pitch_radus"]
 
 
-@pytest.mark.parametrize(
-    ("change", "key", "advice"),
-    [
-        (("[screw]", '[screw]\npitch_diameter = "33 mm"'), "screw.pitch_diameter", "under [track]"),
-        (("[nut]", "[nut]\ncircuits = 3"), "nut.circuits", "circuits = 3 with circuit_gap = 0.5 under [balls]"),
-        (("turns = 2", "ball_diameter = 1\nturns = 2"), "balls.ball_diameter", 'diameter = "5.556 mm" under [balls]'),
-        (("[nut]", '[nut]\nPreload = "1 kN"'), "nut.Preload", "under [preload]"),
-        (("[screw]", '[screw]\ndiameter = "32 mm"'), "screw.diameter", "did you mean outer_diameter?"),
-    ],
-)
+HINTS = [
+    (("[screw]", '[screw]\npitch_diameter = "33 mm"'), "screw.pitch_diameter", "under [track]"),
+    (("[nut]", "[nut]\ncircuits = 3"), "nut.circuits", "circuits = 3 with circuit_gap = 0.5 under [balls]"),
+    (("turns = 2", "ball_diameter = 1\nturns = 2"), "balls.ball_diameter", 'diameter = "5.556 mm" under [balls]'),
+    (("[nut]", '[nut]\nPreload = "1 kN"'), "nut.Preload", "under [preload]"),
+    (("[screw]", '[screw]\ndiameter = "32 mm"'), "screw.diameter", "did you mean outer_diameter?"),
+]
+
+
+@pytest.mark.parametrize(("change", "key", "advice"), HINTS)
 def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, advice: str) -> None:
     error = faults(change)
     assert (error.key, advice in error.advice) == (key, True)
@@ -59,8 +58,8 @@ def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, advice: str)
 
 def test_every_word_leads_to_a_key_that_there_is() -> None:
     known = set(GOOD.replace("[", " ").replace("]", " ").replace('"', " ").split()) | {"preload", "screw", "supports"}
-    for word, said in WORDS.items():
-        assert hint(word.upper().replace("_", " ")) == said
+    for word, said in mending.WORDS.items():
+        assert mending.hint(word.upper().replace("_", " ")) == said
         assert said.split()[0].rstrip(":") in known | {"none"}, word
 
 

@@ -11,9 +11,7 @@ from tests.shipped_texts import axis_names, own_text
 
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.kinds import json_schema
+from rollbench.comparison.scenes import catalogue, kinds, scene_file
 from rollbench.comparison.scenes.template import AXES, BEARINGS, template
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -51,8 +49,8 @@ def test_units_positions_and_heat_are_read():
 
 
 def test_one_set_that_stands_is_a_plain_scene():
-    plain = scene_file.loads(scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
-    raw = tomllib.loads(scene_text("lin-nominal-4p1"))
+    plain = scene_file.loads(catalogue.scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
+    raw = tomllib.loads(catalogue.scene_text("lin-nominal-4p1"))
     one = {name: raw.pop(name) for name in ("track", "nut", "balls")}
     tables = [("", {k: v for k, v in raw.items() if k not in ("supports", "loads")})]
     tables += [(f"[[{k}]]", row) for k in ("supports", "loads") for row in raw[k]]
@@ -72,7 +70,7 @@ def test_circuits_with_gaps_fill_their_arcs_evenly():
 
 
 def test_sets_take_what_catalogues_print():
-    text = scene_text("double-nut")
+    text = catalogue.scene_text("double-nut")
     for shipped, printed in (
         ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.3', 'name = "bearing steel"'),
         ('pitch_radius = "16.6 mm"', 'pitch_diameter = "33.2 mm"'),
@@ -98,22 +96,21 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
 
 
 def test_schema_knows_axes():
-    text = json.dumps(json_schema())
+    text = json.dumps(kinds.json_schema())
     assert all(words in text for words in ("rolling sets, in any order", "cup_angle"))
 
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     """File of a small double nut."""
-    text = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+    text = catalogue.scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
     path = tmp_path_factory.mktemp("axis") / "two.toml"
     path.write_text(text.replace("coefficient = 0.05", 'coefficient = 0.05\ncoupling = "none"'), encoding="utf-8")
     return path
 
 
 def test_result_has_the_keys_of_one_set(command, small):
-    (_, one), (code, two) = (command.json("solve", scene, "--model", "lin", "--json") for scene in ("two-balls", small))
-    assert code == 0
+    one, two = (command.answer("solve", scene, "--model", "lin") for scene in ("two-balls", small))
     assert set(one) <= set(two)
     shared = {"sides", "loads", "axial", "worst_contact", "truncation", "static_safety", "life", "rating_refused"}
     assert shared <= set(one["summary"]) & set(two["summary"])
@@ -165,8 +162,7 @@ def test_commands_work_or_say_why_not(command, small, tmp_path):
 
 def test_solve_and_friction_begin_rows_with_their_set(command, small):
     for word in ("solve", "friction"):
-        code, data = command.json(word, small, "--model", "lin", "--json")
-        assert code == 0
+        data = command.answer(word, small, "--model", "lin")
         assert [next(iter(row)) for row in data["balls"]] == ["set"] * 16
         assert [(row["set"], row["index"]) for row in data["balls"]][8] == (2, 1)
         assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]

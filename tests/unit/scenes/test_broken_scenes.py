@@ -86,13 +86,13 @@ def test_missing_table_is_named(tmp_path):
     assert (error.value, "[nut]" in error.advice) == ("nothing", True)
 
 
-@pytest.mark.parametrize(
-    ("changes", "key", "more"),
-    [
-        ({'lead = "20 mm"': 'lead = "20"', "count = 32": "count = 0", "turns = 2": "turns = -1"}, "track.lead", 2),
-        ({'outer_diameter = "48 mm"': 'outer_diameter = "38 mm"', "count = 32": "count = 40"}, "nut.outer_diameter", 1),
-    ],
-)
+SEVERAL = [
+    ({'lead = "20 mm"': 'lead = "20"', "count = 32": "count = 0", "turns = 2": "turns = -1"}, "track.lead", 2),
+    ({'outer_diameter = "48 mm"': 'outer_diameter = "38 mm"', "count = 32": "count = 40"}, "nut.outer_diameter", 1),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "more"), SEVERAL)
 def test_further_faults_and_bodies_that_cannot_be_built_are_counted(tmp_path, changes, key, more):
     error = refusal(tmp_path, broken(changes))
     assert (error.key, error.more) == (key, more)
@@ -111,10 +111,10 @@ def test_names_that_do_not_exist_and_an_empty_file(tmp_path):
         catalogue.any_scene(str(tmp_path / "none.toml"))
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")],
-)
+UNREADABLE = [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")]
+
+
+@pytest.mark.parametrize(("name", "value"), UNREADABLE)
 def test_unreadable(tmp_path, name, value):
     with pytest.raises(SceneError) as caught:
         scene_file.load(f"{tmp_path}/{name}" if name else tmp_path)

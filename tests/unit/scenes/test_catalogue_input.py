@@ -3,27 +3,19 @@
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models.loading import preload
-from rollbench.comparison.models.registry import run_model
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.catalogue_input import MATERIALS
-from rollbench.comparison.scenes.keys import MaterialName
+from rollbench.comparison.models import loading, registry
+from rollbench.comparison.scenes import catalogue, catalogue_input, keys, preload, scene_file
 from rollbench.comparison.scenes.like import double_nut_like, scene_like
-from rollbench.comparison.scenes.preload import oversize_for
 from rollbench.comparison.scenes.template import template
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.axis import Assembly
-from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Errors, Scene, Solid
+from rollbench.meshes import axis, helix, parts
 
 GOOD = template()
 
@@ -35,7 +27,7 @@ def changed(*changes: tuple[str, str], text: str = GOOD) -> str:
     return text
 
 
-def read(*changes: tuple[str, str]) -> Scene:
+def read(*changes: tuple[str, str]) -> parts.Scene:
     return scene_file.loads(changed(*changes), "my.toml")
 
 
@@ -54,7 +46,7 @@ ARCS = 'arcs = [["-300 deg", "-60 deg"], ["60 deg", "300 deg"]]'
 def test_diameters_are_the_radii_to_the_last_digit_and_an_oversize_is_one_by_preload() -> None:
     assert read(PITCH, BALL) == read()
     assert read(('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"\npitch_radius = "16.5 mm"')) == read()
-    preloaded = scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
+    preloaded = catalogue.scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
     assert scene_file.loads(preloaded, "lin-case3.toml") == catalogue.scene("lin-case3")
 
 
@@ -63,7 +55,7 @@ def test_materials_by_name() -> None:
     assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
     for grade in ("100Cr6", "AISI 52100"):
         assert read((steel[0], f'name = "{grade}"')).screw.material == read(steel).screw.material
-    assert set(get_args(MaterialName)) == set(MATERIALS), "every grade is a name of the schema"
+    assert set(get_args(keys.MaterialName)) == set(catalogue_input.MATERIALS), "every grade is a name of the schema"
     ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
     assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
     assert ceramic.screw == read().screw
@@ -83,7 +75,7 @@ def test_circuits_lie_about_the_nut_with_their_gaps() -> None:
 def test_filling_gives_the_count() -> None:
     assert read(("count = 32", "filling = 0.9")).ball_count == 34
     full = read(("count = 32", "filling = 1"))
-    apart = np.linalg.norm(np.diff(ball_layout(full).centre, axis=0), axis=1)
+    apart = np.linalg.norm(np.diff(helix.ball_layout(full).centre, axis=0), axis=1)
     assert 5.556e-3 <= apart.min() < 5.556e-3 * (1.0 + 1.0 / full.ball_count), "no ball more would fit"
 
 
@@ -96,7 +88,7 @@ def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     alpha = math.atan2(20e-3, 2.0 * math.pi * 16.5e-3)
     axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
     assert axial == pytest.approx(3000.0, rel=0.02)
-    assert oversize_for(scene, 3000.0) == scene.errors.balls.oversize
+    assert preload.oversize_for(scene, 3000.0) == scene.errors.balls.oversize
 
 
 def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
@@ -106,7 +98,7 @@ def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
     odd = read(("count = 32", "count = 31"), given)
     assert (odd.ball_count, odd.errors.lead_offset) == (31, 12e-6)
     scene = read(given, *HALVES, ('force = ["0 N", "0 N", "5 kN"]', ""))
-    assert scene.errors == Errors(lead_offset=12e-6)
+    assert scene.errors == parts.Errors(lead_offset=12e-6)
     load = solve_static(scene).load
     assert min(load[:, 0].sum(), load[:, 1].sum()) > 100.0
 
@@ -135,7 +127,7 @@ def test_40x10_is_near_the_shipped_one_and_a_size_beyond_the_rules_is_refused() 
             scene_like(size)
 
 
-def test_new_like_from_the_command_line(tmp_path: Path, command) -> None:
+def test_new_like_from_the_command_line(tmp_path, command) -> None:
     assert "without --kind" in command.refused("new", tmp_path / "a.toml", "--like", "40x10", "--kind", "bearing")
     for kind, text in (((), scene_like("40x10")), (("--kind", "double-nut"), double_nut_like("40x10"))):
         file = tmp_path / f"{len(kind)}.toml"
@@ -146,13 +138,13 @@ def test_new_like_from_the_command_line(tmp_path: Path, command) -> None:
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
 def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
     found = scene_file.read(double_nut_like(size), "d.toml")
-    assert isinstance(found, Assembly)
+    assert isinstance(found, axis.Assembly)
     assert [s.thrust for s in found.sets] == ["-z", "+z"]
     for one in found.sets:
-        assert isinstance(one.parts, Scene)
+        assert isinstance(one.parts, parts.Scene)
         assert one.preload == pytest.approx(0.05 * rating(one.parts), rel=1e-12)
         assert sum(line.startswith(f"{one.name}: preload of") for line in found.assumed) == 1
-    left, right = (s.parts.nut for s in found.sets if isinstance(s.parts, Scene))
+    left, right = (s.parts.nut for s in found.sets if isinstance(s.parts, parts.Scene))
     assert right.position - left.position > left.length, "a spacer stands between them"
 
 
@@ -160,8 +152,8 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
 def test_the_preload_of_a_nominal_size_is_that_of_catalogues(size: str) -> None:
     """3 to 8 % of C, between rigid bodies and what elastic ones leave of it (lin: elastic screw)."""
     scene = scene_file.loads(scene_like(size), "my.toml")
-    assert oversize_for(scene, 0.05 * rating(scene)) == scene.errors.balls.oversize
-    left = preload(scene, solve_static(replace(scene, loads=()))).axial
+    assert preload.oversize_for(scene, 0.05 * rating(scene)) == scene.errors.balls.oversize
+    left = loading.preload(scene, solve_static(replace(scene, loads=()))).axial
     assert 0.03 < left / rating(scene) < 0.08
 
 
@@ -169,12 +161,12 @@ def test_the_preload_of_a_nominal_size_is_that_of_catalogues(size: str) -> None:
 def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
     share = 0.025 if "2.5" in text else 0.05
-    assert scene.errors.balls.oversize == oversize_for(read(), share * rating(read()))
+    assert scene.errors.balls.oversize == preload.oversize_for(read(), share * rating(read()))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 
 def test_rollers_have_no_computed_rating_to_preload_by() -> None:
-    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", scene_text("smith-axis-taper"))
+    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", catalogue.scene_text("smith-axis-taper"))
     changed = text.replace("[[sets]]", '[[sets]]\npreload = "5 % of C"\nthrust = "+z"', 1)
     changed = re.sub(r'(thrust = "\+z"\n(?:(?!\[\[sets).)*?\n)thrust = .*?\n', r"\1", changed, count=1, flags=re.DOTALL)
     with pytest.raises(SceneError, match=r"sets\[0\]\.preload: got .5 % of C.; allowed: a force"):
@@ -187,8 +179,8 @@ def test_lands_that_nobody_wrote_are_not_blamed() -> None:
     for change, outer, pitch in ((wider, 34, 33), (smaller, 32, 31)):
         words = f"screw.outer_diameter of {outer} mm with a pitch diameter of {pitch}"
         with pytest.raises(InputError, match=re.escape(words)) as caught:
-            run_model(read(change), "refined")
+            registry.run_model(read(change), "refined")
         assert caught.value.key == "screw.outer_diameter"
-    given = replace(read(), solid=Solid(nut_inner_diameter=32e-3))
+    given = replace(read(), solid=parts.Solid(nut_inner_diameter=32e-3))
     with pytest.raises(InputError, match=re.escape("solid.nut_inner_diameter of 32 mm leaves no groove")):
-        run_model(given, "refined")
+        registry.run_model(given, "refined")

@@ -9,9 +9,8 @@ from tests.shipped_texts import changed
 
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
+from rollbench.comparison.wings.friction import solve, whole
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-from rollbench.comparison.wings.friction.solve import run_friction
-from rollbench.comparison.wings.friction.whole import Choices
 from rollbench.lowfi.friction.bearing import pairs
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
@@ -100,17 +99,14 @@ def test_pair_scenes_are_the_library_s(case, reading):
 
 
 def test_pair_takes_pattern_direction_hand_and_hertz():
-    scene = loaded(
-        "lin-screw-pair-a",
-        ("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"),
-        ('"axial"', '"radial"'),
-        ('"50 N"', '"0.1 kN"'),
+    loads = (("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"), ('"axial"', '"radial"'), ('"50 N"', '"0.1 kN"'), ('"1 rps"', '"60 rpm"'))
+    rest = (
         ('hand = "right"', 'hand = "left"'),
-        ("[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'),
-        ('"1 rps"', '"60 rpm"'),
         ('"ball"', '"ball and screw"'),
         ('oversize = "0 um"', 'oversize = "-1 um"'),
     )
+    hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
+    scene = loaded("lin-screw-pair-a", *loads, hertz, *rest)
     groove = replace(plain(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
@@ -211,7 +207,7 @@ def printed(tmp_path, name, changes):
     """What the command prints of a changed scene."""
     path = tmp_path / f"{name}.toml"
     path.write_text(changed(name, *changes), encoding="utf-8")
-    return run_friction(str(path), Choices(), details=True)
+    return solve.run_friction(str(path), whole.Choices(), details=True)
 
 
 SHOWN = [("lin-rotary-2", (), "per contact"), ("lin-pair-a", (), "per ball"), ("lin-chain-10", (), "per ball")]

@@ -11,10 +11,10 @@ from rollbench.comparison.reference.store import key_of
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.meshes.parts import Friction, Motion, Time
 
+FORMER = [("none", False, False), ("ball", True, False), ("balls", False, True)]
 
-@pytest.mark.parametrize(
-    ("word", "feedback", "neighbours"), [("none", False, False), ("ball", True, False), ("balls", False, True)]
-)
+
+@pytest.mark.parametrize(("word", "feedback", "neighbours"), FORMER)
 def test_the_former_key_is_read_and_its_new_names_are_said(word, feedback, neighbours):
     found = mine(("nut = 0.07", f'nut = 0.07\ncoupling = "{word}"')).friction
     assert (found.feedback, found.neighbours) == (feedback, neighbours)

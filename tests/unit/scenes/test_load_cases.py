@@ -6,11 +6,9 @@ import pytest
 from tests.load_cases import SHIPPED, TEXT, case
 
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.like import scene_like
+from rollbench.comparison.scenes import catalogue, like, scene_file
 
-LIKE = scene_like("40x10")
+LIKE = like.scene_like("40x10")
 TIMED = case("cutting", "8 kN", time="30 s", speed="200 rpm") + case("rapid", time="10 s", speed="-1000 rpm")
 TIMED += case("crash", "40 kN", share=0.0)
 
@@ -49,7 +47,7 @@ def test_the_commented_cases_of_a_new_scene_are_read():
 
 
 def test_a_case_holds_no_further_freedom_and_commands_of_one_load_case_refuse_several():
-    text = scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
+    text = catalogue.scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
     with pytest.raises(SceneError, match=r"cases\[0\].supports\[0\].displace.uz.*allowed: ux, uy, rx, ry, rz"):
         scene_file.read(text + 'displace = { uz = "1 um" }\n', "a.toml")
     with pytest.raises(InputError, match=r"cases: got 3 cases; allowed: a scene without \[\[cases\]\]"):

@@ -8,18 +8,17 @@ from dataclasses import replace
 import pytest
 
 from rollbench.comparison.errors import SceneError
-from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import DEEP, UNSEEN
+from rollbench.comparison.models import comparison, ladder
 from rollbench.comparison.reference.store import key_of
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.crosscheck.study import STUDIES
 
 
 def test_roles_group_the_scenes_of_the_report():
-    assert REFERENCED == ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
-    assert {catalogue.scene(name).role for name in REFERENCED} == {"referenced"}
-    assert [name.startswith("unseen-") for name in UNSEEN] == 11 * [True]
-    assert set(DEEP) < {*UNSEEN, *STUDIES}
+    assert comparison.REFERENCED == ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
+    assert {catalogue.scene(name).role for name in comparison.REFERENCED} == {"referenced"}
+    assert [name.startswith("unseen-") for name in ladder.UNSEEN] == 11 * [True]
+    assert set(ladder.DEEP) < {*ladder.UNSEEN, *STUDIES}
 
 
 def test_hash_and_key_do_not_know_the_role():
@@ -47,8 +46,9 @@ DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial", "pint"}
 
 def test_no_slow_package_is_imported():
     """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial; names
-    of scenes need no meshes and pictures, common units no pint."""
+    of scenes need no meshes and pictures, common units no pint, records of a report nothing that draws."""
     for code, heavy in (
+        ("import rollbench.reports.records", {"matplotlib", "pyvista", "vtk", "jinja2"}),
         ("import rollbench.comparison.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
         ("import rollbench.comparison.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
         ("import rollbench.comparison.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),

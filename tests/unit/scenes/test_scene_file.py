@@ -1,6 +1,5 @@
 """Scene files: shipped scenes, conversion to parts, bytes and names."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -8,23 +7,12 @@ import pytest
 from tests.shipped_texts import axis_names
 
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue, scene_file, scene_tables
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes import catalogue, scene_file, scene_tables, schema
 from rollbench.comparison.scenes.template import template
-from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewRunScene
-from rollbench.comparison.wings.friction.kinds.table import KINDS
+from rollbench.comparison.wings.friction.kinds import screw_balls, table
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
-from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()
-
-
-def test_scenes_are_shipped():
-    cases = ("case1", "case2", "case3", "case3-clamped", "case3-offset", "case3-offset-clamped")
-    errors = ("combined", "nominal-4p1", "pitch", "pitch-2p1", "pitch-4p1", "profile", "random")
-    assert set(NAMES) >= {"bearing-9", "bearing-9-preload", *(f"lin-{name}" for name in (*cases, *errors))}
-    assert set(NAMES) >= {"lin-roundness-2p1", "lin-roundness-4p1"}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -40,31 +28,9 @@ def test_shipped_scene_loads(name):
     assert len(scene.assumed) >= (1 if scene.source.startswith("rollbench") else 5)
 
 
-def test_case_1_in_si_units():
-    scene = catalogue.scene("lin-case1")
-    assert (scene.track.pitch_radius, scene.track.lead, scene.track.contact_angle) == (16.5e-3, 20e-3, math.pi / 4)
-    assert scene.balls.radius == 2.778e-3
-    assert scene.screw.groove_radius == scene.nut.groove_radius == 3.254e-3
-    assert (scene.nut.position, scene.nut.length, scene.nut.outer_diameter) == (0.4, 54e-3, 48e-3)
-    assert scene.screw.material == scene.nut.material == scene.balls.material
-    assert scene.screw.material.youngs_modulus == 210e9
-    assert scene.supports[0].fixed == (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
-    assert scene.loads[0].force == (0.0, 0.0, 5000.0)
-    azimuth = scene.balls.azimuths
-    assert len(azimuth) == 32
-    assert sum(azimuth) == pytest.approx(0.0, abs=1e-12)
-    steps = [math.degrees(b - a) for a, b in itertools.pairwise(azimuth)]
-    assert steps == pytest.approx([22.5] * 31)
-
-
 def test_case_3_supports():
-    held = {
-        "": {"ux": 0.0, "uy": 0.0},
-        "-offset": {"ux": 3e-4, "uy": 0.0},
-        "-offset-clamped": {"ux": 3e-4, "uy": 0.0, "rx": 0.0, "ry": 0.0},
-        "-ux": {"ux": 0.0},
-        "-offset-ux": {"ux": 3e-4},
-    }
+    held = {"": {"ux": 0.0, "uy": 0.0}, "-offset": {"ux": 3e-4, "uy": 0.0}, "-ux": {"ux": 0.0}, "-offset-ux": {"ux": 3e-4}}
+    held |= {"-offset-clamped": {"ux": 3e-4, "uy": 0.0, "rx": 0.0, "ry": 0.0}}
     for end, fixed in held.items():
         assert catalogue.scene(f"lin-case3{end}").supports[1].fixed == tuple(fixed.items())
     assert catalogue.scene("lin-case3").errors.balls.oversize == 7e-6
@@ -81,15 +47,6 @@ def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_t
     assert any("The text sets only the x-displacement" in sentence for sentence in ours.assumed)
 
 
-def test_errors_of_2_4_2():
-    errors = catalogue.scene("lin-combined").errors
-    assert [errors.side(s).profile for s in SIDES] == [(3e-6, -1e-6), (3e-6, -0.5e-6), (2e-6, -1e-6), (2e-6, -0.25e-6)]
-    assert [errors.side(s).pitch[0].harmonic for s in SIDES] == [1.0, 1.0, 0.5, 0.5]
-    assert [errors.side(s).pitch[0].sin for s in SIDES] == [3e-6, 3e-6, -2e-6, -2e-6]
-    assert (errors.balls.sigma, errors.seed, errors.random) == (1e-6, 2019, True)
-    assert catalogue.scene("lin-case2").errors.balls.listed == ((17, 1e-6),)
-
-
 def test_bearing_load_is_3_kn_at_9_degrees():
     x, y, z = catalogue.scene("bearing-9").loads[0].force
     assert (math.hypot(x, z), math.degrees(math.atan2(x, z))) == pytest.approx((3000.0, 9.0), abs=1e-6)
@@ -97,11 +54,11 @@ def test_bearing_load_is_3_kn_at_9_degrees():
 
 
 def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
-    text = scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    text = catalogue.scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
     assert scene_file.loads(text, "lin-case1.toml") == catalogue.scene("lin-case1")
     with pytest.raises(SceneError, match='kind: got "bearing"; allowed: "ball screw" with this lead'):
         scene_file.loads(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
-    ring = scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    ring = catalogue.scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
     with pytest.raises(SceneError, match='allowed: "bearing" with this lead'):
         scene_file.loads(ring, "a.toml")
 
@@ -114,18 +71,18 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     with pytest.raises(SceneError, match=words):
         catalogue.scene("lin-pair-a")
     with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
-        catalogue.case("lin-pair-a", ScrewRunScene)
+        catalogue.case("lin-pair-a", screw_balls.ScrewRunScene)
     path = tmp_path / "mine.toml"
-    path.write_text(scene_text("lin-pair-a"))
+    path.write_text(catalogue.scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):
         scene_file.load(path)
     assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
 
 
 def test_tables_that_tell_a_missing_kind_are_no_whole_scene_s():
-    assert not scene_tables.FOREIGN & SceneKeys.model_fields.keys()
+    assert not scene_tables.FOREIGN & schema.SceneKeys.model_fields.keys()
     for kind in FRICTION_ONLY:
-        assert scene_tables.FOREIGN & KINDS[kind].keys.model_fields.keys(), kind
+        assert scene_tables.FOREIGN & table.KINDS[kind].keys.model_fields.keys(), kind
     with pytest.raises(SceneError, match=r"load: got .*did you mean loads"):
         scene_file.loads(template().replace("[[loads]]", "[[load]]"), "a.toml")
 

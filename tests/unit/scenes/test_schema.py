@@ -11,10 +11,9 @@ import pytest
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import ROOT
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes import catalogue, names, scene_file
 from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import json_schema
-from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
 from rollbench.comparison.wings.friction.kinds.table import KINDS
@@ -41,29 +40,16 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
         assert getattr(scene, part) == getattr(case, part)
 
 
-def test_template_shows_every_key_and_loads_with_all_optional_ones():
-    text = template()
-    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
-    cycle = scene_file.read(full, "full.toml")
-    scene = cycle.parts
-    assert cycle.cases[0].scene.errors.balls.oversize == 3e-6
-    assert scene.errors.NR.profile == (2e-6, -0.25e-6)
-    assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
-    words = set(re.findall(r"\w+", text))
-    assert not schema_keys(tidy_schema(SceneKeys)) - words
-
-
-@pytest.mark.parametrize("kind", [*WHOLE, *FRICTION_ONLY])
+@pytest.mark.parametrize("kind", [*names.WHOLE, *FRICTION_ONLY])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     text = template(kind.replace(" ", "-"))
     scene = scene_file.read(text, "my.toml")
     assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
-    keys = SceneKeys if kind in WHOLE else KINDS[kind].keys
+    keys = SceneKeys if kind in names.WHOLE else KINDS[kind].keys
     words = set(re.findall(r"\w+", text))
-    left_out = {"circulation"} if kind == "bearing" else set()
-    assert set(tidy_schema(keys)["properties"]) - left_out <= words
-    if kind in FRICTION_ONLY:
+    assert set(tidy_schema(keys)["properties"]) - {"circulation"} <= words
+    if kind != "bearing":
         assert schema_keys(tidy_schema(keys)) <= words
     optional = [line for line in text.splitlines() if re.match(r"# \w+ = ", line)]
     assert optional
@@ -90,8 +76,8 @@ def test_one_schema_for_all_kinds():
     assert schema["$schema"].startswith("https://json-schema.org/")
     of_kind = [schema["$defs"][branch["$ref"].rsplit("/", 1)[1]] for branch in schema["oneOf"]]
     words = [table["properties"]["kind"] for table in of_kind]
-    assert words[0]["enum"] == list(WHOLE)
-    assert [w["const"] for w in words[1:]] == [*FRICTION_ONLY, AXIS]
+    assert words[0]["enum"] == list(names.WHOLE)
+    assert [w["const"] for w in words[1:]] == [*FRICTION_ONLY, names.AXIS]
     assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY) + [False]
     shared = {"MaterialKeys", "GrooveKeys", "PathKeys", "HelixKeys", "BallSizeKeys", "MotionKeys", "TrackKeys"}
     assert shared <= schema["$defs"].keys()

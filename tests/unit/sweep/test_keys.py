@@ -1,8 +1,7 @@
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes import catalogue, scene_file, scene_tables
-from rollbench.comparison.scenes.like import double_nut_like, scene_like
+from rollbench.comparison.scenes import catalogue, like, scene_file, scene_tables
 from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced, read_vary
 
 
@@ -51,28 +50,28 @@ def test_what_the_scene_does_not_have_is_refused(key):
         put(key, "1 um")
 
 
-@pytest.mark.parametrize(
-    ("vary", "gone"),
-    [
-        ("errors.balls.oversize=1 um:7 um", ["preload.force"]),
-        ("preload.oversize=1 um:7 um", ["preload.force"]),
-        ("track.pitch_radius=20.5 mm:21 mm", ["track.pitch_diameter"]),
-        ("balls.count=40,44", ["balls.filling"]),
-        ("screw.groove_radius+nut.groove_radius=3.3 mm:3.4 mm", ["screw.conformity", "nut.conformity"]),
-        ("preload.force=2 kN:3 kN", []),
-    ],
-)
+DISPLACED = [
+    ("errors.balls.oversize=1 um:7 um", ["preload.force"]),
+    ("preload.oversize=1 um:7 um", ["preload.force"]),
+    ("track.pitch_radius=20.5 mm:21 mm", ["track.pitch_diameter"]),
+    ("balls.count=40,44", ["balls.filling"]),
+    ("screw.groove_radius+nut.groove_radius=3.3 mm:3.4 mm", ["screw.conformity", "nut.conformity"]),
+    ("preload.force=2 kN:3 kN", []),
+]
+
+
+@pytest.mark.parametrize(("vary", "gone"), DISPLACED)
 def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
-    raw = scene_file.read_toml(scene_like("40x10"), "my.toml")
+    raw = scene_file.read_toml(like.scene_like("40x10"), "my.toml")
     keys = read_vary([vary])
     assert [other for _, other in displaced(raw, keys)] == gone
     first, second = (scene_tables.read_tables(changed(raw, keys, [v]), "my.toml") for v in keys[0].ends)
     assert first != second
-    assert raw == scene_file.read_toml(scene_like("40x10"), "my.toml"), "the scene itself stays"
+    assert raw == scene_file.read_toml(like.scene_like("40x10"), "my.toml"), "the scene itself stays"
 
 
 def test_the_same_in_a_set():
-    raw = scene_file.read_toml(double_nut_like("40x10"), "my.toml")
+    raw = scene_file.read_toml(like.double_nut_like("40x10"), "my.toml")
     keys = read_vary(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
     assert displaced(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
     found = scene_tables.read_tables(changed(raw, keys, ["3.4 mm"]), "my.toml")

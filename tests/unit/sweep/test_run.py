@@ -15,13 +15,11 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.answers import gather, gather_axis
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.sweep import run as sweeping
 from rollbench.comparison.wings.sweep import sample as sampling
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
-from rollbench.comparison.wings.sweep.sample import solve_sample
 from rollbench.comparison.wings.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion
@@ -36,19 +34,14 @@ from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.sweep import run as sweeping, store
 from rollbench.comparison.wings.sweep.keys import read_vary
-
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed
 text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
 what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
-
-
 def lines():
     return sum(path.read_bytes().count(b"\\n") for path in (folder / store.RECORDS).glob("*.lines"))
-
-
 killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
@@ -173,8 +166,8 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
 
 
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
-    text = scene_text("lin-case3")
-    found = solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
+    text = catalogue.scene_text("lin-case3")
+    found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
     scene = scene_file.loads(text, "lin-case3.toml")
     options = Options(discretisation=False)
     result = run_model(scene, "lin", options)
@@ -184,18 +177,18 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
-    bare = solve_sample(scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
+    bare = sampling.solve_sample(catalogue.scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
-    text = scene_text("lin-pitch-2p1")
-    found = solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
+    text = catalogue.scene_text("lin-pitch-2p1")
+    found = sampling.solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
     load = run_model(scene_file.loads(text, "lin-pitch-2p1.toml"), "lin", options).load
     assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
 
 
 def test_several_sets_have_the_same_outputs():
-    found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
-    assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
+    found = sampling.solve_sample(catalogue.scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
+    assembly = scene_file.read(catalogue.scene_text("double-nut"), "double-nut.toml")
     answers = gather_axis(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
@@ -216,7 +209,7 @@ def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_
 
 def test_a_sample_is_the_solution_of_its_scene():
     sweep = sweep_of("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
-    found = solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
+    found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
     result = run_model(scene_file.loads(text, "x.toml"), "lin", Options(discretisation=False))
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)

@@ -2,8 +2,7 @@
 
 import pytest
 
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import scene_hash
+from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.sweep import section as tolerances
 from rollbench.comparison.wings.sweep.keys import read_vary
 from rollbench.comparison.wings.sweep.sample import solve_sample
@@ -16,7 +15,7 @@ NAME = FOUND["scene"].removesuffix(".toml")
 
 def test_scene_is_that_of_the_study_and_worst_screw_what_the_model_gives_now():
     text, worst = catalogue.scene_text(NAME), FOUND["worst"][0]
-    assert FOUND["scene_hash"] == scene_hash(text), f"compute it anew: {tolerances.command(FOUND)}"
+    assert FOUND["scene_hash"] == scene_file.scene_hash(text), f"compute it anew: {tolerances.command(FOUND)}"
     again = solve_sample(text, FOUND["scene"], KEYS, worst["values"], FOUND["model"], "interpreted")
     assert (again["status"], again["at"]) == ("converged", worst["at"])
     assert again[MAIN] == pytest.approx(worst[MAIN], rel=1e-8)

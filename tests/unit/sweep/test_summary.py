@@ -1,13 +1,11 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.wings.sweep.keys import read_vary
-from rollbench.comparison.wings.sweep.outputs import OUTPUTS
-from rollbench.comparison.wings.sweep.run import Sweep
+from rollbench.comparison.wings.sweep import keys, outputs, run
 from rollbench.comparison.wings.sweep.summary import MAIN, indices, main_effects, statistics, summary
 
-KEYS = read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
-NAMES = tuple(OUTPUTS)
+KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
+NAMES = tuple(outputs.OUTPUTS)
 
 
 def records(sweep, function):
@@ -24,7 +22,7 @@ def ishigami(a, b, c):
 
 
 def sweep(samples, method="sobol"):
-    return Sweep("", "x.toml", KEYS, samples, method, 3, "lin")
+    return run.Sweep("", "x.toml", KEYS, samples, method, 3, "lin")
 
 
 def test_indices_of_ishigami_lie_in_their_intervals():
@@ -47,7 +45,7 @@ def test_indices_of_ishigami_lie_in_their_intervals():
 
 
 def test_a_single_key_has_all_of_the_variance():
-    what = Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
+    what = run.Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
     samples = {n: row for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.places()):
         samples[n][MAIN] = KEYS[0].at(place[0]) ** 3

@@ -3,7 +3,6 @@
 import ast
 import tomllib
 from functools import cache
-from pathlib import Path
 
 import pytest
 from tests.conftest import TESTS, imports_a_wing
@@ -17,7 +16,7 @@ OF_WINGS = {"rollbench.comparison.wings", "rollbench.comparison.sources", *PHYSI
 
 
 @cache
-def imported(path: Path) -> set[str]:
+def imported(path) -> set[str]:
     """Modules, and what may be modules, that a file of tests imports anywhere, and its helpers."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -61,7 +60,7 @@ RUNS = {
 
 
 @pytest.fixture(scope="module")
-def marked(tmp_path_factory) -> Path:
+def marked(tmp_path_factory):
     """A small tree with the options and the conftest of this one."""
     root = tmp_path_factory.mktemp("marked")
     options = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pytest"]["ini_options"]

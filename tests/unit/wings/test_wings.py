@@ -61,10 +61,10 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
     assert "rollbench.comparison.commands.arguments.validation" not in loaded, "options of other commands"
 
 
-@pytest.mark.parametrize(
-    ("command", "most"),
-    [("solve lin-case1-cut", 10_500), ("solve lin-case1", 11_000), ("friction two-balls --mu 0.1", 14_500)],
-)
+LARGEST = [("solve lin-case1-cut", 10_500), ("solve lin-case1", 11_000), ("friction two-balls --mu 0.1", 14_500)]
+
+
+@pytest.mark.parametrize(("command", "most"), LARGEST)
 def test_a_solve_of_known_parts_loads_no_more_than_it_needs(tmp_path, command, most):
     """Lines of code without docstrings, comments and blanks; the second solve finds what the first one kept."""
     code = (

@@ -19,7 +19,6 @@ PAPER = {
     "compare/sources/acme/__init__.py": "",
     "compare/sources/acme/registration.py": """
 from rollbench.comparison.registration import Part, Registration
-
 REGISTRATION = Registration(
     title="Acme (1901)", needs=("evidence",), parts=(Part("acme", "sources.acme.section", page="sources"),)
 )
@@ -28,7 +27,6 @@ REGISTRATION = Registration(
 title = "Contact modulus of steel on steel"
 source = "Acme (1901)"
 place = "Table 1"
-
 [[row]]
 key = "modulus"
 label = "contact modulus"
@@ -44,8 +42,6 @@ behind = { "*" = "one contact, in closed form" }
 """,
     "compare/sources/acme/evidence.py": '''
 from rollbench.lowfi.hertz import contact_modulus
-
-
 def table_1(sheet, study):
     """Table 1."""
     sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
@@ -54,8 +50,6 @@ def table_1(sheet, study):
 from EVIDENCE.registry import evidence
 from EVIDENCE.sections.finding_table import printed_table
 from rollbench.reports.records import Section
-
-
 def section(study, step):
     """Section of the report."""
     return Section("acme", "Acme (1901)", (printed_table("acme-1", "Table 1", evidence(study, "acme-1")),))
@@ -63,8 +57,6 @@ def section(study, step):
     "tests/sources/acme/literature/test_acme.py": """
 import pytest
 from ENTRIES import check, keys
-
-
 @pytest.mark.parametrize("key", keys("acme-1"))
 def test_entry(key):
     check(key)
