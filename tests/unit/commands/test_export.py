@@ -340,3 +340,28 @@ class TestResults:
         with pytest.raises(InputError, match="low end"):
             run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1, cache=cache, ball=1)
         assert not (tmp_path / "a.vtu").exists()
+
+
+@pytest.mark.slow
+@CCX
+def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
+    """Unit forces on two sockets of the nut, held outside: every node of the sockets moves as in our own elements."""
+    scene = catalogue.scene("two-balls")
+    run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1)
+    mesh = meshio.read(tmp_path / "nut.inp")
+    (block,) = [b for b in mesh.cells if b.type == "tetra10"]
+    points, cells = mesh.points, block.data[:, np.argsort(bridge.VTK["P2"][1])]
+    sockets = mesh.point_sets["sockets"]
+    held = np.flatnonzero(np.abs(np.hypot(*points[:, :2].T) - scene.nut.outer_diameter / 2.0) < 1e-7)
+    forces = np.zeros((len(points), 3))
+    pushed = [sockets[(points[sockets, 0] > 0.0) & (points[sockets, 2] > 7e-3)], sockets[points[sockets, 0] < 0.0]]
+    forces[pushed[0], 0], forces[pushed[1], 2] = 1.0 / len(pushed[0]), 1.0 / len(pushed[1])
+    loads = "*CLOAD\n" + "".join(f"{n + 1}, {k + 1}, {forces[n, k]:.12e}\n" for n, k in np.argwhere(forces))
+    nodes, found = moved_there(tmp_path / "nut.inp", "".join(f"{n + 1}, 1, 3\n" for n in held), loads, "sockets")
+    ours, theirs = moved_here(points, cells, held, forces), np.zeros_like(points)
+    theirs[nodes] = found
+    assert set(nodes) == set(sockets)
+    largest = np.abs(ours[sockets]).max()
+    for group in pushed:
+        np.testing.assert_allclose(theirs[group].mean(axis=0), ours[group].mean(axis=0), atol=2e-4 * largest)
+    np.testing.assert_allclose(theirs[sockets], ours[sockets], atol=1e-3 * largest)

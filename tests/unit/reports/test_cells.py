@@ -2,9 +2,11 @@
 
 import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.processes import python
 from tests.report_samples import table
 
 from rollbench.reports import cells, records
@@ -53,3 +55,9 @@ def test_two_columns_of_one_heading_are_refused():
     records.Table("t", "intervals of two units", columns, [])
     with pytest.raises(ValueError, match="more than one column headed 'interval'"):
         records.Table("t", "intervals", (*columns, records.Quantity("c", "interval", "um", "s")), [])
+
+
+def test_records_import_neither_matplotlib_nor_pyvista():
+    heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
+    code = f"import sys, rollbench.reports.records; print(sorted({heavy} & set(sys.modules)))"
+    assert python("-c", code, cwd=Path(cells.__file__).parents[1]).stdout.strip() == "[]"

@@ -1,5 +1,6 @@
 """Scene files: shipped scenes, conversion to parts, bytes and names."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from rollbench.comparison.scenes import catalogue, scene_file, scene_tables, sch
 from rollbench.comparison.scenes.template import template
 from rollbench.comparison.wings.friction.kinds import screw_balls, table
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
+from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()
 
@@ -117,3 +119,29 @@ def test_unknown_name_suggests_near_ones(tmp_path):
     assert "\n" not in str(caught.value)
     (tmp_path / "mine.toml").write_text(template())
     assert catalogue.scene(str(tmp_path / "mine.toml")).name == "mine"
+
+
+def test_case_1_in_si_units():
+    scene = catalogue.scene("lin-case1")
+    assert (scene.track.pitch_radius, scene.track.lead, scene.track.contact_angle) == (16.5e-3, 20e-3, math.pi / 4)
+    assert scene.balls.radius == 2.778e-3
+    assert scene.screw.groove_radius == scene.nut.groove_radius == 3.254e-3
+    assert (scene.nut.position, scene.nut.length, scene.nut.outer_diameter) == (0.4, 54e-3, 48e-3)
+    assert scene.screw.material == scene.nut.material == scene.balls.material
+    assert scene.screw.material.youngs_modulus == 210e9
+    assert scene.supports[0].fixed == (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
+    assert scene.loads[0].force == (0.0, 0.0, 5000.0)
+    azimuth = scene.balls.azimuths
+    assert len(azimuth) == 32
+    assert sum(azimuth) == pytest.approx(0.0, abs=1e-12)
+    steps = [math.degrees(b - a) for a, b in itertools.pairwise(azimuth)]
+    assert steps == pytest.approx([22.5] * 31)
+
+
+def test_errors_of_2_4_2():
+    errors = catalogue.scene("lin-combined").errors
+    assert [errors.side(s).profile for s in SIDES] == [(3e-6, -1e-6), (3e-6, -0.5e-6), (2e-6, -1e-6), (2e-6, -0.25e-6)]
+    assert [errors.side(s).pitch[0].harmonic for s in SIDES] == [1.0, 1.0, 0.5, 0.5]
+    assert [errors.side(s).pitch[0].sin for s in SIDES] == [3e-6, 3e-6, -2e-6, -2e-6]
+    assert (errors.balls.sigma, errors.seed, errors.random) == (1e-6, 2019, True)
+    assert catalogue.scene("lin-case2").errors.balls.listed == ((17, 1e-6),)

@@ -150,3 +150,15 @@ def test_schema_examples_and_defaults_are_valid():
     for name, node in schema["properties"].items():
         for value in node.get("examples", []):
             SceneKeys.model_validate(base | {name: value})
+
+
+def test_template_shows_every_key_and_loads_with_all_optional_ones():
+    text = template()
+    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
+    cycle = scene_file.read(full, "full.toml")
+    scene = cycle.parts
+    assert cycle.cases[0].scene.errors.balls.oversize == 3e-6
+    assert scene.errors.NR.profile == (2e-6, -0.25e-6)
+    assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
+    words = set(re.findall(r"\w+", text))
+    assert not schema_keys(tidy_schema(SceneKeys)) - words
