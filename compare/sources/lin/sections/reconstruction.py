@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -14,15 +15,6 @@ from rollbench.comparison.reference.levels import SOURCE_LEVEL
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.evidence.chapter_2 import READINGS
-from rollbench.comparison.wings.rolling import runs as rolling
-from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Row, Table
-
-if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds import KindScene
-from collections.abc import Callable, Sequence
-
 from rollbench.comparison.sources.lin.reconstruction import combined
 from rollbench.comparison.sources.lin.reconstruction.readings import (
     CASES,
@@ -34,8 +26,14 @@ from rollbench.comparison.sources.lin.reconstruction.readings import (
     largest_change,
     tilt_that_slides,
 )
+from rollbench.comparison.wings.rolling import runs as rolling
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
-from rollbench.reports.records import Figure, Panel, Quantity, Section, Series, Text
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+
+if TYPE_CHECKING:
+    from rollbench.comparison.scenes.kinds import KindScene
 
 #: Balls that are "the last few".
 LAST = 3
