@@ -8,6 +8,7 @@ import pytest
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.comparison.sources.kalker.section import PatchField
@@ -16,7 +17,7 @@ from rollbench.comparison.wings.rolling import rows as rolling_rows
 from rollbench.comparison.wings.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
 from rollbench.comparison.wings.rolling.changes import Change, Series, changes, from_rest
 from rollbench.comparison.wings.rolling.rows import KNOWN
-from rollbench.comparison.wings.rolling.runs import FINITE, LEVELS
+from rollbench.comparison.wings.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
 from rollbench.reports.figures import draw_map
 from rollbench.reports.records import PressureMap, Text
 
@@ -124,3 +125,12 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
     assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
     assert changes((), series, ()) == ()
+
+
+def test_every_shipped_run_has_the_key_of_its_scene():
+    files = sorted(shipped_store().glob("rolling-*.json"))
+    assert len(files) > 50
+    for file in files:
+        run = json.loads(file.read_text(encoding="utf-8"))
+        scene = catalogue.any_scene(run["scene"])
+        assert file == path_in(shipped_store(), scene, run["level"], run.get("bodies", HALF_SPACE)), file.name
