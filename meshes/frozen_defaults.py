@@ -23,7 +23,7 @@ FROZEN: dict[str, dict[str, str]] = {
         "thermal_strain": "0",
     },
     "BallErrors": {"oversize": "0", "listed": "()", "sigma": "0", "distribution": '"normal"'},
-    "Bearing": {"clearance": "0"},
+    "Bearing": {"mu_balls": "None", "screw_speed": "0", "hertz": '"right"', "clearance": "0"},
     "BearingCase": {"clearance": "0", "tilt": "False", "phase": "0", "arm": "0"},
     "Circulation": {"circuits": "1", "turns": "None", "returning": "0", "gap": "None", "filling": "None"},
     "Errors": {
