@@ -146,7 +146,10 @@ def draw(scene: Scene, member: int = 0) -> Drawn:
 
 def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     """Specimen number ``member`` of a scene (see ``draw``) at the places of its balls."""
-    drawn = draw(scene, member)
+    return _at_balls(scene, layout, draw(scene, member))
+
+
+def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 
@@ -168,10 +171,10 @@ def alike_in_shape(scene: Scene) -> bool:
 
 def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
     """Specimens number ``first`` and on of a scene that is ``alike_in_shape``."""
-    drawn = [specimen(scene, layout, member) for member in range(first, first + count)]
-    centre = np.stack([one.centre for one in drawn])
-    shared = bool((centre == centre[0]).all())
-    return Specimens(np.stack([one.ball_radius for one in drawn]), centre[:1] if shared else centre, drawn[0].radius)
+    drawn = [draw(scene, member) for member in range(first, first + count)]
+    shared = all((one.pitch, one.roundness) == (drawn[0].pitch, drawn[0].roundness) for one in drawn)
+    places = [_at_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
+    return Specimens(np.stack([one.ball_radius for one in drawn]), np.stack([x.centre for x in places]), places[0].radius)
 
 
 def without_draws(scene: Scene) -> Scene:

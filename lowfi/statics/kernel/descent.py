@@ -44,10 +44,14 @@ def search(given: Any, state: Any, room: Any, energy: float, slope: float, limit
 
 
 @kernel
-def floor_of(given: Any, state: Any, options: Options, start: float) -> float:
-    """Least force [N] that residuals are measured by at the state; that of the start where only displacements are given,
-    which may meet no resistance in the end."""
-    return float(least_force(given, state, options)) if options.floor > 0.0 else start
+def judge(given: Any, state: Any, options: Options, room: Any, scale: float, start: float) -> tuple[float, float]:
+    """Scale [N], at least the least force that residuals are measured by, and the residual over it, at the state.
+
+    That of the start (``start``) where only displacements are given, which may meet no resistance in the end.
+    """
+    least = least_force(given, state, options) if options.floor > 0.0 else start
+    scale = max(scale, least)
+    return scale, residual_at(given, state, options, room, scale)
 
 
 @kernel
@@ -76,23 +80,22 @@ def minimise(given: Any, state: Any, options: Options, room: Any) -> Outcome:
             break
         slope, reach = slope_along(given, state, room), reach_of(given, room)
         limit = options.furthest / reach if reach > 0.0 else 1e12
-        whole, used, before = residual < WHOLE_STEPS and limit >= 1.0, 0, energy
+        whole, used, before, last = residual < WHOLE_STEPS and limit >= 1.0, 0, energy, residual
         keep(state, room)
         if whole:
             move(given, state, room, 1.0)
             energy, scale = energy_at(given, state, room)
             evaluations += 1
-            worst = residual_at(given, state, options, room, max(scale, floor_of(given, state, options, begin)))
-            whole = worst <= GROWN * max(residual, tolerance)
+            scale, residual = judge(given, state, options, room, scale, begin)
+            whole = residual <= GROWN * max(last, tolerance)
         if not whole:
             energy, scale, used = search(given, state, room, before, slope, limit)
             evaluations += used
-        scale, last = max(scale, floor_of(given, state, options, begin)), residual
-        residual = residual_at(given, state, options, room, scale)
+            scale, residual = judge(given, state, options, room, scale, begin)
         if used > 0 and last <= SOLVED and residual > GROWN * last:
             move(given, state, room, 0.0)
             energy, scale = energy_at(given, state, room)
-            scale, residual = max(scale, floor_of(given, state, options, begin)), last
+            scale, residual = judge(given, state, options, room, scale, begin)[0], last
             break
         amount = max(1e-3, amount * 0.1)
         if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
