@@ -24,7 +24,7 @@ WHOLE, RUN_OUT = 1.0, 1.0
 class Dimensions:
     """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
     shaft beyond it (None: homogenised), where nut and screw are held, radii [m] between which a face of the nut is held,
-    whether the nut's groove ends beyond its loaded balls, and the assumptions as sentences."""
+    whether the nut's groove ends beyond its loaded balls, the assumptions as sentences, and which only a mesh needs."""
 
     land: float
     hole: float
@@ -35,6 +35,7 @@ class Dimensions:
     held_radii: tuple[float, float]
     groove_ends: bool
     assumed: tuple[str, ...]
+    mesh_only: tuple[str, ...]
 
     def ends(self, scene: Scene) -> tuple[float, float]:
         """Stations [m] of the flat ends of the 3D stretch of the screw.
@@ -77,7 +78,7 @@ def _check_lands(scene: Scene, land: float, reach: float) -> None:
 
 def dimensions(scene: Scene) -> Dimensions:
     """Dimensions of a scene's solid parts. Raises ValueError where the land or hole leaves no groove or no wall."""
-    solid, assumed = scene.solid, []
+    solid, assumed, mesh_only = scene.solid, [], []
     R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
     if solid.nut_inner_diameter is None:
         land = 2.0 * R - outer
@@ -90,7 +91,8 @@ def dimensions(scene: Scene) -> Dimensions:
         hole = scene.screw.bore / 2.0
     else:
         hole = HOLE * R
-        assumed.append(f"A hole of {2e3 * hole:.3g} mm diameter along the axis of the meshed screw; the scene has none.")
+        mesh_only.append(f"A hole of {2e3 * hole:.3g} mm diameter along the axis of the meshed screw; the scene has none.")
+        assumed.append(mesh_only[-1])
     held: str | None = solid.nut_held
     flange = scene.nut.flange
     if held is None:
@@ -123,7 +125,8 @@ def dimensions(scene: Scene) -> Dimensions:
         shaft = 0.0 if shaft is None else shaft
     elif shaft is None:
         shaft = SHAFT * R
-        assumed.append(f"The screw is three-dimensional up to {1e3 * shaft:.3g} mm beyond each face of the nut.")
+        mesh_only.append(f"The screw is three-dimensional up to {1e3 * shaft:.3g} mm beyond each face of the nut.")
+        assumed.append(mesh_only[-1])
     groove_ends = solid.nut_groove == "loaded"
     if scene.track.lead == 0.0:
         if groove_ends:
@@ -157,4 +160,5 @@ def dimensions(scene: Scene) -> Dimensions:
         held_radii,
         groove_ends,
         tuple(assumed),
+        tuple(mesh_only),
     )

@@ -34,9 +34,6 @@ from rollbench.meshes.one_arc import NEAR, is_one_arc
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
 
-#: Assumptions about the solid parts that only a mesh needs.
-MESH_ONLY = ("A hole of", "The screw is three-dimensional")
-
 
 @dataclass(frozen=True)
 class Coupling:
@@ -101,7 +98,8 @@ def body_compliance(
     if backend.flank:
         e += at_size(flank_of(geometry, screw), semi_axes)
         slope = size_slope(flank_of(geometry, screw))
-    assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
+    parts = dimensions(geometry)
+    assumed = tuple(line for line in parts.assumed if line not in parts.mesh_only)
     return BodyCompliance((whole or whole_body)(scene, layout, screw, backend, flanks), e, slope, assumed)
 
 
