@@ -1,7 +1,7 @@
 """What a low-order model takes from a prepared geometry: compliance of its bodies along the contact normals.
 
 Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
-own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
+own approach has besides them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
 groove and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse.
 The grid's wave is taken out as everywhere in the reference (`hifi.bodies.grid_wave`).
 """
@@ -84,7 +84,7 @@ def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
 
 
 def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
-    """What every side's own approach has beside Hertz and the matrices with ``spreads``, over the force, ``(k, f)`` [m/N],
+    """What every side's own approach has besides Hertz and the matrices with ``spreads``, over the force, ``(k, f)`` [m/N],
     and the forces ``(k, f)`` [N]."""
     loads = np.array([forces_of(setup, s) for s in setup.sides])
     extra = np.array(

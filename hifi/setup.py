@@ -178,7 +178,7 @@ def _patch_jobs(
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
     """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m]: its section, or stiffnesses of the
-    helical section and three meshed shafts for `homogenise`, by what they depend on alone, so that other nuts and loads
+    helical section and three meshed shafts for `homogenise`, by what they depend on, so that other nuts and loads
     find them in the cache. Where no station lies beyond the stretch any section will do."""
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0

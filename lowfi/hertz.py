@@ -155,7 +155,7 @@ class PrintedHertz:
 
 
 def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float) -> PrintedHertz:
-    """Lin B.1-B.11 with the faults of Table B.1: radii from II alone, F_1 = 1, the ratio of B.8 inverted.
+    """Lin B.1-B.11 with the faults of Table B.1: radii from II only, F_1 = 1, the ratio of B.8 inverted.
 
     radii: the two eigenvalues of II [m] in the order of the table's rows (1, 2). Only for showing what the faults do.
     """

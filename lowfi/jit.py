@@ -2,9 +2,9 @@
 
 A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
 compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
-decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``records.py`` beside that folder: both
+decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``records.py`` next to that folder: both
 copies must mean the same classes. Machine code is kept in the user's cache folder, under a digest of the sources of all
-kernels, so that none outlives the sources it was made from: numba alone looks at the file of a function only. It files
+kernels, so that none outlives the sources it was made from: numba by itself looks only at the file of a function. It files
 machine code by the path of the source; what is compiled is loaded from a copy of the sources in that folder, so that all
 checkouts and environments with the same kernels share what one of them compiled.
 
@@ -73,7 +73,7 @@ def _hold_signals_back() -> None:
     from numba.core import event
 
     class Hold(event.Listener):  # type: ignore[misc]
-        """While numba holds its lock in the main thread, which alone handles signals."""
+        """While numba holds its lock in the main thread, the only one that handles signals."""
 
         def __init__(self) -> None:
             self.depth = 0
@@ -163,7 +163,7 @@ def loaded(package: str) -> bool:
 
 
 def cached(package: str = "") -> bool:
-    """Whether machine code of these sources lies on disk, of a package or of any, so that it need not be made anew."""
+    """Whether machine code of these sources lies on disk, of a package or of any, so that it need not be made again."""
     folder = code_folder()
     return folder is not None and any(folder.glob(f"{package}*/*.nbi"))
 
@@ -230,8 +230,8 @@ def _folder(package: str) -> Path:
 
 
 def _sources(package: str) -> Path:
-    """Folder that a package is compiled from: the copy of its files beside the machine code, made if need be; the package's
-    own where nothing is kept, or where the copy is not what it should be."""
+    """Folder that a package is compiled from: the copy of its files next to the machine code, made if need be; the
+    package's own where nothing is kept, or where the copy is not what it should be."""
     folder, kept = _folder(package), code_folder()
     if kept is None:
         return folder

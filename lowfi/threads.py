@@ -19,7 +19,7 @@ _held = threading.local()
 def one_thread() -> Iterator[None]:
     """Linear algebra on one thread, as a context or a decorator: with small matrices, more only wait for one another.
 
-    Only libraries that are loaded when it begins are held: scipy brings one of its own beside numpy's.
+    Only libraries that are loaded when it begins are held: scipy brings one of its own besides numpy's.
     """
     libraries, before = _libraries("scipy.linalg" in sys.modules), getattr(_held, "libraries", None)
     if libraries is before:

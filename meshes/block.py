@@ -147,7 +147,7 @@ def _named(mesh: Mesh, size: float) -> BlockMesh:
 
 
 def _set_edges(gmsh: Any, influence: Influence) -> None:
-    """Let the body of influence alone rule the edges."""
+    """Let only the body of influence rule the edges."""
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", influence.expression())
     gmsh.model.mesh.field.setAsBackgroundMesh(field)

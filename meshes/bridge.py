@@ -67,7 +67,7 @@ def reduced(mesh: Mesh, form: str) -> bool:
 
 
 def only(mesh: Mesh, *names: str) -> Mesh:
-    """The mesh with these of its boundaries alone."""
+    """The mesh with only these of its boundaries."""
     chosen = copy(mesh)
     chosen.__dict__["_boundaries"] = {name: mesh.boundaries[name] for name in names}
     return chosen

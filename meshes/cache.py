@@ -1,8 +1,8 @@
 """A cache on disc of records that are slow to make, keyed by the recipe that makes them: a function and its arguments.
 
 A record is a file of its own, whole or not at all; those used longest ago are dropped first. It begins with a digest of the
-rest, which is looked at only where that fits, so that a damaged file is built anew; what is read is data alone
-(`meshes.packed`), from a folder of this user's alone (`meshes.private`).
+rest, which is looked at only where that fits, so that a damaged file is built again; only data are read
+(`meshes.packed`), from a folder of this user only (`meshes.private`).
 
 The key covers the function's name, the canonical form of its arguments, the record's class, the versions of gmsh,
 scikit-fem and rollbench, and the sources of the packages that make the record, because a version number stands still while
@@ -76,7 +76,7 @@ class Cache:
     the records took when they were made.
 
     root: the folder, made when first used; None switches the cache off. limit: largest size of all files [bytes]. A folder
-    that cannot be written to or that is not this user's alone, or a full disc, is reported once on standard error, and work
+    that cannot be written to or that is not only this user's, or a full disc, is reported once on standard error, and work
     goes on without it. `fault`: what there is to report; ``quiet``: another process reports it.
     """
 
@@ -93,7 +93,7 @@ class Cache:
     def get(self, build: Callable[..., T], arguments: tuple[object, ...], type_: type[T]) -> T:
         """Result of a function of these arguments: from its file, else built, and kept.
 
-        build: a function of a module, whose result depends on its arguments alone; type_: class of the result. Raises
+        build: a function of a module, whose result depends only on its arguments; type_: class of the result. Raises
         TypeError for a result that is no `type_`, and for arguments or functions that no key can be made of.
         """
         path = self._path(build, arguments, type_)
@@ -120,7 +120,7 @@ class Cache:
         self.fault = self.fault or fault
 
     def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
-        """File of a record; None without a folder that is this user's alone."""
+        """File of a record; None without a folder that is only this user's."""
         if self.root is None:
             return None
         key = key_of(build, arguments, type_)
@@ -170,7 +170,7 @@ def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
         if hashlib.sha256(content).digest() != digest:
             return None
         value = unpacked(content[_SECONDS.size :], type_.__module__.split(".")[0])
-    except (OSError, ValueError):  # none, or of other sources: it is built anew
+    except (OSError, ValueError):  # none, or of other sources: it is built again
         return None
     with suppress(OSError):  # a folder that may only be read
         os.utime(path)

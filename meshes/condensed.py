@@ -52,7 +52,7 @@ class CondensedBodies:
     geometry: digest of the parts (`geometry_digest`); level: mesh level; sides ``(k,)`` in order; screw, nut
     ``(N k', N k')``: contacts ball after ball, of each ball its sides on that body; the screw is held at ``base`` [m] by
     its section; ball ``(k, k)``: one ball on its contacts. local ``(k, f)`` [m/N]: what each contact's own approach over
-    its force F has beside Hertz's C F^(-1/3) and those matrices, the same for every ball; force ``(k, f)`` [N]; hertz
+    its force F has besides Hertz's C F^(-1/3) and those matrices, the same for every ball; force ``(k, f)`` [N]; hertz
     ``(k,)``: C [m/N^(2/3)].
     """
 
@@ -68,7 +68,7 @@ class CondensedBodies:
     hertz: Array
 
     def own_law(self, side: int) -> tuple[float, float]:
-        """e [m/N] and h [m/N^(4/3)] of a side's approach e F + h F^(4/3) beside Hertz, a straight line in a contact's size.
+        """e [m/N] and h [m/N^(4/3)] of a side's approach e F + h F^(4/3) besides Hertz, linear in a contact's size.
 
         Fitted to the samples by least squares over their shares of the approach. Beyond linear elasticity of the bodies (e)
         the next term of a smooth contact is of the order of its area, F^(4/3); a logarithm of its size fits no better.

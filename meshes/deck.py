@@ -152,7 +152,7 @@ def element_faces(cells: Index, corners: Index) -> Index:
 
 
 def outer_faces(cells: Index) -> Index:
-    """Corners ``(k, 3)`` of the faces that belong to one cell alone."""
+    """Corners ``(k, 3)`` of the faces that belong to only one cell."""
     faces = cells[:, np.array(FACES)].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return np.asarray(faces[np.sort(first[count == 1])])

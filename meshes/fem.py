@@ -30,7 +30,7 @@ _SKFEM: dict[str, tuple[int, ...]] = {
 def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Index] | None = None) -> tuple[Mesh, Index]:
     """Mesh of points ``(n, 3)`` [m] and cells ``(m, nodes)`` in gmsh's order, and the new number of every point ``(n,)``.
 
-    scikit-fem numbers the nodes of second-order meshes anew, vertices first; points of no cell get -1 there.
+    scikit-fem renumbers the nodes of second-order meshes, vertices first; points of no cell get -1 there.
     boundaries: faces ``(k, 3 or more)`` by name, their corners first.
     Raises ValueError for an unknown kind, cells of another, or a boundary that has a face which no cell has.
     """

@@ -1,4 +1,4 @@
-"""What depends on a geometry alone, kept on disc between commands, so that a geometry that was solved once is known.
+"""What depends only on a geometry, kept on disc between commands, so that a geometry that was solved once is known.
 
 Off unless a process switches it on, as the command line does: a library, a test or a timing makes everything itself.
 """
@@ -31,7 +31,7 @@ def switch_on() -> None:
 
 
 def switch_off() -> None:
-    """Make everything anew."""
+    """Make everything again."""
     _stores.clear()
 
 

@@ -1,4 +1,4 @@
-"""Names of temporary files and folders beside those they become, and what killed processes left of them.
+"""Names of temporary files and folders next to those they become, and what killed processes left of them.
 
 A name tells machine and process, so that the next writer of the same file knows which are nobody's any more.
 """
@@ -19,7 +19,7 @@ OLD = 86_400.0
 
 
 def temporary(path: Path, ending: str = "tmp") -> Path:
-    """A new name beside ``path`` for what will become it; leftovers of earlier ones of dead processes are removed."""
+    """A new name next to ``path`` for what will become it; leftovers of earlier ones of dead processes are removed."""
     clean(path, ending)
     return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 

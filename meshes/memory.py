@@ -1,4 +1,4 @@
-"""Peak memory of one piece of work in a process that does several: the kernel's own record, started anew before each.
+"""Peak memory of one piece of work in a process that does several: the kernel's own record, reset before each.
 
 ``getrusage`` gives the highest memory since the process began, so that a small run after a large one gets the large one's
 number. Linux forgets that record when asked to (``/proc/self/clear_refs``); elsewhere nothing is measured.
@@ -34,7 +34,7 @@ def reset_peak() -> bool:
 
 def peak_MB() -> float | None:
     """Highest resident memory of this process since ``reset_peak`` [MB], interpreter and libraries included; None where
-    the system keeps no such record, or did not start it anew."""
+    the system keeps no such record, or did not reset it."""
     if _stale:
         return None
     try:

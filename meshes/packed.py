@@ -1,7 +1,7 @@
 """Records as bytes and back without pickle: a description of their structure, and their arrays as npz.
 
 Reading makes numbers, texts and records of named packages, and runs none of what it reads: fields are set, no constructor
-is called. What a record computed and kept beside its fields is left out.
+is called. What a record computed and kept besides its fields is left out.
 """
 
 from __future__ import annotations

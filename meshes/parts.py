@@ -270,8 +270,8 @@ class Solid:
 class Friction:
     """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
 
-    feedback: whether friction moves each ball across its grooves, or leaves the contact loads alone; neighbours: whether
-    balls that touch push each other at the scene's instant (in a run in time they always do); balls: coefficient from ball
+    feedback: whether friction moves each ball across its grooves, or leaves the contact loads unchanged; neighbours:
+    whether balls that touch push each other at the scene's instant (in a run in time they always do); balls: coefficient from ball
     to ball, ``None`` for the larger one of the grooves.
     """
 
@@ -317,7 +317,7 @@ class Time:
     """A run over an ``angle`` [rad] of the part that turns, or a ``duration`` [s]; one of them is given.
 
     steps: ``None`` for as many as keep the error of the steps below ``goal``, a fraction of the mean friction torque;
-    output: histories of torque and balls, or of the torque alone.
+    output: histories of torque and balls, or only of the torque.
     """
 
     angle: float | None = None
@@ -375,7 +375,7 @@ class Scene:
         return found
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields alone: words have another hash in another process."""
+        """Only the fields: words have another hash in another process."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property

@@ -1,4 +1,4 @@
-"""Folders of this user's alone: what is read from a cache is trusted, machine code in it is run."""
+"""Folders of this user only: what is read from a cache is trusted, machine code in it is run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def private_folder(root: Path, *below: str) -> Path:
-    """The folder ``below`` a root, made where it is missing, for this user alone.
+    """The folder ``below`` a root, made where it is missing, for this user only.
 
     Raises OSError where it cannot be made, and PermissionError where the root or a folder below is another user's or may be
     written to by others; only the root may be one that all share, as that of temporary files is (sticky). On Windows

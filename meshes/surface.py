@@ -86,7 +86,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
     """Principal curvatures of the groove body at each ball, shape ``(..., 2)`` [1/m], ascending, convex positive; side and
     gamma: as for `surface_derivatives`.
 
-    Eigenvalues of I^-1 II with the normal turned out of the material; Lin B.4 takes those of II alone.
+    Eigenvalues of I^-1 II with the normal turned out of the material; Lin B.4 takes those of II only.
     """
     d = surface_derivatives(scene, drawn, side, gamma)
     first, second, normal = fundamental_forms(d)
@@ -99,7 +99,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
 
 
 def printed_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
-    """Table B.1's "principal radii": eigenvalues of II alone with the normal of B.5, ``(n, 2)`` [m], ascending.
+    """Table B.1's "principal radii": eigenvalues of II only, with the normal of B.5, ``(n, 2)`` [m], ascending.
 
     As printed only. They have the dimension of a length because the parameters are angles; I^-1 is missing.
     """

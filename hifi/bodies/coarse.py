@@ -36,9 +36,9 @@ class Socket:
 
 
 #: Sizes of the elliptic pressures that `patch_modes` has to carry, over the contact zone, and their places along each of
-#: its axes, over the room that is left beside them.
+#: its axes, over the room that is left around them.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
-#: Weight of all other forces beside them; strength over the largest that is round-off.
+#: Weight of all other forces against them; strength over the largest that is round-off.
 REST, ROUND_OFF = 1e-3, 1e-13
 #: The same for resultants: forces through the ball's centre have no moment about it.
 NO_RESULTANT = 1e-9
@@ -187,7 +187,7 @@ def free_transform(mesh: Mesh, held: Index) -> sp.csc_matrix:
 def end_transform(mesh: Mesh, high: float) -> sp.csc_matrix:
     """C of a body held at its "low end", its "high end" a rigid section whose six freedoms about z = high [m] come last.
 
-    C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes the equations of the free freedoms alone.
+    C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes only the equations of the free freedoms.
     """
     upper = nodes_on(mesh, "high end")
     slaves = freedoms(upper)

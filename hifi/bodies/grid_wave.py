@@ -32,7 +32,7 @@ Flags = NDArray[np.bool_]
 #: Places in a cell across and along the groove, and forces, at which the wave is tabulated; the long axis of the ellipse
 #: lies across, its pointed ends pass rows of nodes more suddenly.
 ACROSS, ALONG, FORCES = 12, 8, 24
-#: Places in a cell across and along over which a mean alone is taken.
+#: Places in a cell across and along over which only a mean is taken.
 MEAN = (8, 8)
 #: Powers of the force in an approach over Hertz's: of second-order cells beside the ellipse, none, of the body around the
 #: contact (as the force), of curvatures that change over the ellipse.

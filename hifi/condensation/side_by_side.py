@@ -46,7 +46,7 @@ def make(
     jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made], None] = lambda *_: None
 ) -> list[Made]:
     """Records of independent jobs, in their order, by so many processes at once, this one among them, one thread each (a
-    second thread mostly waits where fronts are small); for one process, by this one alone. report: hears of each record
+    second thread mostly waits where fronts are small); for one process, by this one. report: hears of each record
     when it is made, one at a time. Raises what a job raises, and MemoryError where a process was ended from outside."""
     if processes == 1 or len(jobs) < 2:
         alone = []
@@ -99,7 +99,7 @@ def make(
 
 
 def _elsewhere(job: Job, cache: Cache) -> Made:
-    """In another process, whose record of memory starts anew."""
+    """In another process, whose record of memory starts at zero."""
     reset_peak()
     cache.quiet = True
     with threadpool_limits(1):

@@ -83,7 +83,7 @@ class Ball:
 def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> Ball:
     """min 1/2 l^T D l + g^T l over l >= 0: active set from ``start``, non-negative least squares where it cycles.
 
-    A state to start from lends its factor: sides whose active pairs stay are not factored anew.
+    A state to start from lends its factor: sides whose active pairs stay are not factored again.
     """
     known = start.factor if isinstance(start, Ball) else None
     active = (start.active if isinstance(start, Ball) else start).copy()

@@ -1,7 +1,7 @@
 """In which order, and in which dense blocks, a sparse matrix is eliminated.
 
 Freedoms whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the vertices by nested
-dissection. In the elimination tree i stands above j < i where vertices up to i alone connect them (Liu, SIAM J. Matrix
+dissection. In the elimination tree i stands above j < i where only vertices up to i connect them (Liu, SIAM J. Matrix
 Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends keeps these
 connections, so that the elimination tree follows from n - 1 edges. Supernodes are its subtrees of at most ``LEAF`` vertices
 and, above them, its chains of only children, which are the separators.
@@ -58,7 +58,7 @@ def supernodes(K: sp.csc_matrix) -> Supernodes:
 def vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
     """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,).
 
-    The graph is symmetric, as elimination needs it, also where round-off left an entry on one side of the diagonal alone.
+    The graph is symmetric, as elimination needs it, also where round-off left an entry on only one side of the diagonal.
     """
     size, pointers = K.shape[0], K.indptr
     weights = np.random.default_rng(0).random(size)

@@ -3,7 +3,7 @@
 Its stiffnesses are exact but for a plane mesh (`hifi.shaft.helical_section`). What happens where it is cut
 (`hifi.shaft.cut`) follows from 3D shafts of one and two whole numbers of leads, and a third one that ends in another phase
 of the groove, clamped at one flat end and loaded at the other, a rigid section; the difference of the first two is that of
-the leads between. Their meshes are too stiff, by a per cent in bending, so that this difference serves the cut alone.
+the leads between. Their meshes are too stiff, by a per cent in bending, so that this difference serves only the cut.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
 revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already holds.
-What a geometry alone decides is kept; what computes it (`lowfi.compliance.between`) is imported where it is not known yet.
+What only the geometry decides is kept; what computes it (`lowfi.compliance.between`) is imported where it is not known yet.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Coupling:
 @dataclass(frozen=True)
 class BodyCompliance:
     """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of its flanks' contacts (all left ones, then
-    all right ones; two axes each), e [m/N] of each contact beside Hertz, and slope [m/N], what e gains by the logarithm of
+    all right ones; two axes each), e [m/N] of each contact besides Hertz, and slope [m/N], what e gains by the logarithm of
     the contact's size."""
 
     G: Array
@@ -56,7 +56,7 @@ class BodyCompliance:
 
 @dataclass(frozen=True)
 class BallCompliance:
-    """Ball as an elastic sphere: e [m/N] of each contact beside Hertz, slope [m/N], what e gains by the logarithm of the
+    """Ball as an elastic sphere: e [m/N] of each contact besides Hertz, slope [m/N], what e gains by the logarithm of the
     contact's size, coupling g [(m/N)^(1/2)] of the pairs SL-NR and SR-NL and its sign."""
 
     e: float

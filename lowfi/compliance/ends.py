@@ -1,6 +1,6 @@
 """A stretch of shaft between a beam's two ends: what its contacts and its high end do to one another beyond the beam.
 
-By Saint-Venant what lies beyond a stretch acts on it by a wrench alone. Its smooth body of revolution
+By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
 (`lowfi.compliance.tube`), held by the mean motions of its low end, answers contact forces with the high end free; loaded
 there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear force. By
 reciprocity a contact that presses inward moves the high end away.
@@ -33,7 +33,7 @@ class EndResponse:
 
 
 def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Of the screw of a scene; None where its body is no stretch of a shaft: rigid, a beam alone, or a ring on its bore.
+    """Of the screw of a scene; None where its body is no stretch of a shaft: rigid, only a beam, or a ring on its bore.
 
     Kept for all load cases of the same parts and balls: not to be written to.
     """

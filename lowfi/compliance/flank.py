@@ -73,7 +73,7 @@ def size_slope(flank: Flank) -> float:
 
 def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
     """What a contact of those semi-axes [m], across the groove and along it, adds to the correction for the narrow round
-    patch [m/N], by curvature alone.
+    patch [m/N], by curvature only.
 
     A pressure exp(i k x) presses a surface of curvatures kappa in by
     (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G, A = 2 (1 - nu), alpha = A (1 - 2 nu),

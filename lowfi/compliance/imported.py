@@ -20,7 +20,7 @@ from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_co
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 
-#: Bodies that a file holds, beside the balls.
+#: Bodies that a file holds, besides the balls.
 PARTS = ("screw", "nut")
 
 

@@ -1,6 +1,6 @@
 """What stands for screw and nut between their contacts, by backend: grooved sections, smooth bodies, where they are held.
 
-Everything here depends on a scene's geometry alone. Finite elements are imported where a geometry is not known yet.
+Everything here depends only on a scene's geometry. Finite elements are imported where a geometry is not known yet.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The three rigidities of a ball nut that ISO 3408-4 separates, each as axial load over axial displacement.
 
-Contacts alone (R_b/t): equal balls between rigid bodies at the nominal contact angle. With s = sin(alpha) cos(phi), N balls
+Contacts only (R_b/t): equal balls between rigid bodies at the nominal contact angle. With s = sin(alpha) cos(phi), N balls
 and C the Hertz constants of both contacts of a ball together, flanks that press with the load and against it,
 
     F = N s (((c_1 + s u)/C)^(3/2) - ((c_2 - s u)/C)^(3/2)),   terms of negative closure c +- s u zero,                (1)
@@ -45,7 +45,7 @@ PRACTICE = 0.8
 
 @dataclass(frozen=True)
 class Rigidities:
-    """Axial load over axial displacement [N/m]: of the contacts alone, with the bodies (None for rings, which have no
+    """Axial load over axial displacement [N/m]: of the contacts only, with the bodies (None for rings, which have no
     loaded length), and of the model that solves for unequal loads (None where it is not known)."""
 
     contacts: float
@@ -84,7 +84,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     held = float(brentq(lambda u: excess(u, closure, 0.0), -reach, reach, xtol=1e-15))
     begun = closure + s * max(held, -float(closure[:, 0].max()) / s) * np.array([1.0, -1.0])
     free = reach * (len(halves) - 1) + float(contact_approach(force / (n * s), pair[0])) / s
-    # counted from there: a small load's displacement would be lost beside the place where it begins
+    # counted from there: a small load's displacement would be lost against the place where it begins
     return float(brentq(lambda u: excess(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
 
 

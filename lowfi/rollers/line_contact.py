@@ -1,7 +1,7 @@
 """Line contact of a roller between two raceways: half-width, pressure, approach and its closed-form inverse.
 
 The contact itself is Hertz's: b^2 = 4 q R / (pi E*), p_0 = 2 q / (pi b), q the load per length, R the relative radius. The
-approach of a line contact is no property of the contact alone: in plane strain it grows with the logarithm of the depth to
+approach of a line contact is not a property of the contact: in plane strain it grows with the logarithm of the depth to
 which it is measured. Here from the roller's centre (Johnson, Contact Mechanics, 1985, 5.57) to a depth in the ring (5.58),
 
     delta = q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1]  +  q (1 - nu^2)/(pi E) [2 ln(2 d/b) - nu/(1 - nu)],

@@ -1,4 +1,4 @@
-"""One scene solved for many places of its balls: contact loads alone, by the same equations as a single solution."""
+"""One scene solved for many places of its balls: contact loads only, by the same equations as a single solution."""
 
 from __future__ import annotations
 

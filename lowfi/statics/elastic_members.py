@@ -1,4 +1,4 @@
-"""Many members of a scene with elastic bodies that differ in the radii of their balls alone: one system serves them all.
+"""Many members of a scene with elastic bodies that differ only in the radii of their balls: one system serves them all.
 
 The bodies' compliance, the shaft and its supports are those of the scene; a member has its own approaches, Hertz constants
 and terms that follow the typical force of a contact. Each is solved from the solution of the first one.
@@ -83,7 +83,7 @@ class ElasticMembers:
 
 
 def shared(scene: Scene) -> bool:
-    """Whether members of a scene differ in the radii of their balls alone, and one pass of the solver finishes each."""
+    """Whether members of a scene differ only in the radii of their balls, and one pass of the solver finishes each."""
     alike = alike_in_shape(scene) and len(specimens(scene, ball_layout(scene), 0, 2).centre) == 1
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 

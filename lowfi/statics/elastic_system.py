@@ -22,7 +22,7 @@ LARGEST = 1000
 class Flanks:
     """How the flanks of all balls move, ball by ball: four flanks each (d = 8 motions), or one pair's relative motion (2).
 
-    e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away
+    e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] besides Hertz; clipped: largest negative compliance cut away
     over a contact's own. kept: what the flanks' motions are found from again: compliance of screw and of nut on the
     built sides, v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks;
     squeeze: what is in them of the shaft's section forces, where it carries anything above the contacts. slope ``(4,)``

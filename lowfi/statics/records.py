@@ -261,7 +261,7 @@ class BallContacts(NamedTuple):
     tiny: float
 
 
-#: Balls alone.
+#: Balls only.
 NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
 
 

@@ -30,7 +30,7 @@ class Status(str):
     cause: Cause
 
     def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
-        """The sentence, which is the kind alone where there is no reason to give."""
+        """The sentence, which is only the kind where there is no reason to give."""
         status = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
         status.kind, status.reason, status.cause = kind, reason, cause
         return status

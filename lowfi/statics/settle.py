@@ -1,4 +1,4 @@
-"""What follows the contacts of a solved state, and is solved with anew until it settles: Hertz' constants at the actual
+"""What follows the contacts of a solved state, and is solved with again until it settles: Hertz' constants at the actual
 contact angle, and lever arms on uneven flanks. The same for one set and several, whatever solves them."""
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
 def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
     """Relative residual that double precision cannot get below: eps times the lengths [m] whose difference makes the
     approach of contacts of such a stiffness [N/m], over the largest force met ``scale`` [N], times 8. Lengths are motions,
-    and in problems with uneven flanks the ball's radius beside them."""
+    and in problems with uneven flanks the ball's radius next to them."""
     radius = max((p.scene.balls.radius for p in problems if p.drawn.profile.shape[1]), default=0.0)
     return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 

@@ -187,7 +187,7 @@ def rigid_nodes(shaft: Shaft) -> Array:
 
 
 def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
-    """Nodal motions ``(n, 6)`` by nodal loads ``(6 n,)`` beside the scene's and the amplitudes ``(k,)`` of the free
+    """Nodal motions ``(n, 6)`` by nodal loads ``(6 n,)`` in addition to the scene's and the amplitudes ``(k,)`` of the free
     motions."""
     problem = shaft.problem
     if problem.basis is not None:

@@ -98,7 +98,7 @@ class Squeeze:
     loads and prescribed displacements; wrenches ``(W, 6 n)``: S; feel ``(2 c, W)`` and nodes ``(6 n, W)``: motions of the
     flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads; inside:
     what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about. Of these, moved and
-    given alone depend on the loads (`under`): bent ``(W, W)`` makes jumps of wrenches.
+    only depend on the loads (`under`): bent ``(W, W)`` makes jumps of wrenches.
     """
 
     added: Array
@@ -128,7 +128,7 @@ class Squeeze:
 
     def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
         """Motions of the flanks ``(2 c, k)``, and of the nodes ``(6 n, k)`` beside these, by nodal loads ``(6 n, k)`` under
-        which the beam alone moves by ``motions``."""
+        which the beam by itself moves by ``motions``."""
         wrench = self.wrenches @ motions
         return np.asarray(self.feel @ wrench + self.inside.by_loads(loads)), np.asarray(self.nodes @ wrench)
 

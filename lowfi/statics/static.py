@@ -117,7 +117,7 @@ class Words(NamedTuple):
 
 @dataclass(kw_only=True)
 class OneSet(Prepared):
-    """A problem ready for the kernels; build: makes it anew with other lever arms."""
+    """A problem ready for the kernels; build: makes it again with other lever arms."""
 
     problem: Problem
     build: Build
@@ -218,7 +218,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
 
 @dataclass(frozen=True)
 class Build:
-    """What builds a scene's problem, and builds it anew with other sides or lever arms.
+    """What builds a scene's problem, and builds it again with other sides or lever arms.
 
     use: the sides (4,); everything, refine: see `solve_static`; known: the specimen's ``distances``, where they have been
     computed; held: freedoms of the nodes and their values, ``(n, 6)`` each, and which of the first node are pins.

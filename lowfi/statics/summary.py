@@ -89,7 +89,7 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 
 def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
     """Global balance of the screw: applied loads, support reactions, contact forces at their contact points, and what a
-    pin takes that no support of the scene can; and of every ball, by its contact forces alone."""
+    pin takes that no support of the scene can; and of every ball, by its contact forces only."""
     problem, force, nodal = solved.problem, solved.force, solved.reactions
     scene, pins = problem.scene, np.isin(np.arange(6), problem.pins)
     on_screw = -on_ball[:, :2] * force[:, :2, None]
@@ -107,7 +107,7 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         reaction, pin = (about_origin(z0, -taken) for taken in each)
     size = max(
         *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)),
-        float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may twist against one another alone
+        float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may only twist against one another
         float(force.max(initial=0.0)),
         solved.scale,
     )

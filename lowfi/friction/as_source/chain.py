@@ -1,6 +1,6 @@
 """The source's method for balls that may touch, at given loads, kept for comparison: a root (Lin 3.25-3.31, 3.75-3.77).
 
-First every ball alone; neighbours in reach that close in then count as touching; each group of touching balls is one
+First every ball by itself; neighbours in reach that close in then count as touching; each group of touching balls is one
 system of equations: force balance of all, equal velocities of neighbours, with the ball-to-ball forces as unknowns.
 """
 

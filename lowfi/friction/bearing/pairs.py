@@ -1,7 +1,7 @@
 """Friction torque of a four-point and of a double-row angular-contact bearing against the load's angle (Lin 4.3.1).
 
 Loads of all balls between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation. A
-bearing is a ball screw of zero lead whose "screw" is the inner ring; friction then leaves the loads alone.
+bearing is a ball screw of zero lead whose "screw" is the inner ring; friction then does not change the loads.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
     """Motion of the inner ring that the force at ``angle`` [rad] drives and no contact resists, in words; or empty.
 
     A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear
-    equilibrium of contact forces and load has a solution, signs of the contact forces apart.
+    equilibrium of contact forces and load has a solution, but for signs of the contact forces.
     """
     cell, beta = bearing_cell(case, angle), case.groove.contact_angle
     normal = np.stack([SIGN_X * np.cos(beta), SIGN_Z * np.sin(beta)], axis=1)[ON_SCREW]

@@ -30,7 +30,7 @@ ON_SCREW = np.array([True, True, False, False])
 
 
 class HelicalMotion:
-    """A ball and the helical motions of nut and screw; what follows from radii, lead and speeds alone.
+    """A ball and the helical motions of nut and screw; what follows only from radii, lead and speeds.
 
     A dataclass that inherits this gives ball_radius, pitch_radius [m], contact_angle [rad], lead [m] (of a right-hand
     helix; negative: left-hand, zero: bearing) and the speeds of nut and screw [rad/s]. Both bodies move along the helix,

@@ -125,7 +125,7 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
 
 
 class Mixer:
-    """Anderson's acceleration of x = g(x) over the last few rounds, damped and begun anew where it takes many; of one x
+    """Anderson's acceleration of x = g(x) over the last few rounds, damped and restarted where it takes many; of one x
     (n,), or of many apart (k, n)."""
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:

@@ -141,7 +141,7 @@ def from_motions(
 def shares(friction: Friction) -> tuple[Array, float]:
     """Coefficients at the contacts (4,) as parts of the largest, and that one; ones where all are zero.
 
-    Motions depend on ratios of coefficients alone: without friction they are the limit for equal ones that vanish.
+    Motions depend only on ratios of coefficients: without friction they are the limit for equal ones that vanish.
     """
     mu = np.array([friction.screw, friction.screw, friction.nut, friction.nut])
     top = float(mu.max())

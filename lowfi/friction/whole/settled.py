@@ -1,4 +1,4 @@
-"""Sums of friction beside static answers: kept of a known scene, they are read without what computes them."""
+"""Sums of friction shown with static answers: kept of a known scene, they are read without what computes them."""
 
 from __future__ import annotations
 

@@ -211,7 +211,7 @@ def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
 
 
 def combined(system: System, rollers: RollerElements) -> Problem:
-    """All balls of all sets, then all rollers, as one problem on one shaft, for the beam alone."""
+    """All balls of all sets, then all rollers, as one problem on one shaft, for the beam only."""
     s, problems = system.structure, [on_shaft(b) for b in system.balls]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
@@ -232,7 +232,7 @@ def combined(system: System, rollers: RollerElements) -> Problem:
 def own_bodies(
     b: BallSet, backend: Backend, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
-    """Compliance of a set's own screw and nut (4 N, 4 N) [m/N]; e, h (N, 4) beside Hertz; the ball's coupling g (4,).
+    """Compliance of a set's own screw and nut (4 N, 4 N) [m/N]; e, h (N, 4) besides Hertz; the ball's coupling g (4,).
 
     force [N]: of a typical contact, at which terms that depend on its size are taken.
     """
@@ -392,7 +392,7 @@ def both(first: Array, second: Array) -> Array:
 
 
 def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> Array:
-    """Stiffness (6, 6) of a set alone with its own elastic bodies: its inner part moved rigidly, its outer one held."""
+    """Stiffness (6, 6) of one set with its own elastic bodies: its inner part moved rigidly, its outer one held."""
     root = spread(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
     rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
@@ -449,7 +449,7 @@ def solve_refined(
 ) -> AxisResult:
     """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
 
-    Rollers alone leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
+    Rollers by themselves leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
     for inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies that cannot be.
     """
     rigid = rigid_rings(assembly)

@@ -1,4 +1,4 @@
-"""Rollers beside balls between elastic bodies: one element a roller, its ring motions from those of shaft and housing.
+"""Rollers as well as balls between elastic bodies: one element a roller, its ring motions from those of shaft and housing.
 
 A ring moves as a rigid body, so that a slice's approach is that of the roller's middle plus its place times the slope along
 the roller: two motions at each ring hold all slices, and the slices' law is that of the model lin.

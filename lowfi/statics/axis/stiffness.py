@@ -1,4 +1,4 @@
-"""Tangent stiffness of an assembly where it is asked for, and of each set alone."""
+"""Tangent stiffness of an assembly where it is asked for, and of each set by itself."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from rollbench.lowfi.statics.records import (
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, settle_ball
-from .newton import (  # noqa: F401 - some for the driver alone
+from .newton import (  # noqa: F401 - some only for the driver
     evaluate_beam,
     finish,
     furthest,
@@ -40,7 +40,7 @@ from .newton import (  # noqa: F401 - some for the driver alone
 from .rollers import roller_forces
 from .skyline import factor, substitute
 
-#: See ``descent``: the stiffness is factored anew for each step.
+#: See ``descent``: the stiffness is factored again for each step.
 KEPT = 0.0
 
 

@@ -1,7 +1,7 @@
 """Newton's method with a vanishing shift and a line search on a convex energy: the one driver of all systems here.
 
 This file is loaded once for each system (`lowfi.jit.driver_of`), a module that gives by name the functions taken below and
-``KEPT``, the residual over the least one before from which on, near the end, the stiffness is factored anew. ``given`` is
+``KEPT``, the residual over the least one before from which on, near the end, the stiffness is factored again. ``given`` is
 what such a system consists of, ``state`` its unknowns, ``room`` its derivatives, the step and where the step begins.
 The shift is proportional to the residual, so it vanishes at the solution and convergence stays fast.
 """
@@ -22,7 +22,7 @@ energy_at = system.energy_at
 find_step = system.find_step
 #: Largest unbalanced force over the scale; slope of the energy along the step; largest motion [m] of a flank by it.
 residual_at, slope_along, reach_of = system.residual_at, system.slope_along, system.reach_of
-#: Note where the step begins; go to t steps from there; what has to be found anew at the end.
+#: Note where the step begins; go to t steps from there; what has to be found again at the end.
 keep, move, finish = system.keep, system.move, system.finish
 #: Least force [N] that residuals are measured by; furthest free motion [m]; largest net force on a ball over the scale.
 least_force, furthest, unbalanced = system.least_force, system.furthest, system.unbalanced

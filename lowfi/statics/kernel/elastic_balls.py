@@ -1,7 +1,7 @@
 """Balls between flanks of elastic bodies: forces on the flanks by their motions, and the square roots of the stiffness.
 
 A ball has its centre and one amplitude of its own body for unknowns, eliminated inside, and every contact has parts e F and
-h F^(4/3) beside Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball knows their relative motion alone, and
+h F^(4/3) besides Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball knows only their relative motion, and
 has a closed form.
 """
 

@@ -30,7 +30,7 @@ from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, ball_mismatch, flank_hessian
 from .banded import factor_band, substitute_band
 from .beam import force_of
 
-#: Residual over the one before from which on, near the end, the stiffness is factored anew; below, the last factor serves.
+#: Residual over the one before from which on, near the end, the stiffness is factored again; below, the last factor serves.
 KEPT = 1e-3
 #: Least shift of the stiffness over the beam's: below it a motion that nothing resists has the stiffness of round-off.
 ROUND_OFF = 1e-17
@@ -281,7 +281,7 @@ def move(given: Rows, state: RowState, room: RowRoom, t: float) -> None:
 
 @kernel
 def finish(given: Rows, state: RowState, room: RowRoom) -> None:
-    """Nothing is left to find anew."""
+    """Nothing is left to find again."""
 
 
 @kernel

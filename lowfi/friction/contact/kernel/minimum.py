@@ -174,7 +174,7 @@ def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
 
 @kernel
 def drive_speed(shape: Array, drives: Array) -> float:
-    """Largest surface speed [m/s] that the drives alone impose on a loaded contact."""
+    """Largest surface speed [m/s] that the drives impose on a loaded contact."""
     top = 0.0
     for i in range(shape.shape[0]):
         if shape[i, 2] > 0.0:

@@ -75,7 +75,7 @@ def chain_motion(
 ) -> tuple[int, float]:
     """Motion of the balls and forces between them, from the drift of the point; returns iterations and largest residual.
 
-    The first step has no ball-to-ball friction, so that a convex problem alone decides where the answer starts from.
+    The first step has no ball-to-ball friction, so that only a convex problem decides where the answer starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
     once while creeping speeds fall, the path by ``trace`` decides, unless the balls all part without that friction.
     """
@@ -122,7 +122,7 @@ def other_motion(
 
 @kernel
 def motion_from(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
-    """As ``chain_motion``, by Newton's method alone from the state given, one of a similar chain."""
+    """As ``chain_motion``, by Newton's method only, from the state given, one of a similar chain."""
     reopen(point, eps)
     return _settle(chain, point, work, eps, tolerance)
 
