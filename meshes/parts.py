@@ -271,8 +271,8 @@ class Friction:
     """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
 
     feedback: whether friction moves each ball across its grooves, or leaves the contact loads unchanged; neighbours:
-    whether balls that touch push each other at the scene's instant (in a run in time they always do); balls: coefficient from ball
-    to ball, ``None`` for the larger one of the grooves.
+    whether balls that touch push each other at the scene's instant (in a run in time they always do); balls:
+    coefficient from ball to ball, ``None`` for the larger one of the grooves.
     """
 
     screw: float
