@@ -14,7 +14,7 @@ from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
 from rollbench.meshes.libraries import fault
 
 if TYPE_CHECKING:
-    from rollbench.reports.records import Figure
+    from rollbench.reports.content import Figure
 
 
 @contextmanager

@@ -2,11 +2,11 @@
 
 A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
 compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
-decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``records.py`` next to that folder: both
-copies must mean the same classes. Machine code is kept in the user's cache folder, under a digest of the sources of all
-kernels, so that none outlives the sources it was made from: numba by itself looks only at the file of a function. It files
-machine code by the path of the source; what is compiled is loaded from a copy of the sources in that folder, so that all
-checkouts and environments with the same kernels share what one of them compiled.
+decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``kernel_types.py`` next to that folder:
+both copies must mean the same classes. Machine code is kept in the user's cache folder, under a digest of the sources of
+all kernels, so that none outlives the sources it was made from: numba by itself looks only at the file of a function. It
+files machine code by the path of the source; what is compiled is loaded from a copy of the sources in that folder, so that
+all checkouts and environments with the same kernels share what one of them compiled.
 
 To numba a number or truth value written out in a call has a type of its own, and the kernel that is called is compiled for
 each of them: where calls differ, ``int(np.int64(60))`` or ``bool(np.bool_(False))`` is passed instead.
@@ -209,11 +209,11 @@ def _opened(root: Path) -> Path:
 
 @cache
 def digest() -> str:
-    """Digest of the sources of all kernel packages, of the records they take, and of this module."""
+    """Digest of the sources of all kernel packages, of the types they take, and of this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
         folder = _folder(package)
-        for source in (*sorted(folder.glob("*.py")), *folder.parent.glob("records.py")):
+        for source in (*sorted(folder.glob("*.py")), *folder.parent.glob("kernel_types.py")):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:20]
 

@@ -26,6 +26,7 @@ FROZEN: dict[str, dict[str, str]] = {
     "Bearing": {"mu_balls": "None", "screw_speed": "0", "hertz": '"right"', "clearance": "0"},
     "BearingCase": {"clearance": "0", "tilt": "False", "phase": "0", "arm": "0"},
     "Circulation": {"circuits": "1", "turns": "None", "returning": "0", "gap": "None", "filling": "None"},
+    "Dimensions": {"mesh_only": "()"},
     "Errors": {
         "balls": "BallErrors()",
         "SL": "SideErrors()",

@@ -35,7 +35,7 @@ class Dimensions:
     held_radii: tuple[float, float]
     groove_ends: bool
     assumed: tuple[str, ...]
-    mesh_only: tuple[str, ...]
+    mesh_only: tuple[str, ...] = ()
 
     def ends(self, scene: Scene) -> tuple[float, float]:
         """Stations [m] of the flat ends of the 3D stretch of the screw.

@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from rollbench.reports.records import Cell, Quantity, Table
+from rollbench.reports.content import Cell, Quantity, Table
 
 #: Characters of a text from which its column is made wide, and up to which it stands in one line, as "31 SL".
 LONG, SHORT = 90, 9

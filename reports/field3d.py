@@ -15,9 +15,9 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.bridge import VTK
+from rollbench.reports.content import FieldPicture, MeshPart
 from rollbench.reports.figures import COLOURS
 from rollbench.reports.offscreen import draw_in_child, set_view
-from rollbench.reports.records import FieldPicture, MeshPart
 from rollbench.reports.scene3d import SIZE
 
 #: Number of a kind of cells in VTK.

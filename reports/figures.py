@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
 from rollbench.reports.cells import micro
-from rollbench.reports.records import Figure, Panel, PressureMap, PressurePanel, Series
+from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Series
 
 #: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")

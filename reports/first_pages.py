@@ -13,7 +13,7 @@ from typing import Any
 
 from rollbench.meshes.libraries import EXTRAS
 from rollbench.reports.cells import filled, format_cell, is_number, typeset
-from rollbench.reports.records import Report, Summary, Table
+from rollbench.reports.content import Report, Summary, Table
 
 #: Name of the file in the folder of a report.
 FILE = "first-pages.pdf"

@@ -7,10 +7,10 @@ import shutil
 from pathlib import Path
 
 from rollbench.meshes.leftovers import temporary
+from rollbench.reports.content import Report, Table, Text
 from rollbench.reports.first_pages import FILE as PDF
 from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.pages import MARKER, SEARCH, Progress, write_pages
-from rollbench.reports.records import Report, Table, Text
 
 _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")

@@ -14,9 +14,7 @@ from markupsafe import Markup, escape
 
 from rollbench.reports import field3d, figures, first_pages, scene3d, sketch, view3d
 from rollbench.reports.cells import cell_view, filled, is_number, micro, typeset, write_csv
-from rollbench.reports.manifest import write_manifest
-from rollbench.reports.panels import draw_parts, themed
-from rollbench.reports.records import (
+from rollbench.reports.content import (
     FieldPicture,
     Figure,
     LoadedScrew,
@@ -30,6 +28,8 @@ from rollbench.reports.records import (
     Table,
     Text,
 )
+from rollbench.reports.manifest import write_manifest
+from rollbench.reports.panels import draw_parts, themed
 
 #: What marks pages as written by a report, and their folder as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from rollbench.reports.cells import micro
+from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import PALETTE, drawing
-from rollbench.reports.records import Figure, Panel, Series
 
 _SVG, _LINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 #: Colours of a drawing that a page may set, by the name of its variable.

@@ -19,8 +19,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, reduced_lead
 from rollbench.meshes.parts import Scene
+from rollbench.reports.content import LoadedScrew
 from rollbench.reports.offscreen import draw_in_child, set_view
-from rollbench.reports.records import LoadedScrew
 
 SIZE = (1600, 900)
 

@@ -19,9 +19,9 @@ from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, typeset
+from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch
 from rollbench.reports.manifest import all_texts, parsed, sha256
 from rollbench.reports.pages import MARKER, inline, templates
-from rollbench.reports.records import Figure, LoadedScrew, Section, Sketch
 
 #: Blocks of the page that hold data, by id.
 BLOCKS = ("manifest", "scene", "results")

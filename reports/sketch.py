@@ -13,7 +13,7 @@ from html import escape
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
-from rollbench.reports.records import Sketch
+from rollbench.reports.content import Sketch
 
 #: Colours: those of `panels.THEME` follow the page, the faces of steel stay.
 INK, FRAME, SHAFT, NUT, BALL, FORCE = "#222222", "#8a8f98", "#c9ced6", "#9fb4d3", "#f3c969", "#D55E00"

@@ -19,8 +19,8 @@ import numpy as np
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.libraries import EXTRAS
 from rollbench.reports import scene3d
+from rollbench.reports.content import LoadedScrew
 from rollbench.reports.offscreen import draw_in_child
-from rollbench.reports.records import LoadedScrew
 
 #: What installs the viewer.
 REMEDY = EXTRAS["trimesh"][1]

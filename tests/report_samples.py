@@ -9,7 +9,7 @@ import pytest
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
-from rollbench.reports.records import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
+from rollbench.reports.content import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
 
 CHROMIUM = shutil.which("chromium")
 WITH_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.printed.printed_data import load_table
+from rollbench.reports.content import Figure, Section, Table
 from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Section, Table
 
 
 def tables(section: Section) -> dict[str, Table]:

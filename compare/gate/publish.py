@@ -18,7 +18,7 @@ from rollbench.reports.cells import harmless
 
 if TYPE_CHECKING:
     from rollbench.comparison.gate.gate import GateRow  # brings all evidence with it
-    from rollbench.reports.records import Figure
+    from rollbench.reports.content import Figure
 
 #: Variables of the environment in which services of continuous integration name the file of a job's summary.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
@@ -150,7 +150,7 @@ def _chart(o: Outcome | None) -> list[str]:
 
 def picture(o: Outcome) -> Figure:
     """Loads about the worst ball with the reference's uncertainty."""
-    from rollbench.reports.records import Figure, Panel, Series
+    from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
     ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]

@@ -145,7 +145,7 @@ def _meshed(
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
     hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0
     marks = ((SECTIONS,) if inner else ()) + ((HOLLOW,) if hollow else ())
-    return replace(dims, assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *marks
+    return replace(dims, assumed=(), mesh_only=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *marks
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:

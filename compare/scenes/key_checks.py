@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Iterator
 
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.comparison.scenes.from_keys import ball_total
 from rollbench.comparison.scenes.keys import MAX_BALLS, GrooveKeys
-from rollbench.comparison.scenes.records import ball_total
 from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
 from rollbench.meshes.partition import MERGE
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.comparison.scenes.fault import Fault, mm, refuse
-from rollbench.comparison.scenes.records import load_of, vector
+from rollbench.comparison.scenes.from_keys import load_of, vector
 from rollbench.comparison.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.partition import MERGE

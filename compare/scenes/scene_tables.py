@@ -11,12 +11,12 @@ from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
 from rollbench.comparison.scenes.fault import Fault, refusal, refuse, spoken
+from rollbench.comparison.scenes.from_keys import scene_of
 from rollbench.comparison.scenes.key_checks import choice_faults
 from rollbench.comparison.scenes.load_cases import case_faults, in_cases
 from rollbench.comparison.scenes.mending import sound, validated
 from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.preload import preloaded
-from rollbench.comparison.scenes.records import scene_of
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.one_arc import as_one_arc

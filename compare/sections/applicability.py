@@ -5,7 +5,7 @@ from __future__ import annotations
 from rollbench.comparison.models.applicability import DESCRIPTORS, Descriptor, compared_values, places
 from rollbench.comparison.models.study import Study
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 
 
 def range_table(scene: Scene | None = None) -> Table:

@@ -6,7 +6,7 @@ from rollbench.comparison.models.comparison import Loads
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Panel, Series
+from rollbench.reports.content import Panel, Series
 
 
 def numbers(values: Array, factor: float = 1.0) -> list[float]:

@@ -11,7 +11,7 @@ from rollbench.comparison.models.model_form import QUANTITIES, Point, shipped_po
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 #: Limit [%] that a use is counted by.
 LIMIT = 7.0

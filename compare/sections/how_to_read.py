@@ -8,7 +8,7 @@ from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Section, Text
+from rollbench.reports.content import Section, Text
 
 #: Scene and model of the worked row, and the limit that it is judged by [%].
 SCENE, MODEL, LIMIT = "lin-case1", "lin", 7.0

@@ -16,7 +16,7 @@ from rollbench.lowfi.compliance.imported import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.loads import mean_load
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Scenes from which on a model's expected errors are drawn.
 MANY = 40

@@ -19,7 +19,7 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import FieldPicture, LoadedScrew, MeshPart, PressureMap, Section, Text
+from rollbench.reports.content import FieldPicture, LoadedScrew, MeshPart, PressureMap, Section, Text
 
 if TYPE_CHECKING:
     from rollbench.hifi.fields import ContactPressure, SolidField

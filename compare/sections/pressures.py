@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.reports.records import Figure, Panel, PressurePanel, Quantity, Row, Series, Table
+from rollbench.reports.content import Figure, Panel, PressurePanel, Quantity, Row, Series, Table
 
 if TYPE_CHECKING:
     from rollbench.hifi.fields import ContactPressure

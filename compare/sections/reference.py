@@ -31,7 +31,7 @@ from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.curves import lateral, load_panel, loads, numbers
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 References = Mapping[str, Reference]
 

@@ -14,7 +14,7 @@ from rollbench.comparison.models.u_val import CONTACTS, QUANTITIES, Validated, v
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.sections.sketch import sketch_of
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import Figure, Quantity, Row, Section, Sketch, Table, Text
+from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Table, Text
 
 #: Limit [%] of the verdict, that of the gate.
 LIMIT = 7.0

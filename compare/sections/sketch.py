@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Sketch
+from rollbench.reports.content import Sketch
 
 
 def sketch_of(scene: Scene, name: str, title: str) -> Sketch:

@@ -21,7 +21,7 @@ from rollbench.comparison.models.u_val import (
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.applicability import items_of
 from rollbench.comparison.sections.grid_coverage import coverage
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.
 SHOWN = (DEFAULT, "lin")

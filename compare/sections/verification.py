@@ -19,7 +19,7 @@ from rollbench.hifi.contact.block import (
     source_study,
 )
 from rollbench.hifi.contact.block import study as solve_block
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
 #: ellipse, so that P2 at 6 would take as long as all the rest.

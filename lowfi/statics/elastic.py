@@ -17,8 +17,8 @@ from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealised
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.elastic_system import LARGEST, Flanks, flanks_of, pair_data, spring_rows
+from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, BallContacts, BodyState, BodySystem, Outcome
 from rollbench.lowfi.statics.problem import Problem, SolvedState
-from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, BodyState, BodySystem, Outcome
 from rollbench.lowfi.statics.response import one_pair, response_of
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides

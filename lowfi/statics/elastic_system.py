@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_stiffness
+from rollbench.lowfi.statics.kernel_types import Bodies
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.records import Bodies
 from rollbench.lowfi.statics.response import NOTHING, Response, by_ball, normals_of, one_pair
 from rollbench.lowfi.statics.shaft import Shaft, flank_motions_by_loads
 from rollbench.lowfi.statics.squeeze import Squeeze

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
+from rollbench.lowfi.statics.kernel_types import BeamArrays, BeamContacts, BeamSystem, Options, Outcome, RowState, Slopes
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, SolvedState, build, distances, tightest
-from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSystem, Options, Outcome, RowState, Slopes
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
     all_sides,

@@ -16,8 +16,8 @@ from tests.hertz_studies import GROUP, study
 from rollbench.comparison.sections import verification
 from rollbench.hifi.contact.block import JOBS, boussinesq
 from rollbench.hifi.contact.hertz import THINNEST, hertz
+from rollbench.reports.content import Figure, Table
 from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -64,7 +64,7 @@ def test_report_s_tables_are_what_the_models_give_now() -> None:
     from rollbench.comparison.sections.reference import case_studies, error_table
     from rollbench.comparison.sources.lin.evidence.chapter_2 import choices
     from rollbench.comparison.sources.lin.sections.cases import choice_rows
-    from rollbench.reports.records import Table
+    from rollbench.reports.content import Table
 
     study = Study()
     computed = Table.of("cases-choices", "", choice_rows(choices(study)))

@@ -33,7 +33,7 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import Figure
+from rollbench.reports.content import Figure
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

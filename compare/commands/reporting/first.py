@@ -19,8 +19,8 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import cores, gmsh_fault
 from rollbench.meshes.libraries import EXTRAS, MESHING, PICTURES, install
 from rollbench.meshes.loads import mean_load
+from rollbench.reports.content import FieldPicture, LoadedScrew, Section
 from rollbench.reports.offscreen import fault as drawing_fault
-from rollbench.reports.records import FieldPicture, LoadedScrew, Section
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability", "timing"})

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from rollbench.comparison.registration import Part, parts
-from rollbench.reports.records import Page, Section, Table
+from rollbench.reports.content import Page, Section, Table
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.
 PAGES = {

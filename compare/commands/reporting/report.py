@@ -23,7 +23,7 @@ from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.comparison.writing import need_writable
-from rollbench.reports.records import Report, Section
+from rollbench.reports.content import Report, Section
 
 Step = Callable[[str], None]
 

@@ -42,8 +42,8 @@ from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.reports.content import Figure, LoadedScrew, Quantity, Row, Section, Table, Text
 from rollbench.reports.manifest import sha256
-from rollbench.reports.records import Figure, LoadedScrew, Quantity, Row, Section, Table, Text
 from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"

@@ -17,7 +17,7 @@ from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Grid point and name of the matrix in DMIG cards.
 GRID, NAME = 1, "KNUT"

@@ -26,7 +26,7 @@ from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
-from rollbench.reports.records import Cell, Quantity, Section, Table, Text
+from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: Sizes of two makers, by the names of their printed rigidities.
 SIZES = ("bnf-3205-2p5", "bnf-3205-5", "bnf-4010-5", "hiwin-63-10k5")

@@ -23,7 +23,7 @@ from rollbench.comparison.wings.evidence.sections.finding_table import printed_t
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {

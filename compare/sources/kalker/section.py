@@ -28,8 +28,8 @@ from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, Rollin
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Figure, Panel, PressureMap, PressurePanel, Quantity, Row, Section, Table, Text
-from rollbench.reports.records import Series as Curve
+from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Series as Curve
 
 SIZES = (Quantity("choice", "choice", "", "s"), *(Quantity(name, name, "", "g6") for name in NAMES))
 #: Contacts shown: scene, ball, name of the contact.

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from rollbench.comparison.registration import registered
-from rollbench.reports.records import Cell, Quantity, Table, Text
+from rollbench.reports.content import Cell, Quantity, Table, Text
 
 if TYPE_CHECKING:
     from rollbench.comparison.wings.bench.costs.timing import Job

@@ -15,7 +15,7 @@ from rollbench.comparison.wings.evidence.sections.finding_table import printed_t
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {

@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.sources.makers.tables import Table as Printed
 from rollbench.comparison.sources.makers.tables import half_step
-from rollbench.reports.records import Cell, Quantity, Table
+from rollbench.reports.content import Cell, Quantity, Table
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
 

@@ -13,7 +13,7 @@ from rollbench.comparison.sources.makers.laws import bearings, nuts, programs, t
 from rollbench.comparison.sources.makers.tables import tables
 from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 TITLE = "Outside values: makers' tables, measurements, other programs"
 #: Order of quantities in tables; others follow.

@@ -13,7 +13,7 @@ from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.bearings.axis import axis_stiffness
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {

@@ -8,8 +8,8 @@ import numpy as np
 
 from rollbench.lowfi.as_source import static as lin
 from rollbench.lowfi.statics.elastic import ElasticBuild
+from rollbench.lowfi.statics.kernel_types import Outcome
 from rollbench.lowfi.statics.problem import Problem, build, distances
-from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.selection import choose_sides
 from rollbench.lowfi.statics.static import Beam, pick_engine, prepare
 from rollbench.meshes.arrays import Array

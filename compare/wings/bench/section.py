@@ -30,7 +30,7 @@ from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.kept import made_anew
 from rollbench.meshes.memory import peak_MB, reset_peak
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: File of a store that holds the jobs of this section.
 JOBS = "jobs.json"

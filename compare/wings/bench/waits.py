@@ -23,7 +23,7 @@ from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.system import machine
 from rollbench.comparison.wings.bench.costs.kept import first_kept, save_rows, today
 from rollbench.comparison.wings.bench.costs.timing import Job, launch, single_threaded
-from rollbench.reports.records import Quantity, Row, Table
+from rollbench.reports.content import Quantity, Row, Table
 
 BASE = "import numpy, cyclopts, rich.console"
 #: Numba finds its own parts only with the first kernel that is run, one kept on disc here.

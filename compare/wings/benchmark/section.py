@@ -19,7 +19,7 @@ from rollbench.comparison.wings.benchmark.scoring import LOAD, Given, Score, sco
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 ABOUT = (
     f"{NAME} consists of twelve contact problems, from two balls to 136, in which everything that the answer "

@@ -12,7 +12,7 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.wings.crosscheck.data import CrossData, CrossRun
 from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Cell, Quantity
+from rollbench.reports.content import Cell, Quantity
 
 #: Agreement aimed at, in per cent of the mean load.
 TARGET = 0.5

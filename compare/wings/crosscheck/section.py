@@ -14,7 +14,7 @@ from rollbench.comparison.wings.crosscheck.nut import load_nut
 from rollbench.comparison.wings.crosscheck.rows import COLUMNS, agreement, contact_rows, mesh_columns
 from rollbench.comparison.wings.crosscheck.study import STUDIES, scene_key
 from rollbench.meshes.loads import mean_load
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 ABOUT = (
     "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "

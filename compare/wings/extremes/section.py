@@ -14,7 +14,7 @@ from rollbench.comparison.wings.extremes.campaign.record import shipped
 from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
 from rollbench.comparison.wings.extremes.survey import run as survey
 from rollbench.comparison.wings.extremes.survey.record import MODELS
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 #: Errors of a scene that the report's table shows.
 SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}

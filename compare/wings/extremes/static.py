@@ -37,7 +37,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
 from rollbench.meshes.section import volume_ratio
 from rollbench.meshes.workers import local
-from rollbench.reports.records import Cell
+from rollbench.reports.content import Cell
 
 ENERGY = "energy solver"
 SOURCE: dict[str, Start] = {

@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Motion, Scene, Time
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Steps of the run over the turn that the page shows where the scene has none of its own.
 STEPS = 24

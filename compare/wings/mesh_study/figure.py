@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.estimate import Reference
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Curves of a panel.
 MOST = 8

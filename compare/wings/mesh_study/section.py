@@ -23,7 +23,7 @@ from rollbench.comparison.sections.reference import case_studies, modelling
 from rollbench.comparison.wings.mesh_study.figure import study_figure
 from rollbench.comparison.wings.mesh_study.table import closing, studied, study_table
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.reports.records import Cell, Figure, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
 
 References = Mapping[str, Reference]
 

@@ -11,7 +11,7 @@ from rollbench.comparison.wings.sweep.keys import Vary
 from rollbench.comparison.wings.sweep.outputs import OUTPUTS
 from rollbench.comparison.wings.sweep.store import Record
 from rollbench.comparison.wings.sweep.summary import MAIN, column, inputs
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Most panels of a figure, and most points of a scatter.
 PANELS, POINTS = 6, 2000

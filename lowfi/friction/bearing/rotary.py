@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
+from rollbench.lowfi.friction.contact.kernel_types import CellArrays
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import (
     Motion,
@@ -22,7 +23,6 @@ from rollbench.lowfi.friction.contact.motion import (
     balance_by_sharpening,
     least_dissipation,
 )
-from rollbench.lowfi.friction.contact.records import CellArrays
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import Array, CellArrays, CellState
+from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays, CellState
 from rollbench.lowfi.jit import CONTACT, kernels
 
 #: Round-off limit of the search and what counts as converged, as parts of the sum of forces.

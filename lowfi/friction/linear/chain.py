@@ -27,7 +27,7 @@ from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_factor
 from rollbench.lowfi.friction.linear.analytic import second_kind
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
-from rollbench.lowfi.friction.linear.records import ChainArrays, ChainPoint, Work
+from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainPoint, Work
 from rollbench.lowfi.jit import LINEAR, kernels
 from rollbench.meshes.arrays import Array, Mask
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.friction.screw.groove import Grooved, ScrewGroove, groove_arrays, nominal_speed, plain_array, units
+from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays
 from rollbench.lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
-from rollbench.lowfi.friction.screw.records import BalanceParts, BallArrays
 from rollbench.lowfi.jit import SCREW, kernels
 from rollbench.meshes.arrays import Array
 

@@ -16,9 +16,9 @@ import numpy as np
 from rollbench.lowfi.friction.contact.rings import Settled, cell_state
 from rollbench.lowfi.friction.screw.chain import SPEEDS, Chain, ChainMotion, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import plain_array
+from rollbench.lowfi.friction.screw.kernel_types import JointSystem, Place
 from rollbench.lowfi.friction.screw.load import Cell, load_arrays, settle_load
 from rollbench.lowfi.friction.screw.motion import AGREED, ROUNDS, Coupling, Mixer, feedback, hold_screw
-from rollbench.lowfi.friction.screw.records import JointSystem, Place
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
 

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.friction.screw.records import GrooveArrays
+from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.arrays import Array

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import CellArrays
+from rollbench.lowfi.friction.contact.kernel_types import CellArrays
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame, plain_array
 from rollbench.lowfi.statics.settle import contact_angles

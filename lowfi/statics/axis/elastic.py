@@ -27,8 +27,8 @@ from rollbench.lowfi.statics.axis.system import BallSet, System, set_flanks, typ
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
+from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, Options, RowState
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, BodySystem, Options, RowState
 from rollbench.lowfi.statics.response import by_ball, normals_of, positive, typical_axes
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.settle import SetFlanks, least_residual

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.rollers.roller_slices import middles
 from rollbench.lowfi.statics.axis.system import RollerSet
-from rollbench.lowfi.statics.records import RollerContacts
+from rollbench.lowfi.statics.kernel_types import RollerContacts
 from rollbench.meshes.arrays import Array
 
 

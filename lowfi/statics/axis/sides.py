@@ -12,8 +12,8 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System, motions_of, moved_flanks
+from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
-from rollbench.lowfi.statics.records import RowState
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollingSet

@@ -20,8 +20,8 @@ from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likel
 from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import System, build, placed, set_flanks, typical, with_arms
+from rollbench.lowfi.statics.kernel_types import AxisSystem, Options, RowState, Slopes
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.records import AxisSystem, Options, RowState, Slopes
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, report_of, settled, verdict
 from rollbench.lowfi.statics.shape import lifted

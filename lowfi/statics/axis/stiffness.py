@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.axis.system import BallSet, System
-from rollbench.lowfi.statics.records import AxisSystem, RowState
+from rollbench.lowfi.statics.kernel_types import AxisSystem, RowState
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -23,7 +23,7 @@ class Structure:
     """r rows of motions (6 each): n nodes of the shaft at ``nodes`` [m], then the housings that move, at ``at`` [m].
 
     sections: of the elements; fixed, prescribed, load ``(r, 6)``; ends ``(k, 2)``, reach ``(k, 2, 6, 6)``, springs
-    ``(k, 6, 6)``: see `lowfi.statics.records.AxisArrays`; row: of each housing by its name, -1 for one that stands.
+    ``(k, 6, 6)``: see `lowfi.statics.kernel_types.AxisArrays`; row: of each housing by its name, -1 for one that stands.
     """
 
     nodes: Array

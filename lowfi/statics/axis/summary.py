@@ -11,8 +11,8 @@ from rollbench.lowfi.statics.axis.proof import crossed
 from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System
+from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
-from rollbench.lowfi.statics.records import RowState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_transport

@@ -14,8 +14,8 @@ from rollbench.lowfi.rollers.roller_slices import middles
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.kernel.beam import element_constants
+from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RowState
 from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry, tightest
-from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, RowState
 from rollbench.lowfi.statics.settle import SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 
 from rollbench.lowfi.jit import is_compiled, kernel
-from rollbench.lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers
+from rollbench.lowfi.statics.kernel_types import Array, AxisArrays, AxisBalls, AxisRollers
 
 from .beam import add_element
 

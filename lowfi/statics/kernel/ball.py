@@ -10,7 +10,7 @@ contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F
 from math import sqrt
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array
+from rollbench.lowfi.statics.kernel_types import Array
 
 from .contact import arc, flank, hertz
 

@@ -7,7 +7,7 @@ scene to be solved; on one thread, as more wait for one another at every block. 
 import numpy as np
 
 from rollbench.lowfi.jit import is_compiled, kernel
-from rollbench.lowfi.statics.records import Array
+from rollbench.lowfi.statics.kernel_types import Array
 from rollbench.lowfi.threads import one_thread
 
 

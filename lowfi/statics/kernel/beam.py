@@ -5,7 +5,7 @@ An element from node 1 to node 2 strains by d = q_2 - T q_1, T the rigid transpo
 """
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array
+from rollbench.lowfi.statics.kernel_types import Array
 
 
 @kernel

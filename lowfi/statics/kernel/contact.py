@@ -3,7 +3,7 @@
 from math import atan2, cos, sin, sqrt
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array
+from rollbench.lowfi.statics.kernel_types import Array
 
 
 @kernel

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array, BallRows, Bodies
+from rollbench.lowfi.statics.kernel_types import Array, BallRows, Bodies
 
 
 @kernel

@@ -9,7 +9,7 @@ The shift is proportional to the residual, so it vanishes at the solution and co
 from typing import Any
 
 from rollbench.lowfi.jit import kernel, system_of
-from rollbench.lowfi.statics.records import Options, Outcome, Progress
+from rollbench.lowfi.statics.kernel_types import Options, Outcome, Progress
 
 from .search import GROWN, SOLVED, WHOLE_STEPS, first_trial, got_on, next_trial
 from .status import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SHIFTS, SINGULAR

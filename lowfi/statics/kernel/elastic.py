@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.lowfi.jit import driver_of, kernel
-from rollbench.lowfi.statics.records import (
+from rollbench.lowfi.statics.kernel_types import (
     Array,
     BallRows,
     Bodies,

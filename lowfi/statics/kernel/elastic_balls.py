@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array, BallContacts, BodyState
+from rollbench.lowfi.statics.kernel_types import Array, BallContacts, BodyState
 
 from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLED, SETTLING, USE, meet, start_centre
 from .contact import hertz

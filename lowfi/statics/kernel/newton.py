@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.jit import driver_of, kernel
-from rollbench.lowfi.statics.records import (
+from rollbench.lowfi.statics.kernel_types import (
     Array,
     AxisArrays,
     BeamArrays,

@@ -7,7 +7,7 @@ that of the ring along the normal of the roller's middle, and its slope along th
 from math import exp, log, sqrt
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array, AxisRollers, RollerContacts
+from rollbench.lowfi.statics.kernel_types import Array, AxisRollers, RollerContacts
 
 from .ball import FORCE, KN, KT, MX, MZ, SETTLED
 

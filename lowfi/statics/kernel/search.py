@@ -1,7 +1,7 @@
 """What all of Newton's iterations here share: where to try next along a step on a convex energy, and when to end."""
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Progress, Trial
+from rollbench.lowfi.statics.kernel_types import Progress, Trial
 
 #: Relative round-off of an energy, summed over springs of both signs of work.
 ROUNDING = 1e-14

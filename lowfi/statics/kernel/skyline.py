@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.jit import is_compiled, kernel
-from rollbench.lowfi.statics.records import Array
+from rollbench.lowfi.statics.kernel_types import Array
 
 
 @kernel

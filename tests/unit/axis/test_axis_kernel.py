@@ -14,7 +14,7 @@ from rollbench.lowfi.statics.axis import sides
 from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, moved_flanks, tapered
 from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, newton, rollers, skyline
-from rollbench.lowfi.statics.records import Slopes
+from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
 from rollbench.meshes.parts import Load
 

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.comparison.commands.solving import entries
 from rollbench.comparison.quantities import UNITS, quantity, record, shown
-from rollbench.reports.records import Quantity, Table
+from rollbench.reports.content import Quantity, Table
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
 KEPT = ("percent", "million_revolutions", "hours")

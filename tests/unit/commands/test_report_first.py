@@ -15,7 +15,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.kalker import section as rolling
-from rollbench.reports.records import Section
+from rollbench.reports.content import Section
 
 
 def test_costly_sections_come_by_name_or_all_together(monkeypatch: pytest.MonkeyPatch) -> None:

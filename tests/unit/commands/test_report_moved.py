@@ -11,7 +11,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.provenance import SCENE, inputs
 from rollbench.comparison.scenes import catalogue
 from rollbench.reports import html, manifest
-from rollbench.reports.records import Quantity, Report, Section, Table
+from rollbench.reports.content import Quantity, Report, Section, Table
 
 COLUMNS = (Quantity("m", "model", "", "s"), Quantity("x", "error", "%", ".2f"), Quantity("t", "cold", "s", ".2f"))
 ROWS = ({"m": "lin", "x": 6.0, "t": 1.0}, {"m": "refined", "x": 0.8, "t": 2.0}, {"m": "refined", "x": 0.7, "t": 2.0})

@@ -10,7 +10,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import applicability, ladder, model_form
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.reports.records import Section, Table
+from rollbench.reports.content import Section, Table
 
 
 def test_every_part_has_a_module_with_a_section_and_stands_on_one_of_twelve_pages_at_most():

@@ -155,7 +155,7 @@ def test_a_matplotlibrc_of_the_working_folder_changes_no_figure(tmp_path):
 from pathlib import Path
 from types import SimpleNamespace
 from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports.content import Figure, Panel, Series
 print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0, 1.0], "line")])])))
 """
     drawn = [python("-P", "-c", program, cwd=place) for place in (tmp_path, tmp_path.parent)]

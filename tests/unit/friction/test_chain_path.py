@@ -10,7 +10,7 @@ from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import balanced_loads
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations, newton, path
-from rollbench.lowfi.friction.linear.records import ChainPoint, Smoothing, Work
+from rollbench.lowfi.friction.linear.kernel_types import ChainPoint, Smoothing, Work
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
 

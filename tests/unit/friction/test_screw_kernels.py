@@ -11,9 +11,9 @@ from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.coupled import solve_joint, system_of
 from rollbench.lowfi.friction.screw.groove import ScrewGroove, groove_arrays
 from rollbench.lowfi.friction.screw.kernel import contacts, joint
+from rollbench.lowfi.friction.screw.kernel_types import JointMatrix, Place
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import hold_screw
-from rollbench.lowfi.friction.screw.records import JointMatrix, Place
 from rollbench.lowfi.jit import SCREW, kernels
 
 

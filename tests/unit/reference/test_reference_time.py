@@ -13,7 +13,7 @@ from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, VECTOR, 
 from rollbench.comparison.wings.bench.sections import reference_time
 from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, time_figures, time_panel, time_table
 from rollbench.comparison.wings.mesh_study import section as reference_mesh
-from rollbench.reports import figures, records
+from rollbench.reports import content, figures
 
 STUDY = study.Study()
 
@@ -65,7 +65,7 @@ def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() ->
     assert levels.bars == ([FLOOR, FLOOR], [1.5, 1.0])
     plain = time_panel("x", [replace(p, low=None, high=None) for p in points])
     assert all(s.bars is None for s in plain.series)
-    with_bars, without = (figures.draw(records.Figure("f", "t", (p,))) for p in (panel, plain))
+    with_bars, without = (figures.draw(content.Figure("f", "t", (p,))) for p in (panel, plain))
     assert with_bars.count("LineCollection") > without.count("LineCollection")
     rows = time_table({"x": points}).rows
     assert [r["status"] for r in rows] == ["", "no convergence", "", "", ""]

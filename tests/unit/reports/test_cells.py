@@ -9,7 +9,7 @@ import pytest
 from tests.processes import python
 from tests.report_samples import table
 
-from rollbench.reports import cells, records
+from rollbench.reports import cells, content
 
 CELLS = [
     (0.0, "g4", "0"),
@@ -51,13 +51,13 @@ class TestCells:
 
 
 def test_two_columns_of_one_heading_are_refused():
-    columns = (records.Quantity("a", "interval", "N", "s"), records.Quantity("b", "interval", "um", "s"))
-    records.Table("t", "intervals of two units", columns, [])
+    columns = (content.Quantity("a", "interval", "N", "s"), content.Quantity("b", "interval", "um", "s"))
+    content.Table("t", "intervals of two units", columns, [])
     with pytest.raises(ValueError, match="more than one column headed 'interval'"):
-        records.Table("t", "intervals", (*columns, records.Quantity("c", "interval", "um", "s")), [])
+        content.Table("t", "intervals", (*columns, content.Quantity("c", "interval", "um", "s")), [])
 
 
 def test_records_import_neither_matplotlib_nor_pyvista():
     heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
-    code = f"import sys, rollbench.reports.records; print(sorted({heavy} & set(sys.modules)))"
+    code = f"import sys, rollbench.reports.content; print(sorted({heavy} & set(sys.modules)))"
     assert python("-c", code, cwd=Path(cells.__file__).parents[1]).stdout.strip() == "[]"

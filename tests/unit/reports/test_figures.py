@@ -9,8 +9,8 @@ import pytest
 from tests.report_samples import figure
 
 from rollbench.reports import figures
+from rollbench.reports.content import Panel, Series
 from rollbench.reports.panels import draw_parts
-from rollbench.reports.records import Panel, Series
 
 pytestmark = pytest.mark.xdist_group("a figure")
 

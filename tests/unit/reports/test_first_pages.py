@@ -9,7 +9,7 @@ import pytest
 from tests.report_samples import paged
 
 from rollbench.reports import first_pages, html
-from rollbench.reports.records import Figure, Panel, Quantity, Report, Section, Series, Summary, Table
+from rollbench.reports.content import Figure, Panel, Quantity, Report, Section, Series, Summary, Table
 
 FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
 COLUMNS = (Quantity("name", "name", "", "s"), Quantity("x", "largest error", "% of mean", ".2f"), Quantity("gone", "empty"))

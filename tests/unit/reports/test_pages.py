@@ -11,8 +11,8 @@ import pytest
 from tests.report_samples import contents, figure, paged, report, screw, table
 
 from rollbench.reports import cells, field3d, figures, html, pages, scene3d
+from rollbench.reports.content import FieldPicture, Quantity, Summary, Table, Text
 from rollbench.reports.pages import MARKER, SEARCH
-from rollbench.reports.records import FieldPicture, Quantity, Summary, Table, Text
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 

@@ -10,13 +10,13 @@ from tests.report_samples import image
 from rollbench.comparison.sections import pressures
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.fields import ContactPressure
-from rollbench.reports import field3d, figures, records
+from rollbench.reports import content, field3d, figures
 
 
 def picture(kind="Q2", **changes):
     points, cells = cube(kind, 2)
     view = (1.0, 0.4, 0.3), (0.0, 0.0, 1.0), (0.5, 0.5, 0.5), 2.0
-    return replace(records.FieldPicture("cube", "A cube", (records.MeshPart(points, cells, kind),), *view), **changes)
+    return replace(content.FieldPicture("cube", "A cube", (content.MeshPart(points, cells, kind),), *view), **changes)
 
 
 def with_values(kind="P2"):
@@ -27,7 +27,7 @@ def with_values(kind="P2"):
 @pytest.mark.parametrize("kind", ["P1", "P2", "Q2"])
 def test_a_cube_has_its_volume_surface_edges_and_values(kind):
     points, cells = cube(kind, 2)
-    grid = field3d.grid_of(records.MeshPart(points, cells, kind, points[:, 0] ** 2))
+    grid = field3d.grid_of(content.MeshPart(points, cells, kind, points[:, 0] ** 2))
     surface = field3d.surface_of(grid)
     assert (grid.volume, surface.area) == pytest.approx((1e9, 6e6))
     assert surface["values"] == pytest.approx((1e-3 * surface.points[:, 0]) ** 2)
@@ -56,7 +56,7 @@ def contact():
 class TestPressureMap:
     def map_of(self, count=2):
         panels = tuple(pressures.panel_of(f"ball {k} <1>", contact()) for k in range(count))
-        return records.PressureMap("map", "Pressures", panels, "across / mm", "along / mm", "pressure / MPa")
+        return content.PressureMap("map", "Pressures", panels, "across / mm", "along / mm", "pressure / MPa")
 
     def test_same_data_same_small_file_with_its_numbers(self):
         svg = figures.draw_map(self.map_of())

@@ -10,7 +10,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sections import sheets
 from rollbench.comparison.sections.sketch import sketch_of
-from rollbench.reports.records import Sketch, Table, Text
+from rollbench.reports.content import Sketch, Table, Text
 from rollbench.reports.sketch import FORCE, INK, WIDTH, _held, draw, faces
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -48,7 +48,7 @@ def test_no_slow_package_is_imported():
     """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial; names
     of scenes need no meshes and pictures, common units no pint, records of a report nothing that draws."""
     for code, heavy in (
-        ("import rollbench.reports.records", {"matplotlib", "pyvista", "vtk", "jinja2"}),
+        ("import rollbench.reports.content", {"matplotlib", "pyvista", "vtk", "jinja2"}),
         ("import rollbench.comparison.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
         ("import rollbench.comparison.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
         ("import rollbench.comparison.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),

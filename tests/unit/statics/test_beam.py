@@ -10,7 +10,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import element_stiffness
 from rollbench.lowfi.statics.kernel import banded, beam, newton
-from rollbench.lowfi.statics.records import BeamArrays
+from rollbench.lowfi.statics.kernel_types import BeamArrays
 from rollbench.lowfi.statics.shape import motions_at, pivots, rigid_transport, shape_polynomials
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.partition import beam_nodes, contact_stations, fixed_partition

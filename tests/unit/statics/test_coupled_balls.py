@@ -6,7 +6,7 @@ from tests.helpers import relative
 
 from rollbench.lowfi.compliance import modes as compliance_modes
 from rollbench.lowfi.statics.kernel import elastic as kernels
-from rollbench.lowfi.statics.records import BallRows, Bodies
+from rollbench.lowfi.statics.kernel_types import BallRows, Bodies
 
 
 def body(rng, n, soft=(3000.0, 40.0, 2.0)):

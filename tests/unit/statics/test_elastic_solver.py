@@ -15,9 +15,9 @@ from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, gro
 from rollbench.lowfi.statics import elastic_system as model
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
 from rollbench.lowfi.statics.kernel import elastic_balls
+from rollbench.lowfi.statics.kernel_types import BodyState
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build
-from rollbench.lowfi.statics.records import BodyState
 from rollbench.lowfi.statics.response import LENT, positive
 from rollbench.lowfi.statics.shaft import flank_motions_by_loads, flank_response, node_motions, shaft_of
 from rollbench.lowfi.statics.static import pin, solve_static

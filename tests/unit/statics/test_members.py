@@ -7,8 +7,8 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
 from rollbench.lowfi.statics.problem import build
-from rollbench.lowfi.statics.records import MemberArrays, MemberStates
 from rollbench.lowfi.statics.static import prepare
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout

@@ -9,7 +9,7 @@ from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingre
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.as_source.static import element_stiffness
 from rollbench.lowfi.statics.kernel import newton
-from rollbench.lowfi.statics.records import Slopes
+from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.lowfi.statics.shape import shape_polynomials
 from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import SIDES, BallErrors

@@ -3,8 +3,8 @@
 from rollbench.comparison.wings.sweep.figures import figures, of_summary
 from rollbench.comparison.wings.sweep.keys import read_vary
 from rollbench.comparison.wings.sweep.section import short, stored
+from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import draw, drawing
-from rollbench.reports.records import Figure, Panel, Series
 
 FOUND = stored()
 KEYS = read_vary(FOUND["vary"])

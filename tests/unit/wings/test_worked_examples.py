@@ -49,7 +49,7 @@ def table_1(sheet, study):
     "compare/sources/acme/section.py": '''
 from EVIDENCE.registry import evidence
 from EVIDENCE.sections.finding_table import printed_table
-from rollbench.reports.records import Section
+from rollbench.reports.content import Section
 def section(study, step):
     """Section of the report."""
     return Section("acme", "Acme (1901)", (printed_table("acme-1", "Table 1", evidence(study, "acme-1")),))

@@ -23,7 +23,7 @@ from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Quantity, Row
+from rollbench.reports.content import Quantity, Row
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
 ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force

@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.screw.run import Run, RunSummary, equal_steps, sum
 from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
 from rollbench.lowfi.friction.whole.onset import Onset, contact_onset
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Quantity, Row
+from rollbench.reports.content import Quantity, Row
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
 THETA = {name: degrees(source_cases.deviation(name)) for name in source_cases.PAIR_SCENES}

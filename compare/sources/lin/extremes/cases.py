@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Quantity, Row
+from rollbench.reports.content import Quantity, Row
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import asdict
 
 from rollbench.comparison.sources.lin.extremes.cases import ball_rows, chain_rows
 from rollbench.comparison.sources.lin.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
-from rollbench.reports.records import Cell, Quantity, Table, Text
+from rollbench.reports.content import Cell, Quantity, Table, Text
 
 
 def rows() -> list[Record]:

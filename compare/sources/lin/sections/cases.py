@@ -15,7 +15,7 @@ from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 
 
 def reference_words(study: Study, name: str) -> str:

@@ -14,7 +14,7 @@ from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.comparison.wings.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Figure, Quantity, Row, Section, Series, Table
+from rollbench.reports.content import Figure, Quantity, Row, Section, Series, Table
 
 
 def band(label: str, ensemble: EnsembleResult, side: int) -> Series:

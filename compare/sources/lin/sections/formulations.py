@@ -8,7 +8,7 @@ from typing import Literal
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.lowfi.as_source.static import best_start
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 SCENES = (
     "lin-case1",

@@ -30,7 +30,7 @@ from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, sweep
 from rollbench.lowfi.friction.linear.pair import BothModels, PairMaps, maps
-from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 

@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, deviation, summarise
 from rollbench.lowfi.friction.screw.travel import History
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text
 
 #: Axial force [N] of Table 3.7.
 LOAD = 50.0

@@ -13,7 +13,7 @@ from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 
 def _fault(f: Evidence) -> float | None:

@@ -15,7 +15,7 @@ from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 
 def equivalent_errors(scene: Scene) -> Panel:

@@ -30,7 +30,7 @@ from rollbench.comparison.wings.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.kinds import KindScene

@@ -13,7 +13,7 @@ from rollbench.comparison.sources.lin.evidence.steering import RACK, REACH, SCRE
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 ABOUT = (
     "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "

@@ -10,8 +10,8 @@ from math import pi, prod, radians
 import numpy as np
 
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.from_keys import touching_angle
 from rollbench.comparison.scenes.like import BEYOND, STOCK, WALL
-from rollbench.comparison.scenes.records import touching_angle
 from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
 from rollbench.comparison.sources.makers.tables import Table, half_step, table, tables
 from rollbench.lowfi.rating.life import rating

@@ -25,7 +25,7 @@ from rollbench.comparison.wings.bench.costs.kept import (
     today,
 )
 from rollbench.comparison.wings.bench.sections.reference_time import TimePoint, all_points
-from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 #: How a report names its own numbers.
 NOW = "this report"

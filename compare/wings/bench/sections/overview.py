@@ -19,7 +19,7 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.u_val import rows_of
 from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
 
 QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
 TITLE = "Error against run time of every model and mesh"

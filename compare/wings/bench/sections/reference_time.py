@@ -36,7 +36,7 @@ from rollbench.comparison.wings.bench.costs.kept import (
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 
 Step = Callable[[str], None]
 #: Lower edge of the figures [% of the mean load].

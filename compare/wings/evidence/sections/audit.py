@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, audit, counts, left_out, misprints, trust
-from rollbench.reports.records import Quantity, Section, Table, Text
+from rollbench.reports.content import Quantity, Section, Table, Text
 
 
 def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.record import Evidence, sentences
-from rollbench.reports.records import Cell, Quantity, Table
+from rollbench.reports.content import Cell, Quantity, Table
 
 #: Remarks that more rows than this share are numbered and stand once, in the note.
 SHARED = 2

@@ -9,7 +9,7 @@ from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
-from rollbench.reports.records import Cell, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 
 
 def assumptions(study: Study) -> list[dict[str, Cell]]:

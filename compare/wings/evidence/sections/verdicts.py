@@ -10,7 +10,7 @@ from rollbench.comparison.printed.printed_data import KINDS
 from rollbench.comparison.wings.evidence.audit import VERDICTS, Audited, audit
 from rollbench.comparison.wings.evidence.audit import counts as audited_counts
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
-from rollbench.reports.records import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 PLURALS = {"computed number": "computed numbers", "claim in words": "claims in words"}
 #: What was inferred from printed results, and from which.

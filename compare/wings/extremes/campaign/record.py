@@ -12,7 +12,7 @@ from rollbench.comparison import __version__
 from rollbench.comparison.errors import one_line
 from rollbench.comparison.wings.extremes.campaign import files, scenes
 from rollbench.comparison.wings.extremes.campaign.scenes import Campaign, Part, Progress
-from rollbench.reports.records import Row
+from rollbench.reports.content import Row
 
 Record = dict[str, Any]
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.from_keys import touching_angle
 from rollbench.comparison.scenes.like import LOAD, values_like
-from rollbench.comparison.scenes.records import touching_angle
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.helix import ball_layout
 

@@ -1,7 +1,7 @@
 """Banded linear systems by elimination with row exchange: friction between balls makes a matrix unsymmetric and, beyond a
 fold, indefinite."""
 
-from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.jit import kernel
 
 

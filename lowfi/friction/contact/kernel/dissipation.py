@@ -2,7 +2,7 @@
 
 from math import copysign, sqrt
 
-from rollbench.lowfi.friction.contact.records import Array, DissipationTerms
+from rollbench.lowfi.friction.contact.kernel_types import Array, DissipationTerms
 from rollbench.lowfi.jit import kernel
 
 from .confocal import coordinate, far, near

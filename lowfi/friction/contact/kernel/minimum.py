@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.jit import kernel
 
 from .dissipation import dissipation

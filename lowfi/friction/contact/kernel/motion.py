@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.jit import kernel
 
 from .dissipation import dissipation

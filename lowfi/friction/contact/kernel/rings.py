@@ -7,7 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import Array, CellArrays, CellState
+from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays, CellState
 from rollbench.lowfi.jit import kernel
 
 #: Contacts 0 and 1 of a ball are on the inner body, 2 and 3 on the outer one.

@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing
+from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing
 from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))

@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
+from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
 from .equations import copied, rebuild, reopen, restore, solve_banded

@@ -9,7 +9,7 @@ from math import exp, log, sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
+from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
 from .equations import assemble, copied, restore, shift, solve_banded

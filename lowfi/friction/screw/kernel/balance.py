@@ -4,8 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import Array
-from rollbench.lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
+from rollbench.lowfi.friction.contact.kernel_types import Array
+from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, GrooveArrays
 from rollbench.lowfi.jit import kernel
 
 from .contacts import evaluate, rubbing, solve_with_pivots

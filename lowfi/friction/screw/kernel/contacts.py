@@ -4,8 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.records import Array
-from rollbench.lowfi.friction.screw.records import BallArrays, GrooveArrays
+from rollbench.lowfi.friction.contact.kernel_types import Array
+from rollbench.lowfi.friction.screw.kernel_types import BallArrays, GrooveArrays
 from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are

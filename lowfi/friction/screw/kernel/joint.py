@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.screw.records import JointMatrix, JointSystem, Place
+from rollbench.lowfi.friction.screw.kernel_types import JointMatrix, JointSystem, Place
 from rollbench.lowfi.jit import kernel
 
 from .balance import REACH, couple, opening, room

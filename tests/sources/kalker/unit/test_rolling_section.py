@@ -18,8 +18,8 @@ from rollbench.comparison.wings.rolling.body_sizes import FILE, NAMES, SCENES, K
 from rollbench.comparison.wings.rolling.changes import Change, Series, changes, from_rest
 from rollbench.comparison.wings.rolling.rows import KNOWN
 from rollbench.comparison.wings.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
+from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_map
-from rollbench.reports.records import PressureMap, Text
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {"lin-pair-a": 4.0651, "lin-pair-b": 0.0, "lin-screw-pair-a": 0.98316, "lin-screw-pair-b": 1.29143}

@@ -23,7 +23,7 @@ from rollbench.comparison.sources.lin.sections import friction_screw
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
-from rollbench.reports.records import Section, Text
+from rollbench.reports.content import Section, Text
 
 pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
 

@@ -14,7 +14,7 @@ from rollbench.comparison.sources.lin.sections import friction
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.notes import assumptions
-from rollbench.reports.records import Section
+from rollbench.reports.content import Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -7,8 +7,8 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.evidence import steering as gear
 from rollbench.comparison.sources.lin.evidence.steering import REACH, at_angle, rack, ratios
 from rollbench.comparison.sources.lin.sections import steering
+from rollbench.reports.content import Table
 from rollbench.reports.figures import draw
-from rollbench.reports.records import Table
 
 SCENE = catalogue.scene("lin-nominal-4p1")
 

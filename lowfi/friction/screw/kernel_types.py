@@ -6,7 +6,7 @@ y3 along the path, z3 along the binormal of a groove's section.
 
 from typing import NamedTuple
 
-from rollbench.lowfi.friction.contact.records import Array, CellArrays
+from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 
 
 class GrooveArrays(NamedTuple):
