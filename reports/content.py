@@ -16,7 +16,7 @@ Numbers = Sequence[float] | NDArray[np.float64]
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
-#: A row of a table: values by what they are; a word alone is the heading of a column of texts.
+#: A row of a table: values by what they are; a bare word is the heading of a column of texts.
 Row = dict[Quantity | str, Cell]
 
 

@@ -256,7 +256,7 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     if len(rows) < len(table.rows):
         remarks.append(f"{len(rows)} of {len(table.rows)} rows; the CSV has all.")
     if len(shown) < len(columns):
-        remarks.append(f"In the CSV alone: {', '.join(c.label for c in columns if c not in shown)}.")
+        remarks.append(f"Only in the CSV: {', '.join(c.label for c in columns if c not in shown)}.")
     note = "\n".join(filter(None, [table.note, *remarks]))
     return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, "whole": whole}
 

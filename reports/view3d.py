@@ -161,7 +161,7 @@ def _export(picture: LoadedScrew, path: str) -> None:
     plotter = pyvista.Plotter(off_screen=True, window_size=(800, 600))
     middle = np.array([0.0, 0.0, picture.scene.nut.position * 1e3])  # the viewer's light shines towards the origin
     for mesh, colour in scene3d.bodies(picture, COARSE):
-        faces = pyvista.PolyData(mesh.points - middle, mesh.faces)  # without lines, which would take the colour alone
+        faces = pyvista.PolyData(mesh.points - middle, mesh.faces)  # without lines, or only these would take the colour
         smooth = faces.compute_normals(feature_angle=SMOOTH, split_vertices=True, cell_normals=False)
         plotter.add_mesh(smooth, color=colour)
     extent = 1e3 * max(picture.scene.nut.outer_diameter, picture.scene.nut.length)

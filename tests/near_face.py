@@ -1,6 +1,6 @@
 """What the mesh levels leave out of a nut's compliance beside a free face, from nuts of six balls solved alone.
 
-``python -m tests.near_face`` writes it anew (six minutes of one core): ``compare/references/near_face.json``.
+``python -m tests.near_face`` writes it again (six minutes of one core): ``compare/references/near_face.json``.
 """
 
 import json

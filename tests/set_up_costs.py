@@ -1,6 +1,6 @@
 """Where the processor time of a level of a new screw goes, and what cheaper set-ups would do to its loads.
 
-``python -m tests.set_up_costs`` measures it anew (five minutes of one quiet core) and writes
+``python -m tests.set_up_costs`` measures it again (five minutes of one quiet core) and writes
 ``compare/references/set_up_costs.json``, which the report's tables on cold levels are made of.
 """
 

@@ -247,7 +247,7 @@ def report(
 
     only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``);
     reference: of a page, your own in place of the 3D reference.
-    ``["passed"]`` of the result is False where a run of the reference that was computed anew does not agree with the stored
+    ``["passed"]`` of the result is False where a run of the reference that was recomputed does not agree with the stored
     one. Raises InputError, Refusal where the scene does not solve.
     """
     folder = Path(out)

@@ -75,7 +75,7 @@ def _show(parts: Iterable[Any], *, folded: bool) -> None:
 
 
 def _show_table(table: Any, terminal: bool) -> None:
-    """A table of rich, which texts alone do not load."""
+    """A table of rich, which texts do not load."""
     from rich.console import Console
 
     from rollbench.comparison.commands.wrapping import fitted, unbroken

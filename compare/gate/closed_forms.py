@@ -71,7 +71,7 @@ def rigid_axial(scene: Scene) -> tuple[float, float]:
 
 
 def cantilever(scene: Scene) -> tuple[float, float]:
-    """Tip deflection of the scene's shaft alone as a cantilever under 1 N, computed and in closed form [m].
+    """Tip deflection of only the scene's shaft as a cantilever under 1 N, computed and in closed form [m].
 
     Closed form: L^3/(3 E I) + L/(kappa G A) (Timoshenko), the ball contacts being left without load by clearance.
     """

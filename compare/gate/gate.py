@@ -66,7 +66,7 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
 def error_row(
     name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
 ) -> GateRow:
-    """Row of an error alone; bar: the reference's uncertainty, both in per cent."""
+    """Row with only an error; bar: the reference's uncertainty, both in per cent."""
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 

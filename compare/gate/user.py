@@ -164,7 +164,7 @@ def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
 
 
 def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: Asked) -> list[Verdict]:
-    """Verdicts by a user's own reference, with what ours says beside the first, where it is stored."""
+    """Verdicts by a user's own reference, with what the stored 3D reference says beside the first."""
     ours = stored_beside(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
@@ -347,7 +347,7 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
 
 
 def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
-    """Compute what is missing; by scene, why it has no reference. A refusal leaves the other geometries alone."""
+    """Compute what is missing; by scene, why it has no reference. A refusal does not stop the other geometries."""
     why: dict[str, str] = {}
     for group in groups(scenes):
         for levels, lacking in _missing(group, request).items():

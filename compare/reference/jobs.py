@@ -108,7 +108,7 @@ def perform(
 ) -> tuple[list[Run], CondensedBodies | None]:
     """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
 
-    The record of peak memory starts anew, so that every run has its own. step: hears of every stage, by ``progress``.
+    The record of peak memory starts again, so that every run has its own. step: hears of every stage, by ``progress``.
     """
     reset_peak()
     start, progress = perf_counter(), progress or Progress(task)

@@ -40,7 +40,7 @@ def with_material(table: Any) -> Any:
 
 
 def with_radius(table: Any, radius: str, diameter: str) -> Any:
-    """A raw table with a radius in place of a diameter that is given alone.
+    """A raw table with a radius in place of a diameter that is given without one.
 
     Halving a binary number is exact: the radius is the one that its own text would give. A diameter that cannot be read is
     refused under its own name, so that any radius will do.

@@ -272,7 +272,7 @@ class FrictionKeys(keys.Table):
         "coefficient from ball to ball, where it is not the larger one of the grooves", None
     )
     feedback: bool = key(
-        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+        "whether friction moves each ball across its grooves, at the axial load it carries, or does not change the loads",
         Friction.feedback,
         False,
     )

@@ -1,7 +1,7 @@
 """Whether bars of discretisation hold what a finer level finds: every scene by what its own coarser levels and all other
 scenes tell.
 
-A scene's experience (`compare.reference.grid_parts`) is taken anew without it and without the scenes of its parts. Drawn
+A scene's experience (`compare.reference.grid_parts`) is taken again without it and without the scenes of its parts. Drawn
 screws (chosen and computed by ``tests/judging_levels.py``), and levels beyond those that are studied, are kept as loads
 alone: they judge, and are nobody's reference.
 """
@@ -122,7 +122,7 @@ def coverage(study: Study) -> list[Held]:
 
 
 def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
-    """Every compared scene that has these levels and a finer one, by these alone, against its finest."""
+    """Every compared scene that has these levels and a finer one, by these only, against its finest."""
     return _judged(study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else [])
 
 

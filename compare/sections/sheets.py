@@ -110,7 +110,7 @@ def trust(reference: Reference, bounds: Validated) -> str:
 
 def results(study: Study, scene: Scene, reference: Reference, judged: Judged) -> Table:
     """The quantities of a sheet: reference, models, their errors, verdict on the default model. Of all contact loads it
-    has the errors alone, as the worst contact is another one in each model."""
+    has only the errors, as the worst contact is another one in each model."""
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
     rows: list[Row] = []

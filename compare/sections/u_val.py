@@ -58,7 +58,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
     note = (
         f"Of {CONTACTS}: the contact with the largest error, in per cent of the mean load; other quantities "
         "in per cent of the reference's value. Input tolerances are assumed: "
-        f"{'; '.join(x.name for x in INPUTS)}; each is varied alone, with the model lin. Choices were "
+        f"{'; '.join(x.name for x in INPUTS)}; each is varied by itself, with the model lin. Choices were "
         "varied on two scenes; where the last column names another scene, its largest effect is used. As in "
         "ASME V&V 20, the parts are combined by the root of the sum of squares; nothing is deducted from an "
         "error."

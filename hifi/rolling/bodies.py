@@ -217,6 +217,6 @@ def _anew(call: partial[Any]) -> tuple[Any, float]:
 
 
 def forget_kernels() -> None:
-    """Let the next contact mesh its bodies anew."""
+    """Let the next contact mesh its bodies again."""
     _kernel.cache_clear()
     _KEPT.clear()

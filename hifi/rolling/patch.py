@@ -44,7 +44,7 @@ def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
 
 
 def _log_sum(x: Array, y: Array) -> Array:
-    """x ln(y + R) up to a function of x alone, without cancellation for y < 0; its limit 0 at x = 0."""
+    """x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 

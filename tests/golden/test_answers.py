@@ -1,7 +1,7 @@
 """All numbers that commands answer for shipped scenes of every kind: they guard against change, as those beside them.
 
 Of the numbers of one name in an answer, whatever list they stand in, their count and two weighted means are kept. Whoever
-changes them on purpose writes them anew with ``python -m tests.golden.test_answers`` and says why in the commit.
+changes them on purpose writes them again with ``python -m tests.golden.test_answers`` and says why in the commit.
 """
 
 import contextlib

@@ -1,7 +1,7 @@
 """Constants of all modules of physics, and defaults of their records and functions: thresholds, sizes of meshes and bounds
 that no answer shows at once, of wings (as `rollbench.lowfi.friction`) too. They guard against change, as those beside them.
 
-Whoever changes them on purpose writes them anew with ``python -m tests.golden.test_constants`` and says why in the commit.
+Whoever changes them on purpose writes them again with ``python -m tests.golden.test_constants`` and says why in the commit.
 """
 
 import json

@@ -2,7 +2,7 @@
 
 Of each scene a row is kept: how it ended in words, and of each name in its results a weighted mean. A number is kept only
 where a modulus that differs by `SHIFT` hardly moves it, so that no round-off is. Whoever changes them on purpose writes
-them anew with ``python -m tests.golden.test_drawn [MAKER ...]`` and says why in the commit.
+them again with ``python -m tests.golden.test_drawn [MAKER ...]`` and says why in the commit.
 """
 
 import contextlib

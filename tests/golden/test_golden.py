@@ -1,6 +1,6 @@
 """Golden values guard against change, not against error: they were written by the code they test.
 
-Whoever changes the model on purpose writes them anew with ``python -m tests.golden.test_golden`` from the repository's
+Whoever changes the model on purpose writes them again with ``python -m tests.golden.test_golden`` from the repository's
 root and says why in the commit. Correctness is the business of the closed forms, literature and property tests.
 """
 

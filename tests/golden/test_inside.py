@@ -3,7 +3,7 @@
 The functions of the low-order models, the 3D reference and comparisons are watched in a process of its own, with empty
 caches and kernels as plain Python. One number is kept for each: a sum over its first calls, of all that it returns and of
 what it was given, as it leaves that. What round-off moves is left out, found by moduli that differ by `SHIFT`.
-A function that is gone is no fault. Whoever changes numbers on purpose writes them anew with
+A function that is gone is no fault. Whoever changes numbers on purpose writes them again with
 ``python -m tests.golden.test_inside [GROUP ...]`` and says why in the commit.
 """
 
@@ -50,7 +50,7 @@ MESHED = re.compile(
     r"meshes/(?!parts|errors|helix|surface|section|partition|roots|one_arc|near)|gmsh|side_by_side|threads|meshing/"
 )
 ENDED = ("late", "MemoryError", "RecursionError")
-#: How many functions may be gone before the record has to be made anew.
+#: How many functions may be gone before the record has to be made again.
 GONE = 0.1
 #: One processor for all machines: what linear algebra, numpy and the C library's functions choose by it is fixed.
 ONE_PROCESSOR = {

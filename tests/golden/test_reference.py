@@ -1,6 +1,6 @@
 """Numbers of the 3D models on their smallest scenes, part by part: they guard against change, as those beside them.
 
-Whoever changes them on purpose writes them anew with ``python -m tests.golden.test_reference`` and says why in the commit.
+Whoever changes them on purpose writes them again with ``python -m tests.golden.test_reference`` and says why in the commit.
 """
 
 import json

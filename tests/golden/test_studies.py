@@ -1,7 +1,7 @@
 """Numbers that comparisons rest on, of stored 3D runs and of a screw that differs on every flank: a guard against change,
 as those beside them.
 
-All fields and properties of the records are kept, printed or not. Whoever changes them on purpose writes them anew with
+All fields and properties of the records are kept, printed or not. Whoever changes them on purpose writes them again with
 ``python -m tests.golden.test_studies`` and says why in the commit.
 """
 

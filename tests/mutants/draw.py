@@ -32,7 +32,7 @@ from tests.mutants.run import ROOT, copied, passes, pytest
 #: Share of the mutants that the tests are to kill.
 GOAL = 0.95
 RECORD = Path(__file__).parent / "drawn.json"
-#: Seconds of tests after which a mutant has made them endless; where all kernels are compiled anew; of kernels as Python.
+#: Seconds of tests after which a mutant has made them endless; where all kernels are compiled again; of kernels as Python.
 PATIENCE, COMPILING, PLAIN = 900.0, 3600.0, 120.0
 #: Environment variable of the folder of machine code, see `lowfi.jit`.
 CODE = "NUMBA_CACHE_DIR"

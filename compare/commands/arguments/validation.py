@@ -88,8 +88,8 @@ def report(
 ) -> int:
     """Regenerate the validation report: HTML, its tables as CSV, its figures as SVG; with a scene: one page on it.
 
-    Shipped runs of the 3D reference are used; one is computed anew, and the agreement printed. What cannot be made on this
-    machine is left out and named at the end, with what to install. Exit code 1 where the run computed anew does not agree.
+    Shipped runs of the 3D reference are used; one is recomputed, and the agreement printed. What cannot be made on this
+    machine is left out and named at the end, with what to install. Exit code 1 where the run recomputed does not agree.
     The page of a scene carries the answers, the error to expect or measured, assumptions, and the hashes of all that it
     rests on; see rollbench verify.
 
@@ -100,7 +100,7 @@ def report(
         runs are stored; none is computed.
     only
         Names of the sections to make; all but the costly ones unless given. With timing the models' run times are measured
-        anew and kept in --store: reference timing.
+        again and kept in --store: reference timing.
     out
         Folder to write to.
     quick
@@ -280,7 +280,7 @@ def check(
 def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) -> None:
     """Print what makes a shell complete commands and options, or install it.
 
-    For this session alone: eval "$(rollbench completion bash)".
+    For this session only: eval "$(rollbench completion bash)".
 
     Parameters
     ----------

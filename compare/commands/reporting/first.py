@@ -1,4 +1,4 @@
-"""The first report of a machine: what it leaves out and what brings that back, and one shipped run computed anew."""
+"""The first report of a machine: what it leaves out and what brings that back, and one shipped run recomputed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from rollbench.reports.offscreen import fault as drawing_fault
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability", "timing"})
-#: Scene and level of the shipped run that is computed anew: a quarter of a minute on one core.
+#: Scene and level of the shipped run that is recomputed: a quarter of a minute on one core.
 CHECKED, LEVEL = "unseen-four-point", 1
 #: Largest difference [% of the mean load] that another processor's round-off explains.
 AGREES = 1e-3
@@ -77,7 +77,7 @@ def lacking(sections: Iterable[Section]) -> list[LeftOut]:
 
 @dataclass(frozen=True)
 class LiveCheck:
-    """A shipped run computed anew: scene, level, largest difference of a contact load [% of the mean load], seconds."""
+    """A shipped run recomputed: scene, level, largest difference of a contact load [% of the mean load], seconds."""
 
     scene: str
     level: int
@@ -93,13 +93,13 @@ class LiveCheck:
         """What was computed, and whether it agrees."""
         verdict = "agrees" if self.agrees else "DOES NOT AGREE"
         return (
-            f"{self.scene}, level {self.level}, computed anew in {self.seconds:.0f} s, {verdict} with the "
+            f"{self.scene}, level {self.level}, recomputed in {self.seconds:.0f} s, {verdict} with the "
             f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
         )
 
 
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
-    """Compute one stored run anew, without any cache; None where no store has it under this machine's key."""
+    """Recompute one stored run, without any cache; None where no store has it under this machine's key."""
     scene = catalogue.scene(CHECKED)
     stored = load(scene, LEVEL, stores=stores)
     if stored is None:

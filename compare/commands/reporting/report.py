@@ -158,7 +158,7 @@ def make_report(
     quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
     store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
     holds them; everything: the costly sections too, and the present version is added to the history in ``store``; against:
-    an earlier report, to list what moved. The models' run times are those kept, measured anew with ``fresh`` and where the
+    an earlier report, to list what moved. The models' run times are those kept, measured again with ``fresh`` and where the
     section of run times is named. Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
@@ -189,7 +189,7 @@ def make_report(
             compute_references(study, engine, progress.step, fresh=fresh)
     checked = None
     if checking:
-        progress.section("one shipped run computed anew")
+        progress.section("one shipped run recomputed")
         checked = live_check((shipped_store(),), progress.step)
     sections = make_sections(wanted, progress.section, progress.step, study)
     progress.section("drawing and writing")

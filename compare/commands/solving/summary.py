@@ -82,7 +82,7 @@ STARTING = (
     quantity("equivalent_load_N"),
     quantity("static_rating_N", "rating"),
 )
-#: Groups of answers that contact loads alone give.
+#: Groups of answers that contact loads give by themselves.
 GROUPS = {"worst_contact": CONTACT, "truncation": TRUNCATION, "static_safety": STATIC_SAFETY, "life": LIFE}
 
 

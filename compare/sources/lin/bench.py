@@ -220,7 +220,7 @@ def run_jobs(repeats: int) -> Iterator[FrictionJob]:
 
 
 def whole_jobs(repeats: int) -> Iterator[FrictionJob]:
-    """Friction of a shipped scene: its balls' motions after their loads, and a run in time with loads solved anew."""
+    """Friction of a shipped scene: its balls' motions after their loads, and a run in time with loads solved again."""
     scene, friction, drive = scene_of(WHOLE_SCENE), Friction(0.1, 0.1), Drive(2.0 * np.pi)
     at = contacts_of(scene, solve_static(scene, engine="compiled"))
     seconds = timed(lambda: ball_friction(scene, at, friction, drive, fast=True), 4 * repeats)

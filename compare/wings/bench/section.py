@@ -84,8 +84,8 @@ def by_members(counts: Sequence[int] = MEMBERS) -> dict[str, Points]:
 
 
 def growth(study: Study) -> tuple[Mapping[str, Mapping[str, Sequence[Sequence[float]]]], str]:
-    """Points by what grows and by model, and a sentence on where and when they were measured: those kept, measured anew and
-    kept in the first store where the study is timed or none are."""
+    """Points by what grows and by model, and a sentence on where and when they were measured: those kept, measured again
+    and kept in the first store where the study is timed or none are."""
     if study.quick:
         few = [n for n in MEMBERS if n <= FEW]
         return {"balls": by_balls(BALLS[:4]), "members": by_members(few)}, "Measured for this report."

@@ -73,7 +73,7 @@ def computed(one: Problem) -> tuple[dict[str, Contact], dict[str, Any]]:
         for i, s in np.ndindex(ref.load.shape):
             values = {name: float(x[i, s]) for name, x in beside.items()} if ref.load[i, s] > 0.0 else {}
             out[f"{first + i + 1} {SIDES[s]}"] = Contact(float(ref.load[i, s]), float(uncertainty[i, s]), values)
-    # a run of several sets goes by its first: a file's name rests on its settings alone
+    # a run of several sets goes by its first: a file's name rests only on its settings
     files = [path_in(Path(), described, run).name for run in found[0].found.runs]
     return out, {"problem": key_of(described), "runs": files}
 
@@ -124,7 +124,7 @@ def shipped() -> Mapping[str, Answers]:
     keys = json.loads((HERE / KEYS).read_text(encoding="utf-8"))
     for name, one in PROBLEMS.items():
         if keys.get(name, {}).get("problem") != key_of(one.described):
-            advice = "make them anew: rollbench benchmark compute"
+            advice = "make them again: rollbench benchmark compute"
             raise InputError(NAME, name, "answers of another state of the problem", "those of this state", advice)
     out: dict[str, dict[str, Contact]] = {name: {} for name in PROBLEMS}
     for row in _rows(HERE / FILE):

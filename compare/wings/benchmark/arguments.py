@@ -24,7 +24,7 @@ def benchmark(
 
     export DIR writes the problems (scenes and plain JSON), the answers and the page that explains them. score FILE.csv
     judges loads, and angles, approaches and pressures where they are given: exit code 0 where all pass, 1 where a contact
-    is missing or beyond its tolerance. compute makes the answers anew from the 3D reference; runs that are not stored are
+    is missing or beyond its tolerance. compute makes the answers again from the 3D reference; runs that are not stored are
     computed.
 
     Parameters

@@ -56,7 +56,7 @@ def stored(folder: Path, scene: Scene) -> CrossData:
     if found is None:
         raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: --run")
     if found.key != scene_key(scene.name):
-        wanted = "results of this scene", "solve it anew: --run"
+        wanted = "results of this scene", "solve it again: --run"
         raise InputError(scene.name, "crosscheck", "results of another scene", *wanted)
     return found
 

@@ -20,7 +20,7 @@ ABOUT = (
     "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "
     "tetrahedra, surface-to-surface contact by a linear pressure-overclosure law, balls free, oversize in the geometry. "
     "A deck is what "
-    "rollbench export SCENE --deck ccx writes; rollbench crosscheck SCENE --run solves them all anew. Shared with the "
+    "rollbench export SCENE --deck ccx writes; rollbench crosscheck SCENE --run solves them all again. Shared with the "
     "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
 )
 EXTRAPOLATED = (

@@ -42,7 +42,7 @@ def run_export(
     lengths in m.
 
     ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
-    screw or nut, on the body that is solved, with sockets; None: the mesh alone.
+    screw or nut, on the body that is solved, with sockets; None: only the mesh.
     form: vtu, msh, med or inp, by the suffix of ``out`` unless given, vtu without one; out: the file, which is replaced
     if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
     of the reference's meshes, None for none.

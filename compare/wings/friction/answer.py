@@ -208,7 +208,7 @@ def increase(loss: float, before: float, bound: float) -> float | None:
 
 
 def by_contact(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
-    """What contact between balls adds: losses [W] with it and apart, between the balls alone, and if all slid fully."""
+    """What contact between balls adds: losses [W] with it and apart, between the balls only, and if all slid fully."""
     return {
         "loss_apart_W": number(apart),
         "friction_increase_percent": increase(loss, apart, bound),

@@ -165,7 +165,7 @@ def mu_columns(kind: str) -> tuple[Column, ...]:
 
 
 def static_only(warnings: Sequence[Warned]) -> list[Warned]:
-    """Warnings without those of pressure and size, which are made anew: friction changes the loads."""
+    """Warnings without those of pressure and size, which are made again: friction changes the loads."""
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 

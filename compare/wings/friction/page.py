@@ -78,7 +78,7 @@ def _turn(scene: Scene, motion: Motion) -> Time:
 
 
 def _over_turn(run: Run) -> list[Panel]:
-    """Torque over the angle, with that of the grooves alone; none where the run did not begin."""
+    """Torque over the angle, with that of only the grooves; none where the run did not begin."""
     h = run.history
     if not h.begun:
         return []

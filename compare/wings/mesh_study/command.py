@@ -26,7 +26,7 @@ from rollbench.meshes.parts import Scene
 def run_mesh_study(
     names: Sequence[str], count: int | None, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
 ) -> Answer:
-    """Compute what is missing (fresh: everything anew), answer with the table, write it as CSV and SVG into the store.
+    """Compute what is missing (fresh: everything again), answer with the table, write it as CSV and SVG into the store.
 
     count: as for `levels_of`. Raises InputError for other levels, Refusal for a scene of which no run converged.
     """

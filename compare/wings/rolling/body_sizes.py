@@ -1,6 +1,6 @@
 """What the choices behind finite bodies do to two balls of a linear bearing and of a screw; kept with the package.
 
-The key is of all sources that the numbers come from, and of the scene; one choice is computed anew for each report and the
+The key is of all sources that the numbers come from, and of the scene; one choice is recomputed for each report and the
 agreement told.
 """
 
@@ -85,7 +85,7 @@ def body_sizes() -> tuple[Variant, ...]:
 
 #: File of a store that holds them.
 FILE = "body_sizes.json"
-#: Choice that is computed anew.
+#: Choice that is recomputed.
 LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
@@ -111,9 +111,9 @@ def sizes(stores: Sequence[Path], *, fresh: bool) -> KeptSizes:
             rows = ",\n ".join(json.dumps(asdict(one)) for one in found)
             replace_file(stores[0] / FILE, f'{{"key": "{key()}", "variants": [\n {rows}]}}\n')
         return KeptSizes(found, "Computed for this report.")
-    anew, then = variant(LIVE), next(one for one in kept if one.choice == LIVE)
-    off = max(abs(float(error_percent(anew.values[name], value))) for name, value in then.values.items())
-    return KeptSizes(kept, f'Kept with the package; "{LIVE}" computed anew differs by up to {off:.1g} %.')
+    again, then = variant(LIVE), next(one for one in kept if one.choice == LIVE)
+    off = max(abs(float(error_percent(again.values[name], value))) for name, value in then.values.items())
+    return KeptSizes(kept, f'Kept with the package; "{LIVE}" recomputed differs by up to {off:.1g} %.')
 
 
 def choices_share(straight: bool) -> float:

@@ -30,7 +30,7 @@ def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Seq
 def of_summary(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
-    """Those of the figures that a summary alone gives; ``called``: short names of the keys."""
+    """The figures that a summary gives by itself; ``called``: short names of the keys."""
     shown, left = _shown(keys, found)
     figures = [_effects(name, [keys[k] for k in shown], found, left, called), _worst(name, keys, found["worst"], called)]
     indices = _indices(name, keys, found["indices"], called)

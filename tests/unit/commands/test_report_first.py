@@ -1,4 +1,4 @@
-"""The first report: short, checked by one run computed anew, and made on a machine without gmsh too."""
+"""The first report: short, checked by one run recomputed, and made on a machine without gmsh too."""
 
 import re
 from dataclasses import replace
@@ -57,11 +57,11 @@ def test_without_gmsh_the_rolling_section_is_made_but_for_its_meshed_rows(monkey
 def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor, agrees, tmp_path) -> None:
     shipped = load(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
 
-    def anew(task, _):
+    def again(task, _):
         assert (task.scenes[0].name, task.level, task.cache) == (CHECKED, LEVEL, None)
         return [replace(shipped, load=factor * shipped.load)]
 
-    monkeypatch.setattr(report_first, "compute", anew)
+    monkeypatch.setattr(report_first, "compute", again)
     found = live_check((shipped_store(),), print)
     assert found.agrees is agrees
     largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()

@@ -226,7 +226,7 @@ def harmonic_rows(n, points, weights):
 
 @pytest.mark.parametrize("resultant", [True, False])
 def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
-    """Against the sum over both sets of every harmonic, of matrices made anew for motions and loads node by node."""
+    """Against the sum over both sets of every harmonic, of matrices made again for motions and loads node by node."""
     rng = np.random.default_rng(11)
     body = replace(smooth_body(geometry_only(catalogue.scene("lin-case1")), True, REFINED), harmonics=4)
     low, high = body.ends

@@ -70,7 +70,7 @@ def test_solved_on_the_active_pairs(block, dense, active, shape):
 
 
 def test_what_is_known_of_a_side_is_taken_over(block, dense):
-    """Sides whose pairs stay keep their very factor; what changes is as if factored anew, also sides that open or close. A
+    """Sides whose pairs stay keep their very factor; what changes is as if factored again, also sides that open or close. A
     factor does not follow later changes of the flags."""
     rhs = np.random.default_rng(4).standard_normal(16)
     all_pairs, some, without, _ = picks()

@@ -1,4 +1,4 @@
-"""Geometries that are kept between commands: off unless switched on, read where their file is whole, else made anew."""
+"""Geometries that are kept between commands: off unless switched on, read where their file is whole, else made again."""
 
 import pytest
 

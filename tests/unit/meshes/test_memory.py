@@ -10,7 +10,7 @@ import pytest
 from rollbench.meshes import memory
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started anew on Linux only")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started again on Linux only")
 def test_every_piece_of_work_has_its_own_peak() -> None:
     assert memory.reset_peak()
     before = memory.peak_MB()

@@ -45,7 +45,7 @@ def test_every_entry_is_in_the_stored_list_with_its_data():
     assert set(audit.stored()) == set(names)
     for name, row in names.items():
         digest, verdict = audit.stored()[name]
-        assert digest == audit.data_digest(row), f"{name}: its data changed; judge it anew: rollbench audit --write"
+        assert digest == audit.data_digest(row), f"{name}: its data changed; judge it again: rollbench audit --write"
         assert verdict in audit.VERDICTS
 
 

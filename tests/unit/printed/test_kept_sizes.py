@@ -1,4 +1,4 @@
-"""Finite bodies of other sizes: kept where the key of sources and scene holds, one computed anew."""
+"""Finite bodies of other sizes: kept where the key of sources and scene holds, one recomputed."""
 
 import json
 import math
@@ -31,7 +31,7 @@ def test_only_one_is_computed_where_they_are_kept(tmp_path, solved, monkeypatch)
     solved.clear()
     found = sizes([tmp_path / "none", tmp_path], fresh=False)
     assert (found.variants, solved) == (fresh.variants, [LIVE])
-    assert found.words == f'Kept with the package; "{LIVE}" computed anew differs by up to 0 %.'
+    assert found.words == f'Kept with the package; "{LIVE}" recomputed differs by up to 0 %.'
     monkeypatch.setattr(body_sizes, "variant", lambda choice: Variant(choice, dict.fromkeys(NAMES, 2.002)))
     assert "differs by up to 0.1 %" in sizes([tmp_path], fresh=False).words
 

@@ -36,7 +36,7 @@ def test_a_sample_is_measured_beside_the_kept_ones(monkeypatch):
     found = Cold(0.5, 0.1, 0.1, None, "interpreted", "converged")
     monkeypatch.setattr(kept_times, "measure", lambda *_, **__: found)
     said = kept_times.live("lin-case1", ("lin", "refined"), KEPT)
-    assert said == "measured anew for this report on lin-case1: lin 0.50 s (kept: 0.40 s)"
+    assert said == "measured again for this report on lin-case1: lin 0.50 s (kept: 0.40 s)"
 
 
 def test_ways_to_assemble_are_kept_ones_unless_the_study_is_timed(monkeypatch):

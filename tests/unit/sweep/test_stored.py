@@ -15,7 +15,7 @@ NAME = FOUND["scene"].removesuffix(".toml")
 
 def test_scene_is_that_of_the_study_and_worst_screw_what_the_model_gives_now():
     text, worst = catalogue.scene_text(NAME), FOUND["worst"][0]
-    assert FOUND["scene_hash"] == scene_file.scene_hash(text), f"compute it anew: {tolerances.command(FOUND)}"
+    assert FOUND["scene_hash"] == scene_file.scene_hash(text), f"compute it again: {tolerances.command(FOUND)}"
     again = solve_sample(text, FOUND["scene"], KEYS, worst["values"], FOUND["model"], "interpreted")
     assert (again["status"], again["at"]) == ("converged", worst["at"])
     assert again[MAIN] == pytest.approx(worst[MAIN], rel=1e-8)

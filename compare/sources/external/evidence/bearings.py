@@ -31,7 +31,7 @@ def _motion(found: AxisResult, station: float, freedom: str) -> float:
 
 
 def masta(sheet: Sheet, study: Study) -> None:
-    """Deep-groove bearing between rigid rings, the inner one free along each load alone."""
+    """Deep-groove bearing between rigid rings, the inner one free only along each load."""
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),

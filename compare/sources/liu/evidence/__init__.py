@@ -1,1 +1,4 @@
-"""Liu et al. (2025): our value beside every printed number and claim, with evidence. Printed data: ``printed/liu-*``."""
+"""Liu et al. (2025): the computed value beside every printed number and claim, with evidence.
+
+Printed data: ``printed/liu-*``.
+"""

@@ -1,1 +1,4 @@
-"""Smith (1994): our value beside every printed number and claim, with evidence. Printed data: ``printed/smith-*``."""
+"""Smith (1994): the computed value beside every printed number and claim, with evidence.
+
+Printed data: ``printed/smith-*``.
+"""

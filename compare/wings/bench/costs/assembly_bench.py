@@ -30,8 +30,8 @@ OURS, OWN_MAP, SIX, VECTOR = "ours", "ours, scikit-fem's map", "six scalar forms
 
 @dataclass(frozen=True)
 class AssemblyCost:
-    """CPU seconds of one way to assemble the stiffness of a mesh, and its largest difference from ours over the largest
-    entry."""
+    """CPU seconds of one way to assemble the stiffness of a mesh, and its largest difference from this project's matrix,
+    over the largest entry."""
 
     mesh: str
     cells: int
@@ -83,7 +83,7 @@ def vector_form(mesh: Mesh) -> sp.csc_matrix:
 
 
 def with_own_map(mesh: Mesh) -> sp.csc_matrix:
-    """Ours, with scikit-fem's isoparametric map in place of `CurvedMap`."""
+    """This project's assembly, with scikit-fem's isoparametric map in place of `CurvedMap`."""
     return assemble(elasticity(YOUNG, POISSON), mesh, mesh.mapping())
 
 

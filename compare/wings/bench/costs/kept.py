@@ -1,5 +1,5 @@
-"""What is measured once and kept in a store, so that a report need not start every process anew: run times of the low-order
-models, processor time of cold set-ups (as ``tests/set_up_costs.py`` measured it), and what each release reached.
+"""What is measured once and kept in a store, so that a report need not start every process again: run times of the
+low-order models, processor time of cold set-ups (as ``tests/set_up_costs.py`` measured it), and what each release reached.
 
 A timed report of a version that has no row among the releases yet adds it to its store. Rows of releases before that were
 read off the reports that these releases shipped; what they did not measure, or measured otherwise, is said or left empty.
@@ -156,7 +156,7 @@ def live(scene: str, models: Sequence[str], kept: Kept) -> str:
     """A sentence: cold times of some models on a scene measured now beside the kept ones."""
     known = {model: kept.times[scene, model].cold for model in models if (scene, model) in kept.times}
     words = [f"{m} {measure(scene, m, repeats=1).process:.2f} s (kept: {cold:.2f} s)" for m, cold in known.items()]
-    return f"measured anew for this report on {scene}: {', '.join(words)}"
+    return f"measured again for this report on {scene}: {', '.join(words)}"
 
 
 def load_costs(stores: Sequence[Path]) -> Costs | None:

@@ -1,6 +1,6 @@
-"""An independent judge of static results: from the printed numbers of a result and the scene alone.
+"""An independent judge of static results: only from the printed numbers of a result and the scene.
 
-It shares no code with the solvers: forces on every ball and on the screw are summed anew from loads, contact angles and
+It shares no code with the solvers: forces on every ball and on the screw are summed again from loads, contact angles and
 azimuths; a refusal is checked by a linear program of its own; the loads of a rigid screw by plain minimisation.
 """
 

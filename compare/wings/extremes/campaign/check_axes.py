@@ -1,4 +1,4 @@
-"""An independent judge of several sets on one shaft: from the numbers of a result and the scene alone.
+"""An independent judge of several sets on one shaft: only from the numbers of a result and the scene.
 
 It shares no code with the solvers. A state of the model lin is the answer where every ball is in balance, every contact
 carries what Hertz' law gives it by the motions that are told, and every node of the shaft and every housing is in balance:

@@ -98,7 +98,7 @@ def _housing(rng: np.random.Generator, name: str, length: float) -> str:
 
 
 def _held(rng: np.random.Generator, length: float) -> str:
-    """Supports of the shaft: mostly against turning alone."""
+    """Supports of the shaft: mostly only against turning."""
     held = ["rz"] if rng.random() < 0.6 else [f for f in FREEDOMS if rng.random() < 0.5]
     if not held:
         return ""

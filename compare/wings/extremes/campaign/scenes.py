@@ -118,7 +118,7 @@ class Campaign:
 
 
 class Part:
-    """A file beside that of the counts; it is begun anew where seed, model, version or sources are others."""
+    """A file beside that of the counts; it is begun again where seed, model, version or sources are others."""
 
     def __init__(self, path: Path, seed: int, model: str) -> None:
         """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
