@@ -14,7 +14,7 @@ from tests.sources.entries import found
 
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.lin import bench as friction_bench
-from rollbench.comparison.sources.lin.evidence import screw
+from rollbench.comparison.sources.lin.evidence import screw, screw_varied
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.comparison.sources.lin.extremes import cases, tally
 from rollbench.comparison.sources.lin.extremes import items as friction_stability
@@ -33,7 +33,7 @@ def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
+        patch.setattr(screw_varied, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
