@@ -1,3 +1,3 @@
 """Scenes, printed numbers, errors, gates and the command line: where models meet references."""
 
-__version__ = "0.14.1"
+__version__ = "0.14.2"
