@@ -19,7 +19,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test s
 #: Packages that the core does without: a module of tests that imports one of them, or a helper that does, is the wing's.
 WING = re.compile(
     r"^\s*(?:from|import) rollbench\."
-    r"(?:comparison\.(?:wings|sources)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling)\b",
+    r"(?:comparison\.(?:wings|sources)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling|meshes\.exchange)\b",
     re.MULTILINE,
 )
 HELPER = re.compile(r"^from (tests\.[\w.]+) import ", re.MULTILINE)

@@ -19,9 +19,9 @@ from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import contact_weights, mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra.solvers import compliance
+from rollbench.hifi.rolling.contact_bodies import ContactBody, Zone, half_space
 from rollbench.hifi.rolling.regular import monomials
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.contact_bodies import ContactBody, Zone, half_space
 from rollbench.meshes.fem import freedoms_on, moved, nodes_on, points_of
 
 
@@ -141,7 +141,7 @@ def beside(
 
     A zone that is wider by a share e answers a linear traction by 2 e to 3 e less: what its shape does is then in both
     answers, as far as the half space has it.
-    near: cells as in `meshes.contact_bodies.half_space`.
+    near: cells as in `hifi.rolling.contact_bodies.half_space`.
     """
     block = half_space(size, zone, near)
     cells = np.array(zone.cells)

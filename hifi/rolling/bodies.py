@@ -1,8 +1,8 @@
 """Kernels of finite bodies (`hifi.rolling.regular`) from finite elements: ball and groove.
 
 On rings and helices both are patches of the static reference in pieces of their bodies (`hifi.rolling.static_patches`); on
-straight tracks, which it has none of, a whole ball and a grooved bar (`meshes.contact_bodies`). A body's answers to smooth
-tractions on its contact zone, in all three directions, less those of a half space whose zone has the same nodes
+straight tracks, which it has none of, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A body's answers to
+smooth tractions on its contact zone, in all three directions, less those of a half space whose zone has the same nodes
 (`hifi.rolling.answers`): what the grid does to the singular part is in both.
 """
 
@@ -20,11 +20,11 @@ from rollbench.hifi.bodies.submodel import piece_compliance
 from rollbench.hifi.condensation.side_by_side import Job, make
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
+from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
 
 
 @dataclass(frozen=True)

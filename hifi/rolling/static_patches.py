@@ -3,7 +3,7 @@
 The patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring,
 nut or ball as `hifi.condensation.sides` cuts it; patch and piece are solved as one
 (`hifi.bodies.submodel.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
-(`meshes.contact_bodies.Zone`).
+(`hifi.rolling.contact_bodies.Zone`).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from rollbench.hifi.bodies.patch import Lines, PatchMesh, build_patch, graded, g
 from rollbench.hifi.bodies.submodel import Piece
 from rollbench.hifi.condensation.sides import BEYOND
 from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.rolling.contact_bodies import Zone
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
-from rollbench.meshes.contact_bodies import Zone
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body

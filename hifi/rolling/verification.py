@@ -18,13 +18,13 @@ from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.rolling.answers import half_space_answer, tractions
 from rollbench.hifi.rolling.balls import RollingResult, quadrature
 from rollbench.hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
+from rollbench.hifi.rolling.contact_bodies import Zone, half_space
 from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, motion_rows
 from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, influence, press, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.contact_bodies import Zone, half_space
 
 #: Length over half width of the strip that stands for a cylinder.
 LONG = 1e4

@@ -69,7 +69,7 @@ SINGLE = (
 )
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
-    r"__init__|jit|leftovers|libraries|private|packed|cache|workers|memory|canonical|frozen|bridge|records|store|sealing|jobs"
+    r"__init__|jit|leftovers|libraries|private|packed|cache|workers|memory|canonical|frozen|mesh_files|kernel_types|store|sealing|jobs"
     r"|parallel|side_by_side|publish|loads_file|names|registry"
 )
 _SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "<": ">=", ">": "<=", "<=": ">", ">=": "<", "==": "!=", "!=": "=="}

@@ -20,7 +20,7 @@ from rollbench.comparison.wings.benchmark.problems import HERE, JUNCTION, NAME, 
 from rollbench.comparison.wings.export.command import BODIES, part_mesh
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.bridge import write_mesh
+from rollbench.meshes.exchange.mesh_files import write_mesh
 from rollbench.meshes.parts import FREEDOMS, SIDES, BallErrors, Errors
 
 Step = Callable[[str], None]

@@ -25,15 +25,9 @@ from rollbench.comparison.wings.crosscheck.deck_contacts import (
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, parting
-from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection
 from rollbench.meshes.errors import Specimen, specimen
-from rollbench.meshes.groove import BodySpec
-from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
-from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.meshes.sockets import SocketSize
-from rollbench.meshes.solid import Dimensions, dimensions
-from rollbench.meshes.whole_bodies import (
+from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection
+from rollbench.meshes.exchange.whole_bodies import (
     Refinement,
     WholeBody,
     groove_points,
@@ -44,6 +38,12 @@ from rollbench.meshes.whole_bodies import (
     whole_ball,
     whole_body,
 )
+from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.solid import Dimensions, dimensions
 
 #: Most balls of a deck, and most nodes: what one run of another program's direct solver does in minutes.
 MOST_BALLS = 4

@@ -9,12 +9,12 @@ import numpy as np
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions
-from rollbench.meshes.deck import outer_faces
+from rollbench.meshes.exchange.deck import outer_faces
+from rollbench.meshes.exchange.whole_bodies import WholeBody, grid
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.sockets import SocketSize, socket_coordinates
-from rollbench.meshes.whole_bodies import WholeBody, grid
 
 #: Half axes of the refined zone, the slave's and the master's faces over those of the expected ellipse; the faces' zones
 #: are wider by some elements, too.

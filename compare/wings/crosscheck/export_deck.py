@@ -14,7 +14,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.system import need_gmsh
 from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck, refuse
 from rollbench.comparison.writing import replace_file
-from rollbench.meshes.deck import UNITS, write
+from rollbench.meshes.exchange.deck import UNITS, write
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Scene, Support
 

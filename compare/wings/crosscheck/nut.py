@@ -24,7 +24,7 @@ from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra.solvers import factor
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.deck import UNITS, Deck, DeckBody, RigidSection, write
+from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, write
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene

@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    needs=("export",),
     commands={"crosscheck": "wings.crosscheck.arguments"},
     parts=(Part("crosscheck", "wings.crosscheck.section", runs=True, meshes=True, page="reference"),),
     functions={

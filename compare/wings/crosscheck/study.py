@@ -19,7 +19,7 @@ from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, Cros
 from rollbench.comparison.wings.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
 from rollbench.comparison.wings.crosscheck.fit import extrapolate
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.deck import UNITS, write
+from rollbench.meshes.exchange.deck import UNITS, write
 from rollbench.meshes.libraries import version
 from rollbench.meshes.parts import SIDES, Scene
 

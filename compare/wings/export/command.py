@@ -13,7 +13,7 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.system import need_gmsh, need_packages
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.bridge import FORMATS, form_of, need, only, reduced, write_mesh
+from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, only, reduced, write_mesh
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -189,11 +189,11 @@ def _whole(scene: Scene, part: str, level: int) -> Mesh:
     from rollbench.hifi.bodies.coarse import of_order
     from rollbench.hifi.meshing.fit import socket_size
     from rollbench.hifi.meshing.part_meshes import body_kind, sockets_of
+    from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
     from rollbench.meshes.groove import BodySpec
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
     from rollbench.meshes.solid import dimensions
-    from rollbench.meshes.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
 
     settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
     layout, dims, middle = ball_layout(scene), dimensions(scene), np.zeros((1, 2))

@@ -2,4 +2,4 @@
 
 from rollbench.comparison.registration import Registration
 
-REGISTRATION = Registration(commands={"export": "wings.export.arguments"})
+REGISTRATION = Registration(folders=("meshes/exchange",), commands={"export": "wings.export.arguments"})

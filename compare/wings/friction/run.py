@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.screw.travel import UNCLEAR, History, StepError, resolved
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.run import Setting
-from rollbench.lowfi.statics.travelling import AGAIN, in_motion
+from rollbench.lowfi.friction.whole.travelling import AGAIN, in_motion
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Motion, Scene, Time

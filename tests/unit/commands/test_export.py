@@ -24,8 +24,9 @@ from rollbench.comparison.wings.export import command as export_command
 from rollbench.comparison.wings.export.command import parts_of, run_export
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.elements import assembly, forms
-from rollbench.meshes import bridge, parts, solid
+from rollbench.meshes import parts, solid
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, nodes_on, points_of
+from rollbench.meshes.node_order import VTK
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 
@@ -68,8 +69,8 @@ def parts_cache(tmp_path_factory):
 def our_cells(mesh: meshio.Mesh) -> tuple[str, np.ndarray]:
     """Element and cells in our order."""
     (block,) = mesh.cells
-    name = next(n for n, (kind, _) in bridge.VTK.items() if kind == block.type)
-    return name, block.data[:, np.argsort(bridge.VTK[name][1])]
+    name = next(n for n, (kind, _) in VTK.items() if kind == block.type)
+    return name, block.data[:, np.argsort(VTK[name][1])]
 
 
 def exported(part: str, tmp_path: Path, cache: Path | None, level: int = 1) -> tuple[meshio.Mesh, str, str, np.ndarray]:
@@ -350,7 +351,7 @@ def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
     run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1)
     mesh = meshio.read(tmp_path / "nut.inp")
     (block,) = [b for b in mesh.cells if b.type == "tetra10"]
-    points, cells = mesh.points, block.data[:, np.argsort(bridge.VTK["P2"][1])]
+    points, cells = mesh.points, block.data[:, np.argsort(VTK["P2"][1])]
     sockets = mesh.point_sets["sockets"]
     held = np.flatnonzero(np.abs(np.hypot(*points[:, :2].T) - scene.nut.outer_diameter / 2.0) < 1e-7)
     forces = np.zeros((len(points), 3))

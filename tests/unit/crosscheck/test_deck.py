@@ -16,7 +16,7 @@ from rollbench.comparison.wings.crosscheck import calculix, export_deck
 from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck, without_turning
 from rollbench.comparison.wings.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes import helix, parts
-from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
+from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 
 pytestmark = pytest.mark.xdist_group("deck")
 

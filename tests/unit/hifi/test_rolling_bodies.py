@@ -13,13 +13,13 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import bodies, static_patches, verification
 from rollbench.hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
+from rollbench.hifi.rolling.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
 from rollbench.hifi.rolling.patch import grid, hertz_patch, influence, seen_radii
 from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
 from rollbench.hifi.rolling.scenes import along_radius
 from rollbench.hifi.rolling.static_patches import Curve
 from rollbench.hifi.rolling.transient import run_from_rest
 from rollbench.hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference, two_balls
-from rollbench.meshes.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
 from rollbench.meshes.fem import points_of
 
 pytestmark = pytest.mark.xdist_group("helped by processes")

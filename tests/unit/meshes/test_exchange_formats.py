@@ -10,8 +10,9 @@ import pytest
 import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
-from rollbench.meshes import bridge, gmsh_session
-from rollbench.meshes.bridge import FORMATS, form_of, only, reduced, write_mesh
+from rollbench.meshes import gmsh_session
+from rollbench.meshes.exchange import mesh_files
+from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, only, reduced, write_mesh
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, moved, points_of
 
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
@@ -224,7 +225,7 @@ def test_scikit_fem_loads_names(name, form, tmp_path: Path):
 
 def test_every_group_of_msh_has_a_node_of_its_own():
     nodes = [np.arange(6), np.array([0, 1]), np.array([0, 1]), np.array([1, 2])]
-    owner = bridge._owners(nodes, 6)
+    owner = mesh_files._owners(nodes, 6)
     assert set(owner) == {0, 1, 2, 3}
     assert all(k in np.flatnonzero([node in group for group in nodes]) for node, k in enumerate(owner))
 

@@ -11,13 +11,13 @@ from rollbench.hifi.condensation.responses import nut_transform
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.meshes.exchange.whole_bodies import Refinement, whole_body
 from rollbench.meshes.fem import nodes_on, points_of
 from rollbench.meshes.groove import BodySpec, outline
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange
 from rollbench.meshes.sockets import SocketSize
 from rollbench.meshes.solid import dimensions
-from rollbench.meshes.whole_bodies import Refinement, whole_body
 
 CASE = catalogue.scene("lin-case1")
 LAND, WALL, ENDS = 17e-3, 24e-3, (388e-3, 412e-3)

@@ -8,14 +8,14 @@ import pytest
 from tests.fe_meshes import volume as volume_of_cells
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.meshes import whole_bodies
+from rollbench.meshes.exchange import whole_bodies
+from rollbench.meshes.exchange.whole_bodies import HalfRing, half_sphere
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.quality import arc_deviation
 from rollbench.meshes.shell import BEND, Shell
 from rollbench.meshes.sockets import SocketSize
-from rollbench.meshes.whole_bodies import HalfRing, half_sphere
 
 SCENE = catalogue.scene("two-balls")
 MAP = GrooveMap.of(SCENE)

@@ -11,7 +11,8 @@ from tests.processes import python
 
 from rollbench.comparison.registration import registered
 
-PHYSICS = {f"rollbench.{name}" for name in ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling")}
+FOLDERS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
+PHYSICS = {f"rollbench.{name}" for name in FOLDERS}
 OF_WINGS = {"rollbench.comparison.wings", "rollbench.comparison.sources", *PHYSICS}
 
 

@@ -12,19 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.deck import element_faces, lines, number, rows
+from rollbench.meshes.exchange.deck import element_faces, lines, number, rows
 from rollbench.meshes.leftovers import temporary
+from rollbench.meshes.node_order import VTK
 
 if TYPE_CHECKING:
     from skfem import Mesh
-
-# Place k of VTK's cell holds gmsh's local node; by matching coordinates (see the tests).
-VTK: dict[str, tuple[str, tuple[int, ...]]] = {
-    "P1": ("tetra", tuple(range(4))),
-    "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
-    "Q1": ("hexahedron", tuple(range(8))),
-    "Q2": ("hexahedron27", (*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26)),
-}
 
 # Place k of MED's cell holds meshio's (VTK's) local node: the first face turned round (checked by reading with gmsh).
 _MED: dict[str, tuple[int, ...]] = {

@@ -1,0 +1,1 @@
+"""Whole bodies, meshes and input decks as files for other programs."""

@@ -1,0 +1,11 @@
+"""Order of the nodes of a cell in VTK and meshio, from gmsh's."""
+
+from __future__ import annotations
+
+#: Name of a kind of cell in meshio; place k of VTK's cell holds gmsh's local node; by matching coordinates (see the tests).
+VTK: dict[str, tuple[str, tuple[int, ...]]] = {
+    "P1": ("tetra", tuple(range(4))),
+    "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
+    "Q1": ("hexahedron", tuple(range(8))),
+    "Q2": ("hexahedron27", (*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26)),
+}
