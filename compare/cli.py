@@ -17,6 +17,7 @@ from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.commands.printing import OutputLost, writing
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.meshes import kept
+from rollbench.meshes.threads import one_thread
 
 #: Longest wait [s] after an interrupt for threads that tidy up.
 TIDYING = 2.0
@@ -72,6 +73,7 @@ def main(tokens: list[str] | None = None) -> None:
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
     if tokens is None:
+        one_thread()
         kept.switch_on()
     try:
         asked = sys.argv[1:] if tokens is None else tokens

@@ -1,5 +1,5 @@
-"""One thread for the linear algebra of every worker: the workers share the cores, and many small factors only wait for the
-threads of one another. What compiles kernels and what takes long is begun first."""
+"""Linear algebra on one thread in every worker, as on the command line. What compiles kernels and what takes long is begun
+first."""
 
 import gc
 import json
@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import pytest
 
-for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+from rollbench.meshes.threads import one_thread
+
+one_thread()
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test starts compiles all modules again
 
 #: Packages that the core does without: a module of tests that imports one of them, or a helper that does, is the wing's.

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
@@ -158,14 +157,13 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     """Members ``first`` and on; nominal: loads (N, 4) [N] of all balls without random errors."""
     if isinstance(scene, Assembly):
         return _of_several(scene, model, engine, nominal, first, count)
-    with threadpool_limits(1, "blas"):
-        loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
-        force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
-        stiffness = np.full(count, np.nan)
-        if force > 0.0:
-            heavier = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                stiffness = 1e-6 * force * STEP / (heavier - works)
+    loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
+    force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
+    stiffness = np.full(count, np.nan)
+    if force > 0.0:
+        heavier = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stiffness = 1e-6 * force * STEP / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
     contacts = nominal_contacts(scene)
@@ -178,8 +176,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
 def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
     """`solve_block` of several sets."""
-    with threadpool_limits(1, "blas"):
-        results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
+    results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = places(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
     wide = len(columns(assembly))

@@ -9,8 +9,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file, scene_tables
@@ -90,7 +88,7 @@ def solve_batch(
     here = store.current(run_folder, token)
     writer = store.Writer(run_folder, token)
     found: list[store.Record] = []
-    with threadpool_limits(1, "blas"), store.working(run_folder) if here else nullcontext():
+    with store.working(run_folder) if here else nullcontext():
         for number, values in batch:
             if here and not store.current(run_folder, token):
                 break
