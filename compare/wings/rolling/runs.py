@@ -182,7 +182,7 @@ def measures(
         else:
             out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
-        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0], strict=False)}
+        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0][:2], strict=True)}
         names = [case.contacts[t] for t in _loaded(case.apart)]
         out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _losses(apart), strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}
