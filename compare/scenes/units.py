@@ -51,7 +51,7 @@ _BASE = {  # pint's base units of each dimension
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?")
 _FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
-_COMMA = re.compile(r"\s*[+-]?[0-9][0-9.]*,[0-9]")
+_COMMA = re.compile(r"\s*[+-]?[0-9.]*[0-9],[0-9]")
 _LONGEST = 64
 #: What is said of a number with a comma.
 COMMA = "is it a decimal comma? write a point, and nothing between thousands"

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ from rich.console import Console
 
 from rollbench.comparison.commands.comparing import compare_output as output
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.comparison import Loads, compared_models, options_for
+from rollbench.comparison.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.comparison.models.model_form import estimate, shipped_points
 from rollbench.comparison.models.registry import MODELS, run_model
 from rollbench.comparison.models.total_uncertainty import Choices, Total
@@ -52,7 +53,20 @@ def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case) -> N
     mesh = output.beside(scene, loads(scene, "3D level 2", 1.02), found)
     (line,) = output.others(output.Comparison((*models, mesh), itself, None, TOTAL))
     assert line.startswith("lin-source-partition is off by 10.72 % of the mean load on the worst contact (ball 32")
-    assert line.endswith("and by 10.00 % of a contact's own load")
+    assert f"and by 10.00 %, {RULE}" in line
+
+
+def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
+    """Of 0.01 N in the reference and 0.1 N in the model: 900 % of its own load, 0.04 % of the mean."""
+    scene, _, found, _ = case
+    small = found.load.copy()
+    small[0, 0] = 0.01
+    answer = loads(scene, "refined", 1.01)
+    answer.load[0, 0] = 0.1
+    one = output.beside(scene, answer, replace(found, load=small))
+    text = output.verdict(output.Comparison((one,), one, None, TOTAL), found)
+    assert one.error.own_max_percent > 800.0
+    assert f"and by 1.00 %, {RULE}" in text
 
 
 def shown(table) -> list[str]:
