@@ -150,7 +150,7 @@ def compared(
         answers.append(from_result(of_model.result, of_model.seconds))
         starts[answers[-1].model] = unloaded_place(scene, of_model.bare)
         if of_model.result.converged:
-            expected[model.name] = estimate(of_model.scene, of_model.result, others_than(scene))
+            expected[model.name] = estimate(of_model.scene, of_model.result, others_than(reference))
     others = reference_answers(reference, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
     answers += [answer for answer in others if not is_itself(answer, reference)]
     answers += [] if ours is None else [from_run(ours.best, OURS)]
@@ -169,9 +169,11 @@ def answer_of(model: Model, scene: Scene, reference: Reference, stores: Sequence
     return Answered(result, bare, seconds, scene)
 
 
-def others_than(scene: Scene) -> list[Point]:
-    """Compared points of other scenes: what is measured here is not to be expected of itself."""
-    return [point for point in shipped_points() if point.scene != scene.name]
+def others_than(reference: Reference) -> list[Point]:
+    """Compared points of other scenes, whatever the name of this one: what is measured here is not to be expected of
+    itself."""
+    own = {reference.scene, *(run.scene for run in reference.runs)}
+    return [point for point in shipped_points() if point.scene not in own]
 
 
 def answers_of(b: Beside) -> dict[str, Any]:

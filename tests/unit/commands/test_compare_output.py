@@ -14,7 +14,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.comparison.models.model_form import estimate, shipped_points
 from rollbench.comparison.models.registry import MODELS, run_model
-from rollbench.comparison.models.total_uncertainty import Choices, Total
+from rollbench.comparison.models.total_uncertainty import Choices, Total, total
 from rollbench.comparison.reference import grid_parts, store
 from rollbench.comparison.reference.estimate import Reference, reference
 from rollbench.comparison.scenes import catalogue
@@ -67,6 +67,14 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     text = output.verdict(output.Comparison((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
     assert f"and by 1.00 %, {RULE}" in text
+
+
+def test_a_renamed_copy_is_no_other_scene() -> None:
+    """What is measured on a scene is not to be expected of it, and choices varied on it speak for it, whatever its name."""
+    copy = replace(catalogue.scene("lin-case1"), name="my copy")
+    found = reference(copy)
+    assert "lin-case1" not in {point.scene for point in output.others_than(found)}
+    assert total(copy, found, inputs=False).choices.scene == "lin-case1"
 
 
 def shown(table) -> list[str]:
