@@ -1,8 +1,11 @@
-"""A user's file as text: UTF-8, or UTF-16 where a mark at its begin says so."""
+"""A user's file as text: UTF-8, or UTF-16 where a mark at its begin says so; names like one that does not exist."""
 
 from __future__ import annotations
 
 import codecs
+import shlex
+from collections.abc import Iterable
+from pathlib import Path
 
 #: What is allowed, in words.
 ENCODING = "text in UTF-8"
@@ -46,3 +49,35 @@ def _no_text(data: bytes, at: int) -> NoText:
         return NoText("a binary file", f"{place}: name a file of text, in UTF-8")
     advice = f"{place}, is no UTF-8; Latin-1 and Windows-1252 have such bytes for letters like ä and µ: save it as UTF-8"
     return NoText("text in another encoding than UTF-8", advice)
+
+
+def question(found: Iterable[str]) -> str:
+    """``did you mean A or B?``, each as a shell takes it; empty without any."""
+    words = " or ".join(map(shlex.quote, found))
+    return f"did you mean {words}?" if words else ""
+
+
+def alike(name: str, names: Iterable[str]) -> list[str]:
+    """Up to three names like one, with or without ending, in capitals or not.
+
+    >>> alike("Srcew", ["nut.toml", "screw.toml"])
+    ['screw.toml']
+    """
+    import difflib
+
+    spelt: dict[str, str] = {}
+    for known in names:
+        spelt.setdefault(known.lower(), known)
+        spelt.setdefault(Path(known).stem.lower(), known)
+    asked = name.lower(), Path(name).stem.lower()
+    close = [near for text in asked for near in difflib.get_close_matches(text, spelt, n=3)]
+    return list(dict.fromkeys(spelt[near] for near in close))[:3]
+
+
+def like_path(path: Path, others: Iterable[str] = ()) -> str:
+    """The `question` for a file that does not exist: files of its folder with the same ending, or else other names."""
+    try:
+        files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
+    except (OSError, ValueError):
+        files = []
+    return question([str(path.parent / name) for name in alike(path.name, files)] or alike(path.name, others))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import re
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.reading import ENCODING, NoText, text_of
+from rollbench.comparison.reading import ENCODING, NoText, like_path, text_of
 from rollbench.comparison.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
 from rollbench.comparison.writing import write_csv
 from rollbench.meshes.arrays import Array
@@ -121,7 +122,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
     """Write rows of `loads_csv`, of several sets with a column ``set`` first; a line that says so."""
     write_csv(path, rows)
-    return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {path}"
+    return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
 
 
 @dataclass(frozen=True)
@@ -357,7 +358,8 @@ def read_table(path: Path) -> str:
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():
-            raise InputError(str(path), "file", "no regular file" if path.exists() else "no such file", allowed, advice)
+            value, near = ("no regular file", "") if path.exists() else ("no such file", like_path(path))
+            raise InputError(str(path), "file", value, allowed, near or advice)
         if path.stat().st_size > MAX_BYTES:
             most = f"up to {MAX_BYTES // 1_000_000} MB"
             raise InputError(str(path), "file", "a larger one", most, "is this a table of loads?")

@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import hashlib
 import re
+import shlex
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.errors import SceneError
-from rollbench.comparison.reading import ENCODING, NoText, text_of
+from rollbench.comparison.reading import ENCODING, NoText, like_path, text_of
+from rollbench.comparison.registration import data_files
 from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
 from rollbench.comparison.scenes.names import WHOLE
 from rollbench.comparison.scenes.units import COMMA, has_comma
@@ -64,7 +66,7 @@ def whole(scene: Described, origin: str) -> Scene:
     if isinstance(scene, Assembly):
         advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
         raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
-    advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
+    advice = f"only friction solves this kind: rollbench friction {shlex.quote(origin)}"
     raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 
 
@@ -107,7 +109,8 @@ def read_text(path: str | Path) -> str:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        advice = "check the path, or see the shipped scenes with: rollbench list"
+        near = like_path(Path(path), data_files("scenes")) if isinstance(error, FileNotFoundError) else ""
+        advice = near or "check the path, or see the shipped scenes with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
         value = f"more than {MAX_BYTES // 1_000_000} MB"
