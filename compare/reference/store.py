@@ -151,9 +151,9 @@ def _meshed(
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
     """File of a run of a scene in a store; by the versions that it names, as it may be read where others, or none, are
-    installed."""
+    installed, and by the scene's name when it was made."""
     key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
-    return store / f"{_stem(scene, run.level, run.variant)}{key}.json"
+    return store / f"{_stem(run.scene, run.level, run.variant)}{key}.json"
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
@@ -162,8 +162,8 @@ def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
     return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
 
-def _stem(scene: Solvable, level: int, variant: str) -> str:
-    return f"{scene.name}-level{level}-{variant}-" if variant else f"{scene.name}-level{level}-"
+def _stem(name: str, level: int, variant: str) -> str:
+    return f"{name}-level{level}-{variant}-" if variant else f"{name}-level{level}-"
 
 
 def save(store: Path, scene: Solvable, run: Run) -> Path:
@@ -209,9 +209,8 @@ def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] 
 def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
     """Files of a store whose name ends with the key of the scene on one of the meshes of that level; those under the
     scene's own name first."""
-    own = _stem(scene, level, variant)
-    pattern = f"*-level{level}-{f'{variant}-' if variant else ''}{KEY}.json"
-    paths = sorted(store.glob(pattern), key=lambda path: (not path.name.startswith(own), path.name))
+    own, pattern = (_stem(name, level, variant) for name in (scene.name, "*"))
+    paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
     meshes = {mesh.text: mesh for path in paths if (mesh := _mesh_of(path)) is not None and mesh.balls == scene.ball_count}
     keys = {key for mesh in meshes.values() if (key := mesh.key(scene, variant)) is not None}
     return [path for path in paths if path.stem.rpartition("-")[2] in keys]
