@@ -53,7 +53,7 @@ _QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?")
 _FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _COMMA = re.compile(r"\s*[+-]?[0-9.]*[0-9],[0-9]")
 _LONGEST = 64
-#: What is said of a number with a comma.
+#: Advice on a number with a comma.
 COMMA = "is it a decimal comma? write a point, and nothing between thousands"
 
 
@@ -138,7 +138,8 @@ def _scaled(number: Decimal, factor: str) -> float:
 
 def _plain(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UnitError(value, "number", "is not a plain number", "write a number without quotes or unit")
+        advice = COMMA if isinstance(value, str) and has_comma(value) else "write a number without quotes or unit"
+        raise UnitError(value, "number", "is not a plain number", advice)
     try:
         number = float(value)
     except OverflowError:

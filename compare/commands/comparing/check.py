@@ -60,7 +60,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
     for one, name in zip(described, names, strict=True):
         for scene in each_case(one, name):
             if scene.name in taken:
-                advice = "verdicts and stored runs are told apart by the name of file and case: rename one"
+                advice = "verdicts differ by the name of file and case: rename one"
                 raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
             taken[scene.name] = name
     warnings: list[str] = []

@@ -66,6 +66,7 @@ REFUSED = {
     ("length", "too large"): ("1e9999 mm",),
     ("length", "plain number"): ("(2) mm", "__import__('os') mm", "٣ mm", "", "1" * 100 + " mm"),
     ("length", "has no such unit"): ("2*10 mm", "2+3 mm", "2**99 mm", "2 mm*__import__('os')", "3 mm/"),
+    ("number", "decimal comma"): ("0,28",),
     ("length", "decimal comma"): ("2,5 mm", "1,800 mm", "-.5,5 mm"),
     ("force", 'has no such unit.*did you mean "kN"'): ("5 KN",),
     ("angle", "has no such unit"): ("5 percent", "3 dB"),
