@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import threading
@@ -89,7 +90,11 @@ def main(tokens: list[str] | None = None) -> None:
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        _say((f"command line: {text} Advice: see rollbench --help",))
+        from rollbench.comparison.scenes.units import COMMA, has_comma
+
+        given = re.search('convert "(.*)" into (?:int|float)', text)
+        advice = COMMA if given and has_comma(given[1]) else "see rollbench --help"
+        _say((f"command line: {text} Advice: {advice}",))
         sys.exit(2)
     except KeyboardInterrupt as stop:
         _let_threads_end()

@@ -136,7 +136,7 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
     return Total(
         uncertainty_percent(reference),
         reference.parts.by_experience,
-        spoken_for(scene.name, read(shipped_store())),
+        spoken_for(reference.best.scene, read(shipped_store())),
         share,
         name,
         second_order(scene, reference),

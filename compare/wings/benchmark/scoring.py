@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.loads_file import Rows, number_of
+from rollbench.comparison.gate.loads_file import Rows, comma_or, number_of
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.wings.benchmark.answers import BESIDE, Answers, Contact, mean_load
 from rollbench.comparison.wings.benchmark.problems import NAME, problem
@@ -113,7 +113,7 @@ def read(path: Path, answers: Mapping[str, Answers], only: str = "") -> dict[str
 
     Raises InputError for an unknown problem or contact, one that stands twice, and a value that is no number.
     """
-    file = Rows.read(path, NEEDED, EXAMPLE)
+    file = Rows.read(path, NEEDED, EXAMPLE, tuple(BESIDE))
     out: dict[str, dict[str, Given]] = {}
     for line, cells in file.rows:
         name = problem(cells.get("problem", "")).name
@@ -133,7 +133,7 @@ def read(path: Path, answers: Mapping[str, Answers], only: str = "") -> dict[str
                 continue
             values[column] = number_of(text, decimal_comma=file.decimal_comma)
             if not 0.0 <= values[column] < float("inf"):
-                advice = "a contact that is lost has a load of 0"
+                advice = comma_or("a contact that is lost has a load of 0", text)
                 raise InputError(str(path), f"line {line}: {column}", text or "nothing", "a number from 0", advice)
         out[name][contact] = Given(values.pop("load_N"), values)
     if not out:

@@ -261,3 +261,8 @@ def test_the_double_nut_is_meshed_as_its_first_set():
     assert first["stretch_meshed_by_the_reference"][1] == pytest.approx(second["stretch_meshed_by_the_reference"][0])
     assert bodies_of(scene)[0].shift == pytest.approx(first["stretch_meshed_by_the_reference"][0])
     assert (first["nut"]["shift_z"], second["nut"]["shift_z"]) == pytest.approx((-4e-6, 4e-6))
+
+
+def test_a_decimal_comma_is_no_load_and_a_further_cell(tmp_path):
+    with pytest.raises(InputError, match="decimal comma"):
+        scoring.read(file(tmp_path, ["near-face,1 SL,489,517"]), answers.shipped())
