@@ -19,8 +19,8 @@ Screw: load ratings of one turn of z balls, screw and nut,
         cos(alpha)^0.86 tan(alpha) cos(phi)^1.3 z^(2/3) D^1.8,  times i^0.86 for i turns,                              (3)
 
 shared by i z contacts: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Turns without balls, between circuits or within one, add
-nothing to i: a turn counts as full where balls follow one another at the usual distance, the median of all distances between
-neighbours, so that a start of n balls at the median angle d fills i = n d/2 pi turns (`filled_turns`). Equal loads then give L = (C_a/F_a)^3 with
+nothing to i: a start of n balls, at the median d of the angles between neighbours, fills i = n d/2 pi turns
+(`filled_turns`). Equal loads then give L = (C_a/F_a)^3 with
 C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
 
 Several load cases, the nut at one position: damage belongs to a place of a raceway and adds up there by the share n_j of
@@ -63,13 +63,19 @@ RADIAL = (0.407, 0.389)
 class Life:
     """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
     basic dynamic load rating as computed [N], axial for screws and thrust bearings, else radial; equivalent: the load [N]
-    under which the rating would give the same life; standard: whose formulas."""
+    under which the rating would give the same life; standard: whose formulas; lead: of the screw [m], 0 of a ring."""
 
     revolutions: float
     raceways: dict[str, float]
     rating: float
     equivalent: float
     standard: str
+    lead: float = 0.0
+
+    @property
+    def distance(self) -> float | None:
+        """Life as the distance [m] that the nut travels; None for rings."""
+        return 1e6 * self.revolutions * self.lead if self.lead else None
 
     def hours(self, speed: float) -> float:
         """Life in hours at a speed of the turning part [rad/s]."""
@@ -160,7 +166,7 @@ def life(scene: Scene, load: Array) -> Life | None:
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), rating(scene)
-    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene))
+    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene), scene.track.lead)
 
 
 def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:

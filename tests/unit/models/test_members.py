@@ -186,7 +186,7 @@ def test_members_of_several_sets_are_the_single_solves():
     names = columns(parts)
     member = dict(zip(names, found.kept[2], strict=True))
     assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
-    assert member["stiffness_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
+    assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
     for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
         assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)

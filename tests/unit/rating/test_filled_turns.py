@@ -81,7 +81,9 @@ def test_a_hand_calculation_by_ISO_3408_5() -> None:
         * 0.5**0.43 * 24.0 ** (2 / 3) * 3.175**1.8 * np.cos(np.arctan(5.0 / (pi * 25.698))) ** 1.3
         for s in (1.0, -1.0)
     ]  # fmt: skip
-    assert sum(x ** (-10 / 3) for x in sides) ** -0.3 * 4.0**0.86 == pytest.approx(rating(screw(circuits(4, 0.5))), rel=1e-3)
+    assert sum(x ** (-10 / 3) for x in sides) ** -0.3 * 4.0**0.86 == pytest.approx(
+        rating(screw(circuits(4, 0.5))), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize(("times", "factor"), [(2, 2.0**0.86), (3, 3.0**0.86)])
