@@ -1,4 +1,4 @@
-"""Turns without balls add nothing to a rating: gaps between circuits, arcs, listed azimuths, sets, preload by a share of C."""
+"""Turns without balls add nothing to a rating: gaps of circuits, arcs, listed azimuths, sets, preload by a share of C."""
 
 from dataclasses import replace
 from math import pi
@@ -74,7 +74,7 @@ def test_the_same_filled_turns_have_the_same_rating_and_life(balls: str) -> None
 
 
 def test_a_hand_calculation_by_ISO_3408_5() -> None:
-    """C_a = C_i i^0.86, C_i = C_s (1 + (C_s/C_n)^(10/3))^-0.3, 24 balls of 3.175 mm a turn, four turns, grooves of 0.525."""
+    """C_a = C_i i^0.86, C_i = C_s (1 + (C_s/C_n)^(10/3))^-0.3, four turns of 24 balls of 3.175 mm, grooves of 0.525."""
     g, root = 3.175 * 0.5**0.5 / 25.698, 1.0 - 0.5**0.5 / 3.0
     sides = [
         9.32 * 10.0 * root * 21.0**0.41 * g**0.3 * (1 - s * g) ** 1.39 / (1 + s * g) ** (1 / 3)
