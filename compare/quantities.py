@@ -37,6 +37,7 @@ UNITS = {
     "mW": Unit("mW", "milliwatt", 1e3),
     "um": Unit("um", "micrometer", 1e6),
     "mm": Unit("mm", "millimeter", 1e3),
+    "km": Unit("km", "kilometer", 1e-3),
     "N": Unit("N", "newton"),
     "W": Unit("W", "watt"),
 }

@@ -31,6 +31,10 @@ from rollbench.meshes.parts import Scene
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
+#: Largest conformity of a groove that is no slip of notation: usual are 0.51 to 0.58, over the ball's radius twice that.
+WIDEST = 0.6
+
+
 @dataclass(frozen=True)
 class LoadAnswers:
     """What contact loads alone answer, of any model or of the 3D reference: the worst contact, its static safety, where the
@@ -145,7 +149,14 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
 
 
 def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:
-    """Where answers leave what the models mean: static safety below one, a preload [N] beyond the dynamic load rating."""
+    """Where answers leave what the models mean: wide grooves, static safety below one, a preload [N] beyond the dynamic
+    load rating."""
+    grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
+    wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
+    if wide:
+        brief = f"conformity above {WIDEST:g} ({', '.join(wide)})"
+        words = "it is groove radius over ball diameter, usually 0.51 to 0.58; if it is over the ball's radius, halve it"
+        yield Warned("conformity", f"{brief}: {words}", f"{brief}: {words}")
     if loads.safety is not None and loads.safety.factor < 1.0:
         factor = f"{loads.safety.factor:.3g}"
         words = "hardened steel keeps a permanent dent, which life and friction do not take into account"

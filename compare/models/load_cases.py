@@ -8,6 +8,7 @@ from rollbench.comparison.models.answers import Answers, AxisAnswers, LoadAnswer
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -85,6 +86,8 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if not result.converged:
         return Solved(scene, result)
     answers = gather(scene, result, model, options)
-    warned = outside(scene, answers.loads, axial_of(answers.preload))
+    warned = [*outside(scene, answers.loads, axial_of(answers.preload))]
+    if scene.friction is not None:
+        warned += overall_warnings(scene.track, scene.friction)
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))

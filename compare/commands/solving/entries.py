@@ -229,12 +229,17 @@ def _life(data: dict[str, Any]) -> str:
     d = data["life"]
     if d is None:
         return f"not rated: {data['rating_refused'] or 'no load'}"
-    hours = f" ({d['L10_hours']:.3g} h)" if "L10_hours" in d else ""
     return (
-        f"L10 {shown(d['L10_million_revolutions'])} million revolutions{hours} of this load distribution, equivalent load "
+        f"L10 {life_words(d)} of this load distribution, equivalent load "
         f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
         f"{d['standard']}, not a maker's"
     )
+
+
+def life_words(d: dict[str, Any]) -> str:
+    """A life in revolutions and, where they are known, hours and kilometres."""
+    also = [f"{shown(d[key])} {unit}" for key, unit in (("L10_hours", "h"), ("L10_km", "km")) if d.get(key)]
+    return f"{shown(d['L10_million_revolutions'])} million revolutions" + (f" ({', '.join(also)})" if also else "")
 
 
 def _ratings(data: dict[str, Any]) -> str:

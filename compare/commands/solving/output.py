@@ -25,7 +25,7 @@ from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number, quantity, record, shown
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SetResult, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
@@ -35,7 +35,6 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.comparison.models.answers import SetAnswers
 
 #: Units of the six motions in results, and factors to them.
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
@@ -132,7 +131,8 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
     if isinstance(one, SolvedAxis):
         of_sets = [None] * len(one.result.sets) if one.answers is None else one.answers.sets
         head["kind"] = one.scene.kind
-        sets = [_set(k, s, x) for k, (s, x) in enumerate(zip(one.result.sets, of_sets, strict=True), 1)]
+        pairs = enumerate(zip(one.result.sets, of_sets, strict=True), 1)
+        sets = [{"set": k, **(record(SET, s) or {}), "summary": set_json(s, x, scene.motion)} for k, (s, x) in pairs]
         answers = {
             "sets": sets,
             "balls": set_balls(one.result),
@@ -165,10 +165,6 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         "warning": above(result.warnings) or None,
         "warnings": list(result.warnings),
     }
-
-
-def _set(place: int, s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
-    return {"set": place, **(record(SET, s) or {}), "summary": set_json(s, answers)}
 
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:

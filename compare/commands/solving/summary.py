@@ -11,12 +11,13 @@ from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
+from rollbench.lowfi.rating.life import Life
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import counted, mean_load
-from rollbench.meshes.parts import FREEDOMS, SIDES
+from rollbench.meshes.parts import FREEDOMS, SIDES, Motion
 
 if TYPE_CHECKING:
     from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
@@ -49,6 +50,7 @@ STATIC_SAFETY = (
 )
 LIFE = (
     quantity("L10_million_revolutions", "revolutions", "life L10", ".1f"),
+    quantity("L10_km", "distance"),
     quantity("raceways_million_revolutions", "raceways"),
     quantity("rating_as_computed_N", "rating"),
     quantity("equivalent_load_N", "equivalent"),
@@ -125,13 +127,20 @@ def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[st
     return {"station_mm": at, "status": status, "freedoms": list(FREEDOMS), "matrix": rows}
 
 
-def contacts_json(answers: LoadAnswers) -> dict[str, Any]:
+def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
+    """A life, in hours too where a speed [rad/s] is known."""
+    hours = {"L10_hours": number(life.hours(speed))} if life is not None and speed else {}
+    data = record(LIFE, life)
+    return None if data is None else data | hours
+
+
+def contacts_json(answers: LoadAnswers, motion: Motion | None = None) -> dict[str, Any]:
     """Worst contact, truncation, static safety, life and ratings; null where there is none."""
     return {
         "worst_contact": record(CONTACT, answers.worst),
         "truncation": record(TRUNCATION, answers.reach),
         "static_safety": record(STATIC_SAFETY, answers.safety),
-        "life": record(LIFE, answers.life),
+        "life": life_json(answers.life, None if motion is None else motion.speed),
         "ratings": record(RATINGS, answers.ratings),
         "rating_refused": answers.words or None,
     }
@@ -142,10 +151,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
     scene, answers = one.scene, one.answers
     if answers is None:
         return {}
-    three, life = answers.rigidities, answers.loads.life
-    data = contacts_json(answers.loads)
-    if life is not None and scene.motion is not None and scene.motion.speed:
-        data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
+    three = answers.rigidities
     return {
         "loads": loads_json(one.result.load, nominal_contacts(scene, one.result)),
         "axial": {
@@ -156,7 +162,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
             "tangent_words": answers.tangent_words or None,
         },
         "rigidities_N_per_um": record(RIGIDITIES, three),
-        **data,
+        **contacts_json(answers.loads, scene.motion),
         "preload": record(PRELOAD, answers.preload),
         "contact_lost": record(CONTACT_LOST, answers.lift),
         "friction": answers.friction,
@@ -172,15 +178,15 @@ def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     return record(STARTING, ways[0](answers.parts, preload.axial))
 
 
-def set_json(s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
-    """Summary of one set of several; empty for rollers."""
+def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
+    """Summary of one set of several, on a shaft in motion; empty for rollers."""
     if s.balls is None or not np.isfinite(s.balls.load).all():
         return {}
     data: dict[str, Any] = {"sides": sides_json(s.balls.load)}
     if answers is None:
         return data
-    data |= {"loads": loads_json(s.balls.load), **contacts_json(answers.loads), "preload": record(PRELOAD, answers.preload)}
-    return data | {"starting_torque": starting_torque(s, answers)}
+    data |= {"loads": loads_json(s.balls.load), **contacts_json(answers.loads, motion)}
+    return data | {"preload": record(PRELOAD, answers.preload), "starting_torque": starting_torque(s, answers)}
 
 
 def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
@@ -211,7 +217,7 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
     data["stiffness"] = whole_stiffness(result)
     i = worst(answers)
     if i is not None:
-        of_set = set_json(result.sets[i], answers.sets[i])
+        of_set = set_json(result.sets[i], answers.sets[i], one.scene.motion)
         data |= {"worst_set": i + 1} | {k: of_set[k] for k in of_set if k not in ("sides", "preload", "starting_torque")}
     return data
 

@@ -1,6 +1,6 @@
 """Specimens of a scene with random errors solved in blocks, and what is kept of each.
 
-Several sets draw errors of their own. Of the whole: largest load, tangent stiffness along the axis where it is asked for,
+Several sets draw errors of their own. Of the whole: largest load, tangent rigidity along the axis where it is asked for,
 contacts lost. Of each set: largest and mean load, force along the axis on the shaft, contacts lost, life. Rollers draw no
 errors, but feel those of the balls.
 """
@@ -31,7 +31,7 @@ from rollbench.meshes.parts import Scene
 KEPT = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
-    "stiffness_N_per_um": "stiffness along the load / (N/um)",
+    "load_stiffness_N_per_um": "stiffness at the loads / (N/um)",
     "lost_contacts": "contacts lost against no random errors",
     "relative_life": "life over that without random errors",
     "residual": "relative residual",
@@ -39,7 +39,7 @@ KEPT = {
 #: The same of several sets: of the whole, and of each.
 WHOLE = {
     "largest_load_N": "largest load of a contact or roller / N",
-    "stiffness_N_per_um": "tangent stiffness along the axis / (N/um)",
+    "tangent_N_per_um": "tangent rigidity along the axis / (N/um)",
     "lost_contacts": "contacts lost against no random errors",
     "residual": "relative residual",
 }
@@ -54,7 +54,7 @@ OF_SET = {
 
 #: Exponents of the loads of a raceway that turns under the load and of one that does not, and of raceways together.
 TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
-#: Part of the load by which stiffness is taken.
+#: Part of the load by which the stiffness at the loads is taken.
 STEP = 1e-3
 #: Models with elastic bodies, whose members may share one system.
 ELASTIC = tuple(name for name in LADDER if name != "lin")
