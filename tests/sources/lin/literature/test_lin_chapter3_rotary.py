@@ -116,8 +116,8 @@ def test_linear_slope_of_the_source() -> None:
 
 
 def test_torques_of_two_garbled_lines_are_fixed_by_the_text_and_the_losses() -> None:
-    """The scan has '2 4650 12 8760 33 7180' and '2.4050 12.8709 55.7100': what is filed fits the increases in the text, 4.22
-    and 12.68 times, and the summed losses over the speed; neither line does."""
+    """The scan has '2 4650 12 8760 33 7180' and '2.4050 12.8709 55.7100': what is filed fits the increases in the text,
+    4.22 and 12.68 times, and the summed losses over the speed; neither line does."""
     table, speed = rows("lin-3.2"), 2.0 * np.pi * rows("lin-3.1")["omega_I"].value
 
     def fits(one: float, two: float, three: float) -> bool:
