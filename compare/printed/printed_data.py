@@ -136,11 +136,14 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
     if cls == "band":
         if not raw.get("origin"):
             raise refuse("origin", "a sentence", "a band says where its range comes from")
-        if printed and (low is None or high is None or low > high):
-            raise refuse("low", "low and high, low <= high", "a band of a number has two ends")
-        if printed and 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
-            allowed = f"low and high, half their distance at most {WIDEST:g} of their middle"
-            raise refuse("low", allowed, 'a wider band cannot fail: make the class "open" and say the range in the remark')
+        if printed:
+            if low is None or high is None or low > high:
+                raise refuse("low", "low and high, low <= high", "a band of a number has two ends")
+            if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
+                allowed = f"low and high, half their distance at most {WIDEST:g} of their middle"
+                raise refuse(
+                    "low", allowed, 'a wider band cannot fail: make the class "open" and say the range in the remark'
+                )
     elif "low" in raw or "high" in raw:
         raise refuse("low" if "low" in raw else "high", "only in class band", "remove it, or make it a band")
     if cls == "as-printed" and not raw.get("remark"):
