@@ -27,9 +27,9 @@ TERMS = (
     (
         "Class of a printed number. hard: the text determines it, so it must come out to the digits printed. "
         "as-printed: it comes out only when a fault of the source is repeated; the right value stands beside "
-        "it. band: under-specified or random, compared with a range whose origin is stated. open: the text does "
-        "not determine it; it is shown but never gated. input: given by the source, or used to infer something; "
-        "never counted as reproduced."
+        "it. band: under-specified or random, compared with a range whose origin is stated and that is at most a "
+        "quarter of its middle wide to either side. open: the text does not determine it; it is shown but never gated. "
+        "input: given by the source, or used to infer something; never counted as reproduced."
     ),
     (
         "Verdict of a printed number: reproduced, only as printed, within its band, contradicted, not "
