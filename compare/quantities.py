@@ -25,6 +25,7 @@ class Unit(NamedTuple):
 #: How keys of results end; the longest fits first.
 UNITS = {
     "N_per_um": Unit("N/um", "newton / micrometer", 1e-6),
+    "N_mm": Unit("N/mm", "newton / millimeter", 1e-3),
     "Nmm": Unit("N mm", "newton * millimeter", 1e3),
     "Nm": Unit("N m", "newton * meter"),
     "rad_s": Unit("rad/s", "radian / second"),

@@ -69,16 +69,18 @@ def cycle_outputs(
 
 
 def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[str, Any]:
-    """`OUTPUTS` of several sets of balls together; ``at`` begins with the name of the set; displacement: along the axis, of
-    what the scene asks about, from the unloaded place of the parts; approaches are those of balls; preload: the largest
-    axial force of a set without loads; life: that of the set that lives shortest.
+    """`OUTPUTS` of several sets together; loads are of contacts of balls and of rollers; ``at`` begins with the name of the
+    set; displacement: along the axis, of what the scene asks about, from the unloaded place of the parts; approaches, life
+    and torque are those of balls, life of the set that lives shortest; preload: the largest axial force of a set without
+    loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     bare = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
     force, moved = axial_load(assembly), along_axis(assembly, result)
     rigidity = _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None
     preload = max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None
-    return _of_sets(sets, assembly, (1e6 * moved if force else None, rigidity, preload), Options())
+    rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
+    return _of_sets(sets, assembly, (1e6 * moved if force else None, rigidity, preload), Options(), rollers=rollers)
 
 
 def _of_sets(
@@ -87,17 +89,19 @@ def _of_sets(
     whole: tuple[float | None, float | None, float | None],
     options: Options,
     contacts: int = 0,
+    rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
     """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: displacement [um],
-    rigidity [N/um] and preload [N]; contacts: see `mean_load`."""
+    rigidity [N/um] and preload [N]; contacts: see `mean_load`; rollers: loads [N] of each row."""
     displacement, rigidity, preload = whole
     solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
-    every = np.concatenate([np.zeros(0), *(balls.load[balls.load > 0.0] for _, balls in solved)])
+    named = [*((name, x.load) for name, _, x in sets), *rollers]
+    every = np.concatenate([np.zeros(0), *(load[load > 0.0] for _, load in named)])
     at = ""
     if every.size:
-        name, load = max(((name, x.load) for name, _, x in sets), key=lambda one: float(one[1].max(initial=0.0)))
-        ball, side = np.unravel_index(int(load.argmax()), load.shape)
-        at = f"{name}{ball + 1} {SIDES[side]}"
+        name, load = max(named, key=lambda one: float(one[1].max(initial=0.0)))
+        one, *side = np.unravel_index(int(load.argmax()), load.shape)
+        at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
     return {
         "largest_load_N": float(every.max(initial=0.0)),
         "mean_load_N": mean_load(every, contacts),
@@ -105,7 +109,7 @@ def _of_sets(
         "idle_balls": sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
         "at": at,
         "displacement_um": displacement,
-        "largest_approach_um": max((_approach(balls) for _, balls in solved), default=0.0),
+        "largest_approach_um": max((_approach(balls) for _, balls in solved), default=None),
         "rigidity_N_per_um": rigidity,
         "preload_N": preload,
         "torque_Nmm": None if friction is None else _friction_torque(solved, friction, scene.motion, options),
