@@ -6,7 +6,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.wings.bench.costs.kept import HISTORY, NAMES, QUANTITIES, Release, added, load_releases, save_rows
 from rollbench.comparison.wings.bench.sections import history
-from rollbench.comparison.wings.bench.sections.reference_time import TimePoint, all_points
+from rollbench.comparison.wings.bench.sections.reference_time import Largest, TimePoint, all_points
 
 ONE = Release("0.1", "a day", "abc", {"error": {"lin": 6.0}, "cold": {"lin": None}}, "a remark")
 
@@ -30,7 +30,7 @@ def test_the_package_has_rows_of_its_releases():
 
 def test_numbers_of_a_report_are_those_of_its_points():
     def point(label, error, cold, memory, kind="model"):
-        return TimePoint(label, kind, error, 0.0, None, None, cold, None, 1, memory, label)
+        return TimePoint(label, kind, error, 0.0, None, None, cold, None, 1, memory, label, Largest(error, error, error))
 
     lin, solid = MODELS["lin"].label, "3D reference, level"
     points = {
@@ -53,8 +53,10 @@ def test_numbers_of_a_report_are_those_of_its_points():
 
 def test_only_a_report_that_keeps_adds_a_release(tmp_path, monkeypatch):
     study = Study((tmp_path, shipped_store()))
-    lin = TimePoint(MODELS["lin"].label, "model", 6.0, 2.0, None, None, 1.0, 0.1, 9, 90.0, "lin")
-    level = TimePoint("3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0, "3D level 4")
+    lin = TimePoint(MODELS["lin"].label, "model", 6.0, 2.0, None, None, 1.0, 0.1, 9, 90.0, "lin", Largest(6.0, 6.0, 6.0))
+    level = TimePoint(
+        "3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0, "3D level 4", Largest(0.0, 0.0, 0.0)
+    )
     step = print
     study.computed[all_points, step] = {"lin-case1": [lin, level]}
     monkeypatch.setattr(history, "load_releases", lambda _: (ONE,))

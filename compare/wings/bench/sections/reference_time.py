@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from time import perf_counter
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.measure import error_percent, gate_scale, load_error
 from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
 from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
 from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
@@ -64,11 +64,21 @@ PANELS = 6
 
 
 @dataclass(frozen=True)
+class Largest:
+    """The largest error [%] of a contact load, and its lowest and highest that the grid uncertainty of every contact
+    allows: `error_range`."""
+
+    error: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class TimePoint:
     """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
     lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
-    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, short name, and the status where it is no
-    solution."""
+    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, short name, the largest error by the gate's rule,
+    and the status where it is no solution."""
 
     label: str
     kind: Literal["model", "level", "source mesh"]
@@ -81,20 +91,26 @@ class TimePoint:
     unknowns: int
     memory: float | None
     name: str
+    gate: Largest
     status: str = "converged"
 
 
-def error_range(value: Array, found: Reference) -> tuple[float, float, float | None, float | None]:
-    """Largest and RMS error of loads (n, 4) [N] against the reference's finest level, and the ends of the largest's bar.
+def error_range(value: Array, found: Reference, scale: Array) -> Largest:
+    """Largest error of loads (n, 4) [N] against the reference's finest level in per cent of ``scale`` (n, 4) [N].
 
-    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
-    are per cent of its mean load.
+    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U).
     """
+    off = np.abs(error_percent(value, found.load, scale))
+    bar = np.abs(error_percent(found.uncertainty, 0.0, scale))
+    return Largest(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
+
+
+def errors_of(value: Array, found: Reference) -> dict[str, Any]:
+    """Errors of a `TimePoint` by loads (n, 4) [N]."""
     e = load_error(value, found.load, found.contacts)
-    mean = found.mean
-    off = np.abs(error_percent(value, found.load, mean))
-    bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
-    return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
+    of_mean = error_range(value, found, np.full(value.shape, found.mean))
+    gate = error_range(value, found, gate_scale(found.load, found.mean))
+    return {"error": e.max_percent, "rms": e.rms_percent, "low": of_mean.low, "high": of_mean.high, "gate": gate}
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
@@ -125,9 +141,9 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
         runs.insert(0, ("3D reference, the source's mesh", "3D, source's mesh", source))
     for label, short, run in runs:
         kind: Literal["source mesh", "level"] = "source mesh" if run.level == SOURCE_LEVEL else "level"
-        seconds = run.setup_seconds + run.solve_seconds, run.solve_seconds
-        errors, costs = error_range(run.load, found), (*seconds, run.unknowns, run.peak_MB)
-        out.append(TimePoint(label, kind, *errors, *costs, short, run.status))
+        cold, warm = run.setup_seconds + run.solve_seconds, run.solve_seconds
+        costs: dict[str, Any] = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
+        out.append(TimePoint(label, kind, **errors_of(run.load, found), **costs, name=short, status=run.status))
     return out
 
 
@@ -149,10 +165,14 @@ def _model_point(
         options = Options(discretisation=False, engine="compiled", condensed=bodies)
         cold = measure(name, model.name, condensed=bodies, repeats=1)
         known = RunTime(cold.process, warm_seconds(model, scene, options), cold.memory)
-    errors, unknowns = error_range(result.load, found), result.solver.unknowns
-    return TimePoint(
-        model.label, "model", *errors, known.cold, known.warm, unknowns, known.memory, model.name, result.status
-    )
+    costs: dict[str, Any] = {
+        "cold": known.cold,
+        "warm": known.warm,
+        "unknowns": result.solver.unknowns,
+        "memory": known.memory,
+    }
+    errors = errors_of(result.load, found)
+    return TimePoint(model.label, "model", **errors, **costs, name=model.name, status=result.status)
 
 
 def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
