@@ -87,7 +87,7 @@ def test_nothing_is_expected_of_contacts_without_load() -> None:
 
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_as_many_compared_screws_were_within_as_is_promised(model: str) -> None:
-    """Counted by the whole bound made anew from the others, of every screw and of those held by a flange alone."""
+    """Counted by the whole bound made anew from the others, of all screws and of those held by a flange."""
     found = left_out(shipped_points(), model)
     covered = [one for one in found if one.expected is not None]
     assert len(found) - len(covered) <= UNCOVERED

@@ -20,7 +20,7 @@ def found():
     return STUDY.reference(CASE)
 
 
-def test_the_gate_s_error_is_kept_beside_that_of_the_mean(found) -> None:
+def test_the_gate_s_error_is_kept_with_that_of_the_mean_load(found) -> None:
     lin = STUDY.solve(CASE, "lin")
     error = load_error(lin.load, found.load, found.contacts)
     verdict = judge("lin", lin.load, found, Limits())[0]

@@ -108,7 +108,7 @@ def test_a_sheet_has_verdict_trust_sketch_and_results() -> None:
     by_gate, of_mean = (r for r in table.rows if "worst contact load" in r["quantity"])
     assert by_gate["error-lin"] == gate.error
     assert abs(of_mean["error-lin"]) == pytest.approx(gate.of_mean.max_percent)
-    assert "verdict" not in {c.key for c in table.columns}, "a tick of one model beside the errors of two"
+    assert "verdict" not in {c.key for c in table.columns}, "a tick of one model next to errors of two"
     assert f"u_val {judged['refined', 'contact loads'].combined:.2f} %" in text.paragraphs[1]
     said = sheets.conclusion({"lin-case1": judged})
     assert said.endswith("on the 1 case studies of the source, in per cent of the mean load.")
