@@ -62,7 +62,7 @@ def _poisson(scene: Scene) -> float:
 
 #: What describes a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
 #: Of moduli there is one step, as all parts of the compared are of one steel: a nut's compliance is most of lin's error,
-#: which so grows by a quarter at the margin; balls change Hertz' constants alone, so that theirs holds silicon nitride.
+#: which so grows by a quarter at the margin; balls change only Hertz' constants, so that theirs holds silicon nitride.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
     Descriptor(
