@@ -368,6 +368,8 @@ def quantity_table(study: Study) -> Table:
             {
                 "quantity": "worst contact load, by the gate's rule",
                 "model": model,
+                BIAS: None,
+                SCATTER: None,
                 LARGEST: max(r.error.gate_percent for r in of_model),
                 "scenes": len(of_model),
                 Quantity("passed", f"pass the gate's {LIMIT:g} %", "", "s"): f"{passed} of {len(of_model)}",
@@ -417,7 +419,7 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
         series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
-    at = np.array([0.0, SMALL, end])
+    at = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
     allowed = 0.01 * LIMIT * gate_scale(at, 1.0)
     lines = np.concatenate([at - allowed, [np.nan], at + allowed])
     series.append(Series("equal", [0.0, end], [0.0, end], "line"))
