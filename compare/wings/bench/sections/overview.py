@@ -419,11 +419,11 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
         series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
-    at = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
-    allowed = 0.01 * LIMIT * gate_scale(at, 1.0)
-    lines = np.concatenate([at - allowed, [np.nan], at + allowed])
+    truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
+    allowed = 0.01 * LIMIT * gate_scale(truths, 1.0)
+    lines = np.concatenate([truths - allowed, [np.nan], truths + allowed])
     series.append(Series("equal", [0.0, end], [0.0, end], "line"))
-    series.append(Series(f"the gate's ±{LIMIT:g} %", [*at, end, *at], lines.tolist(), "line"))
+    series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
     caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %; small dots: lin."
     return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))
