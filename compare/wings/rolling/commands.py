@@ -30,7 +30,7 @@ def runs_of(
     found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
     jobs = [(compute, (scene, k, bodies, engine.processes)) for k in missing]
-    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
         save(store, scene, run)
         found[missing[number]] = run
         on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
