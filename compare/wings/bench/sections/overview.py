@@ -45,7 +45,7 @@ KINDS = {DEFAULT: "refined", "lin": "lin"}
 class Standing:
     """A model or mesh over all scenes on which it was compared: short name, label, family, number of scenes, largest error
     [% of the mean load] and its scene, medians of the largest and RMS errors and of the ends of the error bar, largest RMS
-    error, median cold seconds, scenes within `LINE`.
+    error, median cold seconds of those that were measured (None: of none), scenes within `LINE`.
 
     The error of a level that is itself the finest is its grid uncertainty.
     """
@@ -61,7 +61,7 @@ class Standing:
     high: float | None
     rms: float
     worst_rms: float
-    cold: float
+    cold: float | None
     within: int
 
 
@@ -91,6 +91,7 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
     first = group[0][1]
     errors = [off(p) for _, p in group]
     k = int(np.argmax(errors))
+    times = [p.cold for _, p in group if p.cold is not None]
     ends = [(p.low, p.high) for _, p in group if p.low is not None and p.high is not None]
     low, high = np.median(np.array(ends), axis=0).tolist() if len(ends) == len(group) else (None, None)
     return Standing(
@@ -105,15 +106,15 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
         high=high,
         rms=float(np.median([p.rms for _, p in group])),
         worst_rms=max(p.rms for _, p in group),
-        cold=float(np.median([p.cold for _, p in group])),
+        cold=float(np.median(times)) if times else None,
         within=sum(error <= LINE for error in errors),
     )
 
 
 def front(found: Sequence[Standing]) -> list[Standing]:
-    """Those that no other one beats in both median error and median time, fastest first."""
+    """Those that no other one beats in both median error and median time, fastest first; of those that were timed."""
     best: list[Standing] = []
-    for one in sorted(found, key=lambda s: (s.cold, s.median)):
+    for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.median)):
         if not best or one.median < best[-1].median:
             best.append(one)
     return best
@@ -124,6 +125,7 @@ def time_figure(
 ) -> Figure:
     """All scenes as light points, the median of each model and mesh with its error bar and name, the Pareto front; a
     narrow figure names the levels, one model of each family and those of the front alone."""
+    points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
     cold = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     solve = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=all_names)
@@ -131,7 +133,7 @@ def time_figure(
         f"Light points: {len(points)} scenes. Markers: medians; bars: the range left by the reference's grid "
         "uncertainty. A cold start is a new process with empty caches, Python's imports included. The "
         "finest level itself is drawn at its uncertainty. The condensed model reads bodies from a 3D run, "
-        "whose time is not included."
+        "whose time is not included. All times are of one measuring run; what it did not measure is left out."
     )
     return Figure(name, TITLE, (cold, solve), caption, columns=2 if all_names else 1, size=size, same_y=True)
 
@@ -146,7 +148,7 @@ def _time_panel(
         series.append(
             Series(
                 family,
-                [p.cold for _, p in shown],
+                [p.cold for _, p in shown if p.cold is not None],
                 [max(off(p), FLOOR) for _, p in shown],
                 "markers",
                 light=True,
@@ -154,7 +156,7 @@ def _time_panel(
             )
         )
     edge = front(found)
-    line = ([s.cold for s in edge], [max(s.median, FLOOR) for s in edge])
+    line = ([s.cold for s in edge if s.cold is not None], [max(s.median, FLOOR) for s in edge])
     series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
     for family in families:
         mids = [s for s in found if s.family == family]
@@ -163,7 +165,7 @@ def _time_panel(
         series.append(
             Series(
                 family,
-                [s.cold for s in mids],
+                [s.cold for s in mids if s.cold is not None],
                 [max(s.median, FLOOR) for s in mids],
                 "markers",
                 emphasis=True,
@@ -173,8 +175,9 @@ def _time_panel(
             )
         )
     series = [s for s in series if len(s.x)]
-    times = [p.cold for several in points.values() for p in several]
-    series.append(Series(f"{LINE:g} %", [min(times), max(times)], [LINE, LINE], "line"))
+    times = [p.cold for several in points.values() for p in several if p.cold is not None]
+    if times:
+        series.append(Series(f"{LINE:g} %", [min(times), max(times)], [LINE, LINE], "line"))
     return Panel("", label, "largest error / % of the mean load", tuple(series), log="xy")
 
 
@@ -284,7 +287,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     wide = time_figure(points, "error-time", (11.0, 4.1))
     narrow = time_figure(points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = coverage({name: study.scene(name) for name in points}, found)
-    sentence, limits = answer(points, bars, largest_total(study, found)), (*LIMITS, study.once(when_measured, step))
+    sentence, limits = answer(points, bars, largest_total(study, found)), (*LIMITS, when_measured(study, step))
     table = standing_table(standings(points))
     step("every model on every quantity")
     items = (quantity_table(study), contact_figure(study, found))
