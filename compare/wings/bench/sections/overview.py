@@ -48,7 +48,8 @@ KINDS = {DEFAULT: "refined", "lin": "lin"}
 @dataclass(frozen=True)
 class Standing:
     """A model or mesh over the shipped scenes: short name, label, family, number of scenes, largest error [% of the mean
-    load] and its scene, medians of the largest and RMS errors, largest RMS error, median cold seconds; by the gate's rule
+    load] and its scene, medians of the largest and RMS errors, largest RMS error, median cold seconds of those that were
+    measured (None: of none); by the gate's rule
     the median of the largest error and of the ends of its bar, and how many scenes pass the gate at `LIMIT`.
 
     The error of a level that is itself the finest is its grid uncertainty.
@@ -63,7 +64,7 @@ class Standing:
     median: float
     rms: float
     worst_rms: float
-    cold: float
+    cold: float | None
     gate: Largest
     passed: int
 
@@ -99,6 +100,7 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
     first = group[0][1]
     errors = [off(p) for _, p in group]
     k = int(np.argmax(errors))
+    times = [p.cold for _, p in group if p.cold is not None]
     gate = [by_gate(p) for _, p in group]
     return Standing(
         name=first.name,
@@ -110,16 +112,17 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
         median=float(np.median(errors)),
         rms=float(np.median([p.rms for _, p in group])),
         worst_rms=max(p.rms for _, p in group),
-        cold=float(np.median([p.cold for _, p in group])),
+        cold=float(np.median(times)) if times else None,
         gate=Largest(*(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))),
         passed=sum(g.high <= LIMIT for g in gate),
     )
 
 
 def front(found: Sequence[Standing]) -> list[Standing]:
-    """Those that no other one beats in both median error by the gate's rule and median time, fastest first."""
+    """Those that no other one beats in both median error by the gate's rule and median time, fastest first; of those
+    that were timed."""
     best: list[Standing] = []
-    for one in sorted(found, key=lambda s: (s.cold, s.gate.error)):
+    for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
         if not best or one.gate.error < best[-1].gate.error:
             best.append(one)
     return best
@@ -135,6 +138,7 @@ def first_figure(
 ) -> Figure:
     """How many of all screws compared have which error, and error against the time of a cold start; a narrow figure names
     the levels, one model of each family and those of the front alone."""
+    points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
     time = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
     counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
     caption = (
@@ -149,7 +153,8 @@ def first_figure(
 TIMED = (
     f"Error against run time: by the gate's rule, {RULE}; the line is the gate's {LIMIT:g} %. Light points: shipped "
     "scenes. Markers: medians; bars: the range left by the reference's grid uncertainty. The finest level itself is drawn "
-    "at its uncertainty. The condensed model reads bodies from a 3D run, whose time is not included."
+    "at its uncertainty. The condensed model reads bodies from a 3D run, whose time is not included. All times are of one "
+    "measuring run; what it did not measure is left out."
 )
 
 
@@ -185,7 +190,7 @@ def _time_panel(
         series.append(
             Series(
                 family,
-                [p.cold for _, p in shown],
+                [p.cold for _, p in shown if p.cold is not None],
                 [max(by_gate(p).error, FLOOR) for _, p in shown],
                 "markers",
                 light=True,
@@ -193,7 +198,7 @@ def _time_panel(
             )
         )
     edge = front(found)
-    line = ([s.cold for s in edge], [max(s.gate.error, FLOOR) for s in edge])
+    line = ([s.cold for s in edge if s.cold is not None], [max(s.gate.error, FLOOR) for s in edge])
     series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
     for family in families:
         mids = [s for s in found if s.family == family]
@@ -201,7 +206,7 @@ def _time_panel(
         series.append(
             Series(
                 family,
-                [s.cold for s in mids],
+                [s.cold for s in mids if s.cold is not None],
                 [max(s.gate.error, FLOOR) for s in mids],
                 "markers",
                 emphasis=True,
@@ -211,8 +216,9 @@ def _time_panel(
             )
         )
     series = [s for s in series if len(s.x)]
-    times = [p.cold for several in points.values() for p in several]
-    series.append(Series(f"the gate's {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
+    times = [p.cold for several in points.values() for p in several if p.cold is not None]
+    if times:
+        series.append(Series(f"the gate's {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
     return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
 
 
@@ -340,7 +346,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = [drawn_words(drawn), *coverage({name: study.scene(name) for name in points}, found)]
     sentence = answer(screws, drawn, bars, largest_total(study, found))
-    limits = (*LIMITS, study.once(when_measured, step))
+    limits = (*LIMITS, when_measured(study, step))
     table = standing_table(standings(points))
     step("every model on every quantity")
     items = (quantity_table(study), contact_figure(study, found))

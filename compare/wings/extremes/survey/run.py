@@ -28,7 +28,7 @@ def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
         return None
     with store.working(folder):
         record = surveyed(seed, number, folder / "runs")
-        store.Writer(folder, token).append(record)
+        store.Writer(folder, token).append([record])
     return record
 
 
