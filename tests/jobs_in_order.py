@@ -5,9 +5,9 @@ from contextlib import closing
 from rollbench.comparison.reference.parallel import as_done
 
 
-def run(jobs, backend="joblib", scheduler=None, workers=None, step=lambda _: None):
+def run(jobs, backend="joblib", scheduler=None, workers=None, step=lambda _: None, wait=None):
     results = [None] * len(jobs)
-    with closing(as_done(jobs, backend, scheduler, workers)) as finished:
+    with closing(as_done(jobs, backend, scheduler, workers, wait)) as finished:
         for done, (number, result) in enumerate(finished, start=1):
             results[number] = result
             step(f"job {number + 1} done, {done} of {len(jobs)}")

@@ -232,13 +232,16 @@ def sweep(
     model: str = "",
     seed: int = 0,
     out: str | Path = "rollbench-sweep",
+    outputs: Sequence[str] = (),
 ) -> Result:
     """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
 
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
-    samples (samples.csv) and the summary: samples stored there are not solved again. Raises InputError.
+    samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
+    computed, all unless given. Raises InputError.
     """
-    data = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
+    swept = needed("sweep", "sweep", "vary", " ".join(vary))
+    data = swept(str(scene), vary, samples, method, model, seed, Path(out), outputs)
     return Result(data, "outputs", (f"{data['converged']} of {data['solved']} samples converged: {Path(out)}",))
 
 

@@ -13,12 +13,13 @@ import numpy as np
 
 from rollbench.comparison import data
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.measure import error_percent, gate_scale, load_error
 from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.reference.convergence import pool
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.measured import here
 from rollbench.comparison.reference.store import Run, bodies_path, shipped_store
 from rollbench.comparison.scenes.catalogue import with_role
 from rollbench.lowfi.statics.result import StaticResult
@@ -28,9 +29,7 @@ from rollbench.meshes.parts import SIDES, Scene
 
 #: Scenes whose reference runs come with the package.
 REFERENCED = with_role("referenced")
-#: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
-SMALL = 0.1
-#: That rule in words.
+#: The rule of the gate (`measure.gate_scale`) in words.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 #: Printed errors (largest, RMS) and load ratio by scene.
 PRINTED = {
@@ -81,7 +80,8 @@ def options_for(
 
 @dataclass(frozen=True)
 class ComparisonRow:
-    """One quantity of one scene on one model against the reference, as ``rollbench compare --json`` prints it."""
+    """One quantity of one scene on one model against the reference, as ``rollbench compare --json`` prints it; seconds of a
+    stored run were measured with what ``measured_with`` says, those of this process with nothing."""
 
     scene: str
     quantity: str
@@ -95,6 +95,7 @@ class ComparisonRow:
     reference_error: float | None
     error_percent: float | None
     seconds: float | None
+    measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready: nan and infinity become null."""
@@ -108,7 +109,7 @@ RowOf = Callable[..., ComparisonRow]
 @dataclass(frozen=True)
 class Loads:
     """What a model says of a scene: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], centreline (stations [m],
-    motions ``(k, 3)`` [m]), seconds."""
+    motions ``(k, 3)`` [m]), seconds, and what these were measured with: empty where with this version, here."""
 
     model: str
     load: Array
@@ -116,6 +117,7 @@ class Loads:
     stations: Array
     line: Array
     seconds: float | None
+    measured: str = ""
 
 
 def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
@@ -135,8 +137,8 @@ def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Pa
 
 def from_run(run: Run, name: str) -> Loads:
     """The answer of one run of the 3D reference, cold."""
-    line = run.centreline
-    return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds)
+    line, measured = run.centreline, "" if run.measured == here() else str(run.measured)
+    return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured)
 
 
 def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
@@ -167,7 +169,8 @@ def _row(
     printed: float | None = None,
 ) -> ComparisonRow:
     """A row with a pair of values, the model's and the reference's, the latter's uncertainty and the error in per cent."""
-    return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *pair, error, percent, answer.seconds)
+    values, time = (*pair, error, percent, answer.seconds), answer.measured
+    return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
 
 def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
@@ -282,12 +285,11 @@ class GatePoint:
 
 def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
-    mean = reference.mean
+    scales = gate_scale(reference.load, reference.mean)
     points = []
     for i, s in zip(*np.nonzero((reference.load > 0.0) | (load > 0.0)), strict=True):
-        ref = float(reference.load[i, s])
-        scale = ref if ref >= SMALL * mean else mean
-        error = float(error_percent(load[i, s], ref, scale))
+        scale = float(scales[i, s])
+        error = float(error_percent(load[i, s], reference.load[i, s], scale))
         bar = float(error_percent(reference.uncertainty[i, s], 0.0, scale))
         points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points

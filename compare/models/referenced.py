@@ -118,7 +118,8 @@ def _loaded(result: AxisResult, k: int) -> int:
 def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
-    return result, run_model(scaled(assembly, 0.0), model, Options(engine="interpreted")), perf_counter() - start
+    seconds = perf_counter() - start
+    return result, run_model(scaled(assembly, 0.0), model, Options(engine="interpreted")), seconds
 
 
 def answered(of: SetOf, model: str) -> Answered | str:

@@ -26,8 +26,8 @@ class Study:
 
     stores: folders of runs of the 3D reference, in the order they are searched (None: those of the package); members:
     drawn screws of an ensemble (None: as many as the scene says; 0: no ensemble is made, and what needs one stays open);
-    quick: coarse meshes only; timed: run times are measured, not taken from those that are kept; keeps: the numbers of this
-    version are added to the history in the first store; cache: folder of meshes and condensed parts (None: none); others:
+    quick: coarse meshes only; timed: run times are measured, not taken from those that are kept; cache: folder of
+    meshes and condensed parts (None: none); others:
     scenes of a kind that only friction solves, whose results the evidence itself keeps.
     """
 
@@ -35,7 +35,6 @@ class Study:
     members: int | None = None
     quick: bool = False
     timed: bool = False
-    keeps: bool = False
     cache: Path | None = None
     scenes: dict[str, Scene] = field(default_factory=dict)
     others: dict[str, Described] = field(default_factory=dict)

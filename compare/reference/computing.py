@@ -11,6 +11,7 @@ import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.measured import here
 from rollbench.comparison.reference.store import Run, versions
 from rollbench.comparison.reference.tasks import (
     SetUp,
@@ -159,6 +160,8 @@ def _run(
         settings=settings,
         assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
         versions={"rollbench": __version__, **versions()},
+        sources=here().sources,
+        machine=here().machine,
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
     )
 

@@ -33,12 +33,13 @@ HEARTBEAT = 20.0
 @dataclass(frozen=True)
 class Engine:
     """Where jobs run: joblib's processes on this machine, or a Dask cluster at ``scheduler``; ``workers`` at once;
-    ``cache``: folder of meshes and condensed parts (None: none)."""
+    ``cache``: folder of meshes and condensed parts (None: none); ``wait``: see `parallel.as_done`."""
 
     backend: str = "joblib"
     scheduler: str | None = None
     workers: int | None = None
     cache: Path | None = None
+    wait: float | None = None
 
     @property
     def processes(self) -> int:
@@ -59,7 +60,7 @@ def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: St
         if here and left < WORTH_WORKERS:
             step(f"no other processes: the {what} left take about {left:.1f} s here, to start others takes longer")
             workers = 1
-    for number, result in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers):
+    for number, result in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers, engine.wait):
         yield here + number, result
 
 
@@ -194,7 +195,7 @@ def ensure(
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
-        for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+        for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
             reached(number, outcome)
     except KeyboardInterrupt:
         if reader_gone():

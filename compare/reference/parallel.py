@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, closing, contextmanager
+from time import monotonic, sleep
 from typing import Any
 
 from rollbench.comparison import __version__
@@ -31,31 +32,39 @@ Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
 Answer = tuple[int, bool, bytes]
 
 BACKENDS = ("joblib", "dask")
-#: Seconds to wait for a scheduler, and again for its first worker.
+#: Seconds to wait for a scheduler.
 PATIENCE = 5.0
-#: Seconds to wait for a new worker where the last one was lost, and between two looks at the cluster.
-LONELY, LOOK = 60.0, 1.0
+#: Seconds to wait for a worker, the first one or another where the last one was lost, unless the user gives them.
+LONELY = 60.0
+#: Seconds between two looks at the cluster, and between two at the jobs.
+LOOK, BLINK = 1.0, 0.02
 #: Seconds without an answer of a scheduler that still holds the connection, after which it counts as lost.
 SILENCE = 120.0
 #: What to do when a cluster was lost.
 AGAIN = "see what ended it, restart it, and give the same command again: runs that are stored are not repeated"
-
+#: What to do about workers without this program.
+INSTALL = "install it where the workers run"
 
 _ALONE = threading.Lock()
 
 
 def as_done(
-    jobs: Sequence[Job], backend: str = "joblib", scheduler: str | None = None, workers: int | None = None
+    jobs: Sequence[Job],
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
+    wait: float | None = None,
 ) -> Generator[tuple[int, Any], None, None]:
     """Numbers (from 0) and results of independent jobs, as they are done; a generator that drops the rest when closed.
 
     backend: "joblib" for this machine, "dask" for the cluster of `scheduler` (its address; None starts a cluster on this
-    machine). workers: jobs at the same time; None for one on this machine and one per worker process on a scheduler's
-    cluster. Their linear algebra runs on one thread.
+    machine). workers: jobs at the same time; None for one on this machine, and for one on each worker of a scheduler,
+    whenever it joins. wait: seconds to wait for a worker of the scheduler where there is none, `LONELY` unless given. The
+    linear algebra of a job runs on one thread.
     The first exception of a job is raised here, once, and jobs that have not begun are dropped; one that cannot travel
     between processes becomes a RuntimeError with its message.
     Raises InputError for an unknown backend, fewer than one worker, a package that is missing, a scheduler that does not
-    answer or has no workers or other versions, and for a worker that died.
+    answer, gets no workers or has other versions, and for a worker that died.
     """
     if backend not in BACKENDS:
         raise InputError("command line", "--backend", backend, " or ".join(BACKENDS), "leave it out for this machine")
@@ -63,18 +72,22 @@ def as_done(
         raise InputError("command line", "--workers", str(workers), "1 or more", "every worker needs memory for a run")
     if scheduler is not None and backend != "dask":
         raise InputError("command line", "--scheduler", scheduler, "only with --backend dask", "add --backend dask")
+    if wait is not None and scheduler is None:
+        raise InputError("command line", "--wait-workers", f"{wait:g}", "only with --scheduler", "leave it out")
+    if wait is not None and not 0.0 <= wait <= 1e6:
+        raise InputError("command line", "--wait-workers", f"{wait:g}", "0 to 1e6 seconds", "600 are ten minutes")
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
-    return _elsewhere(calls, backend, scheduler, workers or 0)
+    return _elsewhere(calls, backend, scheduler, workers or 0, LONELY if wait is None else wait)
 
 
 def _elsewhere(
-    calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int
+    calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
     """Numbers and results of jobs in other processes."""
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
-    answers = _on_cluster(asked, scheduler, workers) if backend == "dask" else _in_processes(asked, workers)
+    answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
     with closing(answers):
         for number, good, packed in answers:
             value = pickle.loads(packed)
@@ -128,35 +141,44 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
                 answers.close()
 
 
-def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int) -> Generator[Answer, None, None]:
-    """Answers of the workers of a cluster as they come; jobs that have not begun when it is closed are dropped."""
-    with _cluster(scheduler, workers) as (client, count):
-        from distributed import KilledWorker, wait
+def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
+    """Answers of the workers of a cluster as they come; jobs that have not begun when it is closed are dropped.
 
-        left, running, look = deque(asked), set[Any](), _looks(client, scheduler or "a cluster on this machine")
+    The scheduler gets all jobs at once, or as many as are to run at the same time: it hands them to workers whenever these
+    join, and a cluster that adapts its size sees how much there is to do.
+    """
+    with _cluster(scheduler, workers) as client:
+        from distributed import KilledWorker, as_completed
+
+        left, running, looked = deque(asked), 0, monotonic()
+        looks = _looks(client, scheduler or "a cluster on this machine", wait)
+        done = as_completed([], loop=client.loop)
         try:
             while left or running:
-                while left and len(running) < count:
-                    running.add(client.submit(_call, *left.popleft(), pure=False))
-                try:
-                    with client.as_current():
-                        done = wait(running, timeout=LOOK, return_when="FIRST_COMPLETED").done
-                except TimeoutError:
-                    next(look)
-                    continue
-                running -= done
-                for future in done:
-                    yield future.result()
+                while left and running < (workers or len(asked)):
+                    done.add(client.submit(_call, *left.popleft(), pure=False))
+                    running += 1
+                if done.has_ready():
+                    running -= 1
+                    yield next(done).result()
+                elif monotonic() - looked < LOOK:
+                    sleep(BLINK)
+                else:
+                    next(looks)
+                    looked = monotonic()
         except (KilledWorker, CancelledError) as error:
             if isinstance(error, CancelledError) and scheduler is not None and not _alive(scheduler):
                 raise _lost(f"{scheduler}: the scheduler does not answer any more") from error
             raise _died(error) from error
+        except ImportError as error:
+            place = f"a worker without rollbench, which joined later ({error})"
+            raise InputError("command line", "--scheduler", place, "workers with rollbench", INSTALL) from error
 
 
-def _looks(client: Any, place: str) -> Iterator[None]:
-    """Looks at a cluster, one for each that is asked for. Raises InputError where nobody is left to do the jobs: its last
-    worker is gone and none comes, or its scheduler does not answer any more."""
-    alone = silent = 0.0
+def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
+    """Looks at a cluster, one for each that is asked for. Raises InputError where nobody is there to do the jobs: no worker
+    comes in ``wait`` seconds, the first or another after the last one, or its scheduler does not answer any more."""
+    alone, silent, had_workers = 0.0, 0.0, False
     while True:
         try:
             workers = len(client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"])
@@ -168,12 +190,21 @@ def _looks(client: Any, place: str) -> Iterator[None]:
         except Exception as error:  # whatever a connection that is gone raises
             raise _lost(f"{place}: the scheduler does not answer any more ({type(error).__name__})") from error
         else:
+            had_workers = had_workers or workers > 0
             if workers == 0 and alone == 0.0:
-                sys.stderr.write(f"rollbench: {place}: the last worker is lost; waiting {LONELY:g} s for another\n")
+                for_one = f"waiting {wait:g} s for {'another' if had_workers else 'a worker'}"
+                sys.stderr.write(f"rollbench: {place}: {'the last worker is lost; ' * had_workers}{for_one}\n")
             alone = 0.0 if workers else alone + LOOK
-            if alone > LONELY:
-                raise _lost(f"{place}: the last worker is lost, and none came in {LONELY:g} s")
+            if alone > wait:
+                if had_workers:
+                    raise _lost(f"{place}: the last worker is lost, and none came in {wait:g} s")
+                start = f"start some with: dask worker {place}; where they take longer to come: --wait-workers 600"
+                raise _no_cluster(place, f"no workers in {wait:g} s", start)
         yield
+
+
+def _no_cluster(place: str, reason: str, advice: str) -> InputError:
+    return InputError("command line", "--scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost(reason: str) -> InputError:
@@ -213,8 +244,8 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
 
 
 @contextmanager
-def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
-    """A client of the scheduler, or of a cluster of its own on this machine, and the number of jobs at the same time."""
+def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
+    """A client of the scheduler, or of a cluster of its own on this machine."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -226,10 +257,6 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
             "pip install 'rollbench[cluster]'",
         ) from None
     place = "a cluster on this machine" if scheduler is None else scheduler
-
-    def refuse(reason: str, advice: str) -> InputError:
-        return InputError("command line", "--scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
-
     with ExitStack() as stack:
         address: Any = scheduler
         if scheduler is None:
@@ -241,21 +268,18 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
                 asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
             except Exception as error:  # nothing there, or something that is no scheduler
                 start = "start one with: dask scheduler; its address looks like tcp://host:8786"
-                raise refuse(f"no answer of a scheduler ({type(error).__name__})", start) from error
+                raise _no_cluster(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
         client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
         try:
-            client.wait_for_workers(1, timeout=PATIENCE)
-        except TimeoutError:
-            raise refuse("no workers", f"start some with: dask worker {place}") from None
-        try:
-            versions = set(client.run(_version).values())
+            versions = set(
+                client.run(_version).values()
+            )  # of the workers that are there; `_call` asks those that join later
         except Exception as error:
-            raise refuse(f"workers without rollbench ({error})", "install it where the workers run") from error
-        if versions != {__version__}:
+            raise _no_cluster(place, f"workers without rollbench ({error})", INSTALL) from error
+        if versions - {__version__}:
             others = ", ".join(sorted(versions))
             raise _other_version(f"{place}: workers of rollbench {others}", __version__)
-        count = len(client.nthreads())
-        yield client, min(workers or count, count)
+        yield client
 
 
 def _other_version(value: str, version: str) -> InputError:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.comparison import data
+from rollbench.comparison.reference.measured import Measured
 from rollbench.comparison.reference.sealing import sealed, unsealed
 from rollbench.comparison.reference.tasks import Solvable, meant, plain, serves
 from rollbench.comparison.writing import replace_file
@@ -57,7 +58,8 @@ class Run:
     ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
     prepared; unknowns of the equivalent monolithic mesh; seconds of the set-up by stage and of the load case; peak
     memory [MB] of the set-up and its load cases so far (None: not measured); balance of balls and screw; bound on the
-    modes left out; settings and versions; moving: what any load may still move by [N] in a run that did not settle, else 0.
+    modes left out; settings and versions; moving: what any load may still move by [N] in a run that did not settle, else 0;
+    sources, machine: what its seconds were measured with, beside the version (empty in runs of before 0.15).
     """
 
     scene: str
@@ -84,6 +86,13 @@ class Run:
     versions: dict[str, str]
     date: str
     moving: float = 0.0
+    sources: str = ""
+    machine: str = ""
+
+    @property
+    def measured(self) -> Measured:
+        """What its seconds were measured with."""
+        return Measured(self.versions.get("rollbench", ""), self.sources, self.machine)
 
     @property
     def answers(self) -> bool:

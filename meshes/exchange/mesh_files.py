@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.exchange.deck import element_faces, lines, number, rows
@@ -27,7 +28,7 @@ _MED: dict[str, tuple[int, ...]] = {
     "hexahedron20": (0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17),
 }
 _ABAQUS = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron": "C3D8", "hexahedron20": "C3D20"}
-_FACES = {3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}
+_FACES = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8", 9: "quad9"}
 _MESHIO = {"vtu": "vtu", "msh": "gmsh", "med": "med"}
 
 FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "Abaqus files"}
@@ -73,10 +74,10 @@ def write_mesh(
 
     fields: of the nodes, shape (n,) or (n, k); region: name of all cells; form: one of `FORMATS`, by the suffix unless
     given. Names go along: the region as a group of cells, in .vtu as the cell field `region` of zeros; the mesh's
-    boundaries as faces with a physical group in .msh, as groups of nodes in .inp and .med, as surfaces in .inp, as point
-    fields `boundary <name>` of 0 and 1 in .vtu; in .vtu and .msh also as the cell fields by which `skfem.Mesh.load` knows
-    them. Where a format is `reduced`, the face and centre nodes of 27-node hexahedra are left out (20 nodes); .inp takes no
-    fields.
+    boundaries as faces with a physical group in .msh, as groups of faces and of nodes in .med, as surfaces and groups of
+    nodes in .inp, as point fields `boundary <name>` of 0 and 1 in .vtu; in .vtu and .msh also as the cell fields by which
+    `skfem.Mesh.load` knows them. Where a format is `reduced`, the face and centre nodes of 27-node hexahedra are left out
+    (20 nodes); .inp takes no fields.
     Raises ValueError for an unknown format, a field of wrong length or that the format cannot hold, ImportError where a
     package is missing, OSError where the file cannot be written.
     """
@@ -179,26 +180,43 @@ def _owners(cells: list[Index], count: int) -> Index:
 
 
 def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
-    """Region and boundaries as families; meshio writes cells as they are, but MED orients them the other way."""
+    """Region and boundaries as families: the region of cells, a boundary of faces, seen from outside turning left, and of
+    their nodes. meshio writes cells as they are, but MED orients them the other way."""
     import meshio
 
     (cells,) = plain.cells
     points = {name: np.asarray(values, dtype=float) for name, values in plain.point_data.items()}
     components = [[f"C{k + 1}" for k in range(int(np.prod(values.shape[1:])))] for values in points.values()]
+    blocks, tags = [(cells.type, cells.data[:, _MED[cells.type]])], [np.full(len(cells.data), -1 if region else 0)]
     node_families: dict[int, list[str]] = {}
+    cell_families = {-1: [region]} if region else {}
     if faces:
-        names = np.array(list(faces))
         belongs = np.stack([np.isin(np.arange(len(plain.points)), members) for members in faces.values()])
-        patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
-        families = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)  # 0: in no group
-        points["point_tags"] = families[pattern_of.ravel()]
-        node_families = {int(n): list(map(str, names[p])) for n, p in zip(families, patterns.T, strict=True) if n}
-    blocks, tags = [(cells.type, cells.data[:, _MED[cells.type]])], [np.full(len(cells.data), -1)]
-    mesh = meshio.Mesh(
-        plain.points, blocks, points, {"cell_tags": tags} if region else {}, {"med:nom": components} if components else {}
-    )
-    mesh.point_tags, mesh.cell_tags = node_families, {-1: [region]} if region else {}
+        points["point_tags"], node_families = _families(belongs, list(faces))
+        every = np.concatenate(list(faces.values()))
+        _, first, place = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_inverse=True)
+        belongs = np.zeros((len(faces), len(first)), dtype=bool)
+        belongs[np.repeat(np.arange(len(faces)), list(map(len, faces.values()))), place.ravel()] = True
+        numbers, families = _families(belongs, list(faces))
+        blocks.append((_FACES[every.shape[1]], every[first]))
+        tags.append(-1 - numbers)
+        cell_families |= {-1 - number: names for number, names in families.items()}
+    cell_data = {"cell_tags": tags} if cell_families else {}
+    mesh = meshio.Mesh(plain.points, blocks, points, cell_data, {"med:nom": components} if components else {})
+    mesh.point_tags, mesh.cell_tags = node_families, cell_families
     return mesh
+
+
+def _families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
+    """MED's families of things of which ``belongs`` (groups, things) says the groups: number of each one's, from 1, 0 in no
+    group, and the groups of each."""
+    patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
+    numbers = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)
+    found = {
+        int(n): [name for name, inside in zip(names, p, strict=True) if inside]
+        for n, p in zip(numbers, patterns.T, strict=True)
+    }
+    return numbers[pattern_of.ravel()], {number: groups for number, groups in found.items() if number}
 
 
 def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mapping[str, Index], region: str) -> None:

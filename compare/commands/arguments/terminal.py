@@ -28,6 +28,7 @@ Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 Word = Annotated[str, Parameter(show_default=False)]
 #: What is said of the runs at the same time.
 WORKERS = "Runs at the same time, 1 to 3 GB each of the 3D reference; 1 here, 2 of a report, the cluster's unless given."
+WAIT = "Seconds to wait for a worker of the scheduler where there is none, as on a cluster with a queue; 60 unless given."
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 
 
@@ -39,6 +40,7 @@ class Where:
     backend: Annotated[str, Parameter(help="joblib (this machine) or dask (a cluster).")] = "joblib"
     scheduler: Annotated[str | None, Parameter(help="Address of the Dask scheduler.")] = None
     workers: Annotated[int | None, Parameter(help=WORKERS)] = None
+    wait_workers: Annotated[float | None, Parameter(help=WAIT)] = None
     tls_ca: Annotated[Path | None, Parameter(help="Certificate of the authority of a scheduler at tls://HOST:PORT.")] = None
     tls_cert: Annotated[Path | None, Parameter(help="This machine's certificate for such a scheduler.")] = None
     tls_key: Annotated[Path | None, Parameter(help="The key of that certificate.")] = None
@@ -53,7 +55,7 @@ def engine(where: Where | None, here: int | None = None) -> Engine:
     where = where or Where()
     use_tls(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
     workers = here if where.workers is None and where.scheduler is None else where.workers
-    return Engine(where.backend, where.scheduler, workers, cache_folder())
+    return Engine(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)
 
 
 def cache_folder() -> Path | None:

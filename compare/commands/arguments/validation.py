@@ -99,8 +99,8 @@ def report(
         A shipped name or a scene file: write one self-contained page on it instead. The 3D reference is set beside it where
         runs are stored; none is computed.
     only
-        Names of the sections to make; all but the costly ones unless given. With timing the models' run times are measured
-        again and kept in --store: reference timing.
+        Names of the sections to make; all but the costly ones unless given. With timing all run times are measured
+        again, models and levels of the 3D reference, an hour on a quiet machine, and kept in --store: reference timing.
     out
         Folder to write to.
     quick
@@ -115,7 +115,7 @@ def report(
         Recompute all runs, whatever is stored, and make all sections.
     everything
         Also make the slow sections: pictures, friction, rolling, verification, stability, timing. Run times are the stored
-        ones, beside a sample measured now.
+        ones.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
     reference

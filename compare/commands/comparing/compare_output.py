@@ -281,13 +281,22 @@ def _cells(b: Beside) -> list[str]:
         f"{mean_load(loads, b.contacts):.1f}",
         f"{1e-6 * b.pressure:.0f}",
         f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
-        "" if not b.answer.seconds else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
+        "" if not b.answer.seconds or b.answer.measured else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
     ]
 
 
 def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
     """One row for each model, the reference first; narrower than 80 columns."""
     return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
+
+
+def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
+    """The seconds of stored runs, which no column of this command's own has, with what they were measured with."""
+    by_stamp: dict[str, list[str]] = {}
+    for b in (itself, *models):
+        if b.answer.seconds and b.answer.measured:
+            by_stamp.setdefault(b.answer.measured, []).append(f"{b.label} {b.answer.seconds:.0f} s")
+    return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
 
 
 def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:

@@ -14,6 +14,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
     answers_table,
     compared,
     contact_rows,
+    older_times,
     others,
     start_lines,
     verdict,
@@ -152,7 +153,8 @@ def run_compare(
                 "",
                 *filter(None, [whole.total.beside]),
             )
-            yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
+            yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself))
+            yield from (*older_times(whole.models, whole.itself), "")
             if balls:
                 yield from (_contacts(one.scene, whole.models, one.found), "")
             bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None

@@ -157,9 +157,9 @@ def make_report(
 
     quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
     store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
-    holds them; everything: the costly sections too, and the present version is added to the history in ``store``; against:
-    an earlier report, to list what moved. The models' run times are those kept, measured again with ``fresh`` and where the
-    section of run times is named. Raises InputError for a bad section name or folder.
+    holds them; everything: the costly sections too; against: an earlier report, to list what moved. Run times are those of
+    the measuring run that is kept; with ``fresh``, and where the section of run times is named, of a new one.
+    Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
     before = None if against is None else tables(against)
@@ -180,7 +180,7 @@ def make_report(
     runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
     timed = fresh or "timing" in only
-    study = Study(None if stored else stores, quick=quick, timed=timed, keeps=everything or fresh, cache=engine.cache)
+    study = Study(None if stored else stores, quick=quick, timed=timed, cache=engine.cache)
     progress = Progress(len(wanted) + runs + checking + 1)
     start = perf_counter()
     if runs:

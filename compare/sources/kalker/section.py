@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.body_names import FINITE
+from rollbench.comparison.reference.measured import most_of
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
@@ -318,8 +319,6 @@ def _compared(row: RollingRow) -> Row:
         Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
         Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
         Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
-        Quantity("ms", "low-order", "ms", "g3"): 1e3 * row.low_seconds,
-        Quantity("seconds", "3D", "s", "g3"): row.seconds,
         "verdict": f"within {LIMIT:g} %" if within(row) else f"beyond {LIMIT:g} %",
     }
 
@@ -332,23 +331,24 @@ def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
 
 def _grid_rows(stores: Sequence[Path]) -> list[Row]:
     out: list[Row] = []
-    for name in (*PAIRS, *RINGS):
-        for run in _runs(name, stores):
-            key = next(k for k in run.elastic if k.startswith(("force", "torque")))
-            out.append(
-                {
-                    "scene": name,
-                    Quantity("state", "load state", "", "s"): load_state(name),
-                    "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
-                    "cells": f"{run.shape[0]} x {run.shape[1]}",
-                    Quantity("value", "force or torque", "", "g5"): run.values[key],
-                    Quantity("alone", "by the grid alone", "", "g5"): run.elastic[key],
-                    Quantity("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
-                    Quantity("lost", "power lost by differences", "%", ".3f"): 100.0 * run.upwind,
-                    Quantity("stick", "cells that stick", "", "d"): run.sticking,
-                    Quantity("seconds", "processor time", "s", "g3"): run.seconds,
-                }
-            )
+    every = [(name, run) for name in (*PAIRS, *RINGS) for run in _runs(name, stores)]
+    common = most_of(run.measured for _, run in every)
+    for name, run in every:
+        key = next(k for k in run.elastic if k.startswith(("force", "torque")))
+        out.append(
+            {
+                "scene": name,
+                Quantity("state", "load state", "", "s"): load_state(name),
+                "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
+                "cells": f"{run.shape[0]} x {run.shape[1]}",
+                Quantity("value", "force or torque", "", "g5"): run.values[key],
+                Quantity("alone", "by the grid alone", "", "g5"): run.elastic[key],
+                Quantity("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
+                Quantity("lost", "power lost by differences", "%", ".3f"): 100.0 * run.upwind,
+                Quantity("stick", "cells that stick", "", "d"): run.sticking,
+                Quantity("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
+            }
+        )
     return out
 
 
@@ -394,8 +394,10 @@ def _figure(series: Sequence[Series]) -> Figure:
 def _times(stores: Sequence[Path]) -> Figure | None:
     """Error of a grid against the finest one, over its processor time."""
     curves = []
-    for name in PAIRS:
-        runs = [r for r in _runs(name, stores) if r.level != SOURCE_LEVEL]
+    found = {name: [r for r in _runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
+    common = most_of(r.measured for runs in found.values() for r in runs)
+    for name, every in found.items():
+        runs = [r for r in every if r.measured == common]
         if len(runs) < len(LEVELS) or not runs[-1].values["force 1-2 N"] > 0.0:
             continue
         top = runs[-1].values["force 1-2 N"]
@@ -404,4 +406,4 @@ def _times(stores: Sequence[Path]) -> Figure | None:
     if not curves:
         return None
     panel = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log="xy")
-    return Figure("rolling-times", "Error against run time of the 3D model of rolling", [panel])
+    return Figure("rolling-times", "Error against run time of the 3D model of rolling", [panel], f"Measured with {common}.")

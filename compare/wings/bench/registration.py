@@ -7,7 +7,6 @@ REGISTRATION = Registration(
     commands={"bench": "wings.bench.arguments"},
     parts=(
         Part("overview", "wings.bench.sections.overview", quick=True, runs=True, page="accuracy"),
-        Part("history", "wings.bench.sections.history", quick=True, runs=True, page="trust"),
         Part("timing", "wings.bench.section", page="robustness"),
     ),
     functions={"run times": "wings.bench.sections.reference_time:time_items"},

@@ -16,6 +16,7 @@ from rollbench.comparison.models.total_uncertainty import SHARED, beside_face
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
+from rollbench.comparison.reference.measured import Measured, most_of
 from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.comparison.sections.grid_coverage import MANY, Held, coverage, share_of
@@ -45,6 +46,7 @@ def _refined(variant: str) -> bool:
 def level_table(study: Study, found: References) -> Table:
     """Mesh levels of every scene: size, own cost, change to the next level, quality, residuals."""
     rows: list[Row] = []
+    common = most_of(run.measured for ref in found.values() for run in ref.runs)
     for name, ref in found.items():
         source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = ([source] if source else []) + list(ref.runs)
@@ -55,6 +57,7 @@ def level_table(study: Study, found: References) -> Table:
             largest, rms = (None, None) if step is None else (step.max_percent, step.rms_percent)
             change = None if following is None else float(error_percent(run.load.sum(), following.load.sum()))
             best = load_error(run.load, ref.load, ref.contacts)
+            times = (run.setup_seconds, run.solve_seconds) if run.measured == common else (None, None)
             jacobian = min(run.quality[k] for k in ("screw", "nut", "ball"))
             rows.append(
                 {
@@ -63,8 +66,8 @@ def level_table(study: Study, found: References) -> Table:
                     Quantity("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
                     Quantity("sides", "sides meshed", "", "s"): len(run.sides),
                     Quantity("unknowns", "unknowns, equivalent monolithic mesh", "", "s"): run.unknowns,
-                    Quantity("setup", "set-up", "s", ".1f"): run.setup_seconds,
-                    Quantity("solve", "load case", "s", ".1f"): run.solve_seconds,
+                    Quantity("setup", "set-up", "s", ".1f"): times[0],
+                    Quantity("solve", "load case", "s", ".1f"): times[1],
                     Quantity("memory", "peak memory", "MB", ".0f"): "not measured" if run.peak_MB is None else run.peak_MB,
                     Quantity("change", "difference from the next level: largest", "% of mean", ".2f"): largest,
                     Quantity("rms", "RMS", "% of mean", ".2f"): rms,
@@ -80,7 +83,7 @@ def level_table(study: Study, found: References) -> Table:
     note = (
         "Elements across the short axis 2b of the contact ellipse, as expected in the least loaded scene of "
         "the geometry. Balances are relative to the largest contact load. Seconds and peak memory are each "
-        "run's own; scenes of one geometry share set-up and memory."
+        f"run's own; scenes of one geometry share set-up and memory. {_only(common)}"
     )
     return Table.of("reference-levels", "Mesh levels of the 3D reference", rows, note)
 
@@ -178,16 +181,24 @@ def shared_text(study: Study) -> str:
     )
 
 
+def _only(common: Measured | None) -> str:
+    """Which times a table shows, in words."""
+    return f"Times are those measured with {common}; others are left out."
+
+
 def stage_table(found: References) -> Table:
     """Where the time of the finest run goes."""
     rows: list[dict[str, Cell]] = []
+    common = most_of(ref.best.measured for ref in found.values())
     for name, ref in found.items():
+        if ref.best.measured != common:
+            continue
         cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
         rows.append(cells | dict(ref.best.stages))
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
     columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
     columns.append(Quantity("contact", "load case", "s", ".1f"))
-    note = "Scenes of one geometry share all stages but the last."
+    note = f"Scenes of one geometry share all stages but the last. {_only(common)}"
     return Table("reference-stages", "Stages of the finest runs", columns, rows, note)
 
 
@@ -340,6 +351,7 @@ def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
 def ablation_table(study: Study) -> Table | None:
     """What each ingredient of the reference changes, in per cent and seconds."""
     rows: list[Row] = []
+    common = most_of(run.measured for _, run, _ in _ablated(study))
     for name, run, low in _ablated(study):
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
@@ -353,12 +365,12 @@ def ablation_table(study: Study) -> Table | None:
                     Quantity("without", "left out", "", "s"): ingredient,
                     Quantity("meaning", "what stands in", "", "s"): meaning,
                     **_changed(e),
-                    Quantity("seconds", "seconds it takes", "s", "+.1f"): saved,
+                    Quantity("seconds", "seconds it takes", "s", "+.1f"): saved if run.measured == common else None,
                     Quantity("before", "low-order error against the full reference", "% of mean", ".2f"): full,
                     Quantity("model", "against this one", "% of mean", ".2f"): model.max_percent,
                 }
             )
-    note = "On the coarsest level. A scene may leave out what changes less than it needs to know."
+    note = f"On the coarsest level. A scene may leave out what changes less than it needs to know. {_only(common)}"
     title = "What each ingredient of the reference changes"
     return Table.of("reference-ablation", title, rows, note) if rows else None
 

@@ -16,6 +16,7 @@ from rollbench.comparison.reference.convergence import observe, pool
 from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
 from rollbench.comparison.reference.grid_parts import parts, read
 from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.measured import here
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -67,14 +68,15 @@ def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] =
 
 def level_rows(reference: Reference) -> list[dict[str, Any]]:
     """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds
-    without anything known before, largest difference of a contact load from the finest and `enough`, in per cent of the
-    mean load."""
+    without anything known before and what they were measured with, largest difference of a contact load from the finest and
+    `enough`, in per cent of the mean load."""
     return [
         {
             "level": run.level,
             "cell_size": size / reference.sizes[-1],
             "unknowns": run.unknowns,
             "seconds": run.setup_seconds + run.solve_seconds,
+            "measured_with": str(run.measured),
             "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
             "enough_for_percent": enough(reference, k),
         }
@@ -92,11 +94,12 @@ def enough(reference: Reference, k: int) -> float:
 def closing(reference: Reference) -> str:
     """Which level is enough for what, in one sentence, and which are not worth their time.
 
-    Per cents are rounded up.
+    Per cents are rounded up. Times stand there where all are of one measuring run.
     """
+    stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
     for row in level_rows(reference):
-        good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)"
+        good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)" if len(stamps) == 1 else ""
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
@@ -105,7 +108,9 @@ def closing(reference: Reference) -> str:
     (first, _), *others = steps
     rest = "".join(f", {text}" for text, _ in others)
     tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
-    return f"Enough: {first}{rest}.{tail}"
+    stamp = reference.best.measured
+    older = f" Times measured with {stamp}." if stamps == {stamp} != {here()} else ""
+    return f"Enough: {first}{rest}.{tail}{older}"
 
 
 def _up(percent: float) -> str:

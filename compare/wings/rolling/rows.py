@@ -53,7 +53,7 @@ class RollingRow:
     error of the low-order model against 3D [%] and that uncertainty [%] (None: of nothing); orders of the grids'
     differences are in the mesh study. ablation: elastic bodies on flat contacts; rigid bodies on curved ones; half spaces
     beside finite bodies on the finest grid (None: not solved beside these); load_state: "plain" or "inferred" where the
-    source does not print it, else None."""
+    source does not print it, else None; low_seconds are of now, seconds were measured with what measured_with says."""
 
     scene: str
     quantity: str
@@ -71,6 +71,7 @@ class RollingRow:
     seconds: float
     half_space: float | None = None
     load_state: str | None = None
+    measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -145,6 +146,7 @@ def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None
                 finest.seconds,
                 None if beside is None else beside.values[name],
                 load_state(scene.name),
+                str(finest.measured),
             )
         )
     return out

@@ -19,6 +19,7 @@ import numpy as np
 
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
+from rollbench.comparison.reference.measured import Measured, here
 from rollbench.comparison.reference.store import KEY
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import out_of_memory
@@ -48,7 +49,7 @@ class RollingRun:
     """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid bodies
     on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences over that
     put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that stick; what
-    the bodies are (a key of `BODIES`)."""
+    the bodies are (a key of `BODIES`); what the seconds were measured with (empty in runs of before 0.15)."""
 
     scene: str
     level: int
@@ -65,6 +66,14 @@ class RollingRun:
     all_seconds: float
     sticking: int
     bodies: str = HALF_SPACE
+    version: str = ""
+    sources: str = ""
+    machine: str = ""
+
+    @property
+    def measured(self) -> Measured:
+        """What its seconds were measured with."""
+        return Measured(self.version, self.sources, self.machine)
 
     @property
     def converged(self) -> bool:
@@ -166,6 +175,7 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
         elsewhere + process_time() - begin,
         int(sum(int(c.stick.sum()) for c in touching.contacts)),
         bodies,
+        **asdict(here()),
     )
 
 

@@ -20,6 +20,7 @@ def sweep(
     method: Literal["sobol", "lhs", "grid"] = "sobol",
     model: Word = "",
     seed: int = 0,
+    outputs: Word = "",
     out: Path = Path("rollbench-sweep"),
     as_json: Json = False,
     where: Where | None = None,
@@ -42,10 +43,14 @@ def sweep(
         refined unless given; see: rollbench list.
     seed
         Seed of the design.
+    outputs
+        NAME,NAME: compute these alone, beside the largest load; all unless given. Without rigidity_N_per_um and preload_N
+        a sample needs one solution, not two. Names are those of samples.csv.
     out
         Folder of the records and the summary; samples stored there are not solved again.
     """
     from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
 
-    what = sweep_of(scene, vary, samples, method, seed, model)
+    names = [name.strip() for name in outputs.split(",") if name.strip()]
+    what = sweep_of(scene, vary, samples, method, seed, model, names)
     return print_answer(run_sweep(what, out, engine(where)), as_json)

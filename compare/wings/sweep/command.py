@@ -17,16 +17,19 @@ from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.sweep import run as sweeping
 from rollbench.comparison.wings.sweep.design import Method
 from rollbench.comparison.wings.sweep.keys import Vary, read_vary
-from rollbench.comparison.wings.sweep.outputs import OUTPUTS
+from rollbench.comparison.wings.sweep.outputs import MAIN, OUTPUTS
 from rollbench.comparison.wings.sweep.run import Sweep
 from rollbench.comparison.wings.sweep.store import Record
-from rollbench.comparison.wings.sweep.summary import MAIN, converged, summary
+from rollbench.comparison.wings.sweep.summary import converged, summary
 from rollbench.comparison.writing import no_figure, replace_file, write_figure
 from rollbench.meshes.axis import Assembly
 
 
-def sweep_of(scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str) -> Sweep:
-    """The sweep of a shipped scene by name, or of a scene file, by the default model where none is named.
+def sweep_of(
+    scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
+) -> Sweep:
+    """The sweep of a shipped scene by name, or of a scene file, by the default model where none is named; outputs: those
+    that are computed, all unless given.
 
     Raises InputError for what cannot be read.
     """
@@ -36,7 +39,7 @@ def sweep_of(scene: str, vary: Sequence[str], samples: int, method: Method, seed
     else:
         text, origin = scene_file.read_text(scene), scene
     model = model or (default_model(found) if isinstance(found, Assembly) else DEFAULT)
-    return Sweep(text, origin, read_vary(vary), samples, method, seed, model)
+    return Sweep(text, origin, read_vary(vary), samples, method, seed, model, tuple(outputs))
 
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
@@ -58,20 +61,20 @@ def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any],
     """Write samples.csv, summary.json and the figures into the folder."""
     from rollbench.comparison.wings.sweep.figures import figures
 
-    replace_file(out / "samples.csv", samples_csv(sweep.keys, records))
+    replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     for figure in figures("sweep", sweep.keys, found, converged(records)):
         write_figure(out / f"{figure.name}.svg", figure)
 
 
-def samples_csv(keys: Sequence[Vary], records: Mapping[int, Record]) -> str:
-    """One row a sample in order: number, values, status or reason, outputs."""
+def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
+    """One row a sample in order: number, values, status or reason, the outputs that are kept."""
     text = io.StringIO()
     writer = csv.writer(text)
-    writer.writerow(["sample", *(v.key for v in keys), "status", *OUTPUTS, "at"])
+    writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted, "at"])
     for n in sorted(records):
         row = records[n]
-        kept = ["" if row.get(k) is None else row[k] for k in (*OUTPUTS, "at")]
+        kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted, "at")]
         writer.writerow([n, *row["values"], row["status"], *kept])
     return text.getvalue()
 
@@ -106,7 +109,14 @@ def _interval(row: Mapping[str, float], kind: str) -> str:
 
 
 def library(
-    scene: str, vary: Sequence[str], samples: int, method: Method, model: str, seed: int, out: Path
+    scene: str,
+    vary: Sequence[str],
+    samples: int,
+    method: Method,
+    model: str,
+    seed: int,
+    out: Path,
+    outputs: Sequence[str] = (),
 ) -> dict[str, Any]:
     """JSON-ready summary of a sweep, which is written to the folder. Raises InputError."""
-    return solve_sweep(sweep_of(scene, vary, samples, method, seed, model), out, Engine(), on_terminal)
+    return solve_sweep(sweep_of(scene, vary, samples, method, seed, model, outputs), out, Engine(), on_terminal)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.wings.sweep.keys import Vary
-from rollbench.comparison.wings.sweep.outputs import OUTPUTS
+from rollbench.comparison.wings.sweep.outputs import MAIN, OUTPUTS
 from rollbench.comparison.wings.sweep.store import Record
-from rollbench.comparison.wings.sweep.summary import MAIN, column, inputs
+from rollbench.comparison.wings.sweep.summary import column, inputs
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Most panels of a figure, and most points of a scatter.

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -37,63 +38,101 @@ OUTPUTS = {
 }
 
 
-def outputs(scene: Scene, result: StaticResult, model: str, options: Options) -> dict[str, Any]:
-    """Numbers of a converged result: `OUTPUTS`, and ``at``, the ball and side of the largest load.
+#: The output that worst cases, effects and plots are about; always kept, with its place ``at``.
+MAIN = "largest_load_N"
 
-    Rigidity (secant, from the place without loads) and preload take the solution without loads; the torque takes
-    [friction] of the scene. None where there is no such answer.
+#: How outputs are computed, by name, called for those that are wanted alone.
+Makers = dict[str, Callable[[], Any]]
+
+
+def outputs(
+    scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
+) -> dict[str, Any]:
+    """Numbers of a converged result: those of `OUTPUTS` that are wanted, and ``at``, the ball and side of the largest load.
+
+    Rigidity (secant, from the place without loads) and preload take the solution without loads, which is solved for them
+    alone; the torque takes [friction] of the scene. None where there is no such answer.
     """
-    bare = solve_scaled(scene, 0.0, model, options)
-    force, moved = axial_force(result), axial_displacement(scene, result) - unloaded_place(scene, bare)
-    rigidity, preload = _rigidity(force, moved), axial_preload(scene, bare) if bare.converged else None
-    whole = _displacement(scene, result), rigidity, preload
-    return _of_sets([("", scene, result)], scene, whole, options, nominal_contacts(scene))
+
+    @cache
+    def bare() -> StaticResult:
+        return solve_scaled(scene, 0.0, model, options)
+
+    def rigidity() -> float | None:
+        moved = axial_displacement(scene, result) - unloaded_place(scene, bare())
+        return _rigidity(axial_force(result), moved)
+
+    makers: Makers = {
+        "displacement_um": lambda: _displacement(scene, result),
+        "rigidity_N_per_um": rigidity,
+        "preload_N": lambda: axial_preload(scene, bare()) if bare().converged else None,
+    }
+    return _of_sets([("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene))
 
 
 def cycle_outputs(
-    cycle: DutyCycle, results: Sequence[StaticResult | AxisResult], each: Sequence[dict[str, Any]]
+    cycle: DutyCycle,
+    results: Sequence[StaticResult | AxisResult],
+    each: Sequence[dict[str, Any]],
+    *,
+    wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
     """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
     duty cycle, of the set that lives shortest, and the mean torque over its revolutions. results, each: of every case its
     result and outputs."""
-    case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1]["largest_load_N"]))
-    torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
-    known = all(torque is not None for _, torque in torques)
-    lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
-    rated = [x.revolutions for x in lives if x is not None]
-    return worst | {
-        "torque_Nmm": sum(share * torque for share, torque in torques) if known else None,
-        "life_million_revolutions": min(rated) if len(rated) == len(lives) else None,
-        "at": f"case {case.name}: {worst['at']}",
-    }
+    case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1][MAIN]))
+    found = worst | {"at": f"case {case.name}: {worst['at']}"}
+    if "torque_Nmm" in wanted:
+        torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
+        known = all(torque is not None for _, torque in torques)
+        found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
+    if "life_million_revolutions" in wanted:
+        lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
+        rated = [x.revolutions for x in lives if x is not None]
+        found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
+    return found
 
 
-def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[str, Any]:
-    """`OUTPUTS` of several sets together; loads are of contacts of balls and of rollers; ``at`` begins with the name of the
-    set; displacement: along the axis, of what the scene asks about, from the unloaded place of the parts; approaches, life
-    and torque are those of balls, life of the set that lives shortest; preload: the largest axial force of a set without
-    loads.
+def axis_outputs(
+    assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
+) -> dict[str, Any]:
+    """`OUTPUTS` of several sets together, those that are wanted; loads are of contacts of balls and of rollers; ``at``
+    begins with the name of the set; displacement: along the axis, of what the scene asks about, from the unloaded place of the
+    parts; approaches, life and torque are those of balls, life of the set that lives shortest; preload: the largest axial
+    force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    bare = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
     force, moved = axial_load(assembly), along_axis(assembly, result)
-    rigidity = _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None
-    preload = max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None
+
+    @cache
+    def bare() -> AxisResult:
+        without = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
+        assert isinstance(without, AxisResult)
+        return without
+
+    def preload() -> float | None:
+        return max((abs(float(s.force[2])) for s in bare().sets), default=0.0) if bare().converged else None
+
+    makers: Makers = {
+        "displacement_um": lambda: 1e6 * moved if force else None,
+        "rigidity_N_per_um": lambda: _rigidity(force, moved - along_axis(assembly, bare())) if bare().converged else None,
+        "preload_N": preload,
+    }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
-    return _of_sets(sets, assembly, (1e6 * moved if force else None, rigidity, preload), Options(), rollers=rollers)
+    return _of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
 
 
 def _of_sets(
     sets: list[tuple[str, Scene, StaticResult]],
     scene: Scene | Assembly,
-    whole: tuple[float | None, float | None, float | None],
+    whole: Makers,
     options: Options,
-    contacts: int = 0,
+    wanted: Collection[str],
+    contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: displacement [um],
-    rigidity [N/um] and preload [N]; contacts: see `mean_load`; rollers: loads [N] of each row."""
-    displacement, rigidity, preload = whole
+    """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: makers of
+    displacement [um], rigidity [N/um] and preload [N]; contacts: see `mean_load`; rollers: loads [N] of each row."""
     solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
     named = [*((name, x.load) for name, _, x in sets), *rollers]
     every = np.concatenate([np.zeros(0), *(load[load > 0.0] for _, load in named)])
@@ -102,19 +141,17 @@ def _of_sets(
         name, load = max(named, key=lambda one: float(one[1].max(initial=0.0)))
         one, *side = np.unravel_index(int(load.argmax()), load.shape)
         at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
-    return {
-        "largest_load_N": float(every.max(initial=0.0)),
-        "mean_load_N": mean_load(every, contacts),
-        "loaded_contacts": int(every.size),
-        "idle_balls": sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
-        "at": at,
-        "displacement_um": displacement,
-        "largest_approach_um": max((_approach(balls) for _, balls in solved), default=None),
-        "rigidity_N_per_um": rigidity,
-        "preload_N": preload,
-        "torque_Nmm": None if friction is None else _friction_torque(solved, friction, scene.motion, options),
-        "life_million_revolutions": _life([(parts, balls.load) for parts, balls in solved]),
+    makers: Makers = {
+        MAIN: lambda: float(every.max(initial=0.0)),
+        "mean_load_N": lambda: mean_load(every, contacts()),
+        "loaded_contacts": lambda: int(every.size),
+        "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
+        "largest_approach_um": lambda: max((_approach(balls) for _, balls in solved), default=None),
+        "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
+        "life_million_revolutions": lambda: _life([(parts, balls.load) for parts, balls in solved]),
+        **whole,
     }
+    return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted} | {"at": at}
 
 
 def _displacement(scene: Scene, result: StaticResult) -> float | None:

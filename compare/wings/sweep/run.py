@@ -17,6 +17,7 @@ from rollbench.comparison.scenes import scene_file, scene_tables
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.design import Method, points, values
 from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced
+from rollbench.comparison.wings.sweep.outputs import MAIN, OUTPUTS
 from rollbench.comparison.wings.sweep.sample import attempt, reason, solve_batch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -27,13 +28,16 @@ Step = Callable[[str], None]
 COMPILE_FROM = 50
 #: Samples that are tried before anything is stored: where each is refused for the same reason, nothing else is.
 FIRST = 10
-#: Most samples of a job, least number of jobs a worker, and seconds between two messages.
-LARGEST_BATCH, BATCHES, PULSE = 50, 20, 2.0
+#: Most samples of a job, which its process stores together; least number of jobs a worker; seconds between two messages.
+LARGEST_BATCH, BATCHES, PULSE = 20, 20, 2.0
+#: Workers that a scheduler may come to have, where their number is not given: they can join at any time.
+MANY = 100
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What is swept: text of the scene and the name that errors give it, varied keys, design and model."""
+    """What is swept: text of the scene and the name that errors give it, varied keys, design, model, and the outputs that
+    are computed (none: all)."""
 
     text: str
     origin: str
@@ -42,6 +46,12 @@ class Sweep:
     method: Method = "sobol"
     seed: int = 0
     model: str = "refined"
+    outputs: tuple[str, ...] = ()
+
+    @property
+    def wanted(self) -> tuple[str, ...]:
+        """Outputs that are kept, in the order of `OUTPUTS`: all unless some are named, `MAIN` always."""
+        return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
     def places(self) -> Array:
         """Places of all samples in the unit cube, ``(m, d)``."""
@@ -51,10 +61,14 @@ class Sweep:
         """All that the records depend on."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
-        return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}}
+        some = {"outputs_kept": list(self.wanted)} if self.outputs else {}
+        return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
-        """Raise InputError for an unknown model, a key that a scene does not have, or values out of its range."""
+        """Raise InputError for an unknown model or output, a key that a scene does not have, or values out of its range."""
+        for name in self.outputs:
+            if name not in OUTPUTS:
+                raise InputError("command line", "--outputs", name, ", ".join(OUTPUTS), "names with commas between")
         raw = scene_file.read_toml(self.text, self.origin)
         scene = scene_tables.read_tables(raw, self.origin)
         known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
@@ -93,7 +107,9 @@ def _try_first(sweep: Sweep, places: Array) -> None:
     refused: list[InputError] = []
     for place in places[:FIRST]:
         try:
-            attempt(sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted")
+            attempt(
+                sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted", sweep.wanted
+            )
             return
         except InputError as error:
             refused.append(error)
@@ -106,8 +122,9 @@ def _try_first(sweep: Sweep, places: Array) -> None:
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
     token, places, left = work
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
-    what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels)
-    size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * (engine.workers or 1))))
+    what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted)
+    workers = engine.workers or (MANY if engine.scheduler else 1)
+    size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
     batches = [left[k : k + size] for k in range(0, len(left), size)]
     jobs: list[parallel.Job] = [
         (solve_batch, (str(folder.resolve()), token, what, [(n, values(sweep.keys, places[n])) for n in batch]))
@@ -118,8 +135,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:
-            for record in records:
-                writer.append(record)
+            writer.append(records)
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
         time = perf_counter()

@@ -1,10 +1,10 @@
-"""The folder of a sweep: what is swept, and one line a sample, appended when it is solved and never touched again.
+"""The folder of a sweep: what is swept, and one line a sample, appended when its batch is solved and never touched again.
 
-Every process writes lines to a file of its own, each whole in one call and with a checksum, so that whatever moment a
-process is killed at, every finished sample is there and a torn line is told from a whole one. A process that outlives the
-run it belonged to stops before its next sample: the run's token is no longer the folder's. A new run waits, by a lock that
-each process holds while it solves, until such processes have stopped; only then it reads what there is, so that no sample
-is solved twice.
+Every process writes lines to a file of its own, those of a batch in one call and each with a checksum, so that whatever
+moment a process is killed at, every finished batch is there and a torn line is told from a whole one. A process that
+outlives the run it belonged to stops after its batch: the run's token is no longer the folder's. A new run waits, by a lock
+that each process holds while it solves, until such processes have stopped; only then it reads what there is, so that no
+sample is solved twice.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import json
 import os
 import platform
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic
@@ -111,13 +111,13 @@ class Writer:
         """Open the file when the first record comes."""
         self._path = folder / RECORDS / f"{token[:8]}-{_process()}.lines"
 
-    def append(self, record: Record) -> None:
-        """Append one record, whole in one call. Raises OSError where the disk does not take it."""
-        line = packed(record)
+    def append(self, records: Sequence[Record]) -> None:
+        """Append records in one call. Raises OSError where the disk does not take them."""
+        lines = b"".join(map(packed, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
-            if os.write(handle, line) != len(line):
-                raise OSError(28, "a record was not written whole", str(self._path))
+            if os.write(handle, lines) != len(lines):
+                raise OSError(28, "records were not written whole", str(self._path))
         finally:
             os.close(handle)
 

@@ -13,7 +13,7 @@ from scipy.stats import sobol_indices
 from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.wings.sweep.design import base_points
 from rollbench.comparison.wings.sweep.keys import Vary
-from rollbench.comparison.wings.sweep.outputs import OUTPUTS
+from rollbench.comparison.wings.sweep.outputs import MAIN
 from rollbench.comparison.wings.sweep.run import Sweep
 from rollbench.comparison.wings.sweep.sample import CONVERGED
 from rollbench.comparison.wings.sweep.store import Record
@@ -23,8 +23,6 @@ from rollbench.meshes.arrays import Array
 WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
 #: Resamples of the confidence intervals, their level, and least base points of indices.
 RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
-#: The output that worst cases and plots are about.
-MAIN = "largest_load_N"
 #: Standard deviation over the mean below which an output is constant but for round-off.
 CONSTANT = 1e-9
 
@@ -45,7 +43,7 @@ def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
-        "outputs": {name: statistics(column(good, name)) for name in OUTPUTS},
+        "outputs": {name: statistics(column(good, name)) for name in sweep.wanted},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
         "indices": indices(sweep, records),
@@ -115,7 +113,7 @@ def indices(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
         return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
     kept = whole[: 2 ** int(np.log2(whole.size))]
     found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
-    for name in OUTPUTS:
+    for name in sweep.wanted:
         y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
         found["outputs"][name] = _indices_of(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
     return found

@@ -141,19 +141,24 @@ def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
     np.testing.assert_allclose(theirs, points[cells[:, :count]], atol=1e-14)
     assert gmsh.model.mesh.getElementQualities(elements, "minDetJac").min() > 0.0
     groups = {gmsh.model.getPhysicalName(d, t): (d, t) for d, t in gmsh.model.getPhysicalGroups()}
-    assert set(groups) == ({"body", "low end", "side"} if form == "msh" else {"body"})
+    assert set(groups) == {"body", "low end", "side"}
     found = gmsh.model.mesh.getElements(3, gmsh.model.getEntitiesForPhysicalGroup(*groups["body"])[0])[1][0]
     np.testing.assert_array_equal(found, elements)
     views = {gmsh.option.getString(f"View[{k}].Name"): tag for k, tag in enumerate(gmsh.view.getTags())}
     kind, at, values, _, width = gmsh.view.getModelData(views["u"], 0)
     assert (kind, width) == ("NodeData", 3)
     np.testing.assert_allclose(np.array(values), place[np.asarray(at, dtype=int)], atol=1e-14)
+    for side in mesh.boundaries:
+        entities = gmsh.model.getEntitiesForPhysicalGroup(*groups[side])
+        ours = points[faces_of(mesh, side)[:, : 8 if count == 20 else None]]
+        corners = place[np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0] for e in entities]).astype(int)]
+        theirs = corners.reshape(ours.shape)
+        order = [np.lexsort(x.mean(axis=1).round(9).T) for x in (theirs, ours)]
+        np.testing.assert_allclose(np.sort(theirs[order[0]], axis=1), np.sort(ours[order[1]], axis=1), atol=1e-14)
+        normal = np.cross(theirs[:, 1] - theirs[:, 0], theirs[:, 2] - theirs[:, 0])
+        outwards = theirs.mean(axis=1) - np.array([0.6, 0.7, 0.8])  # from the middle of the cube
+        assert (np.einsum("fi,fi->f", normal, outwards) > 0.0).all(), "a pressure acts along the normal"
     if form == "msh":
-        for side in mesh.boundaries:
-            entities = gmsh.model.getEntitiesForPhysicalGroup(*groups[side])
-            ours = points[faces_of(mesh, side)]
-            corners = place[np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0] for e in entities]).astype(int)]
-            np.testing.assert_allclose(np.sort(corners.reshape(ours.shape), axis=0), np.sort(ours, axis=0))
         kind, at, values, _, _ = gmsh.view.getModelData(views["skfem:s:body"], 0)
         values, inside = np.array(values)[:, 0], np.isin(at, elements)
         assert kind == "ElementData"
@@ -254,6 +259,25 @@ def test_med_keeps_groups_of_nodes(tmp_path: Path):
     kept = np.isin(np.arange(len(points)), cells_of(mesh)[:, :20])
     np.testing.assert_array_equal(again.point_data["t"], np.flatnonzero(kept))
     assert again.cell_tags[-1] == ["body"]
+    (quads,) = (block for block in again.cells if block.dim == 2)
+    tags = again.cell_data["cell_tags"][[block.type for block in again.cells].index(quads.type)]
+    for name, corner in {"low end": (2, 0.3), "side": (0, 1.1)}.items():
+        inside = np.isin(tags, [number for number, names in again.cell_tags.items() if name in names])
+        where = np.all(np.abs(again.points[quads.data][:, :, corner[0]] - corner[1]) < 1e-12, axis=1)
+        np.testing.assert_array_equal(inside, where)
+        assert inside.sum() == len(faces_of(mesh, name))
+
+
+def test_a_face_of_two_boundaries_is_one_face_of_both_groups_of_med(tmp_path: Path):
+    mesh = example("P2")
+    mesh.boundaries["both"] = np.concatenate([mesh.boundaries["side"][:1], mesh.boundaries["low end"][:1]])
+    write_mesh(tmp_path / "c.med", mesh)
+    again = meshio.read(tmp_path / "c.med")
+    (faces,) = (block for block in again.cells if block.dim == 2)
+    assert len(faces.data) == len(mesh.boundaries["side"]) + len(mesh.boundaries["low end"])
+    tags = again.cell_data["cell_tags"][1]
+    counts = {name: sum(name in again.cell_tags[tag] for tag in tags) for name in mesh.boundaries}
+    assert counts == {name: len(members) for name, members in mesh.boundaries.items()}
 
 
 def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):

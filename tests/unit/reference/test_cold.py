@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from rollbench.comparison.reference.measured import Measured
 from rollbench.comparison.wings.bench.costs import cold
 from rollbench.comparison.wings.bench.costs.kept import Kept, load_times, save_times
 from rollbench.comparison.wings.bench.sections.reference_time import level_table
@@ -46,10 +47,10 @@ def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatc
 def test_cold_levels_are_kept(tmp_path) -> None:
     stages = {"ball": 0.2, "nut": 1.5, "patches": 5.0, "screw": 3.0}
     level = cold.ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0, stages)
-    kept = Kept("a machine", "today", {}, {}, (level,))
+    kept = Kept(Measured("0.1", "abc", "a machine"), "today", {}, {}, (level,))
     save_times(tmp_path, kept)
     assert load_times([tmp_path]) == kept
-    (row,) = level_table(kept.levels).rows
+    (row,) = level_table(kept).rows
     costs = {"load_case": 4.0, "stages": "patches 5.0 s, screw 3.0 s, nut 1.5 s", "memory": 1400.0, "status": "converged"}
     assert row == {"scene": "unseen-25x5", "contacts": 264, "level": 1, "cold": 12.0, "cpu": 20.0} | costs
-    assert level_table([replace(level, stages=None)]).rows[0]["stages"] == "not measured"
+    assert level_table(replace(kept, levels=[replace(level, stages=None)])).rows[0]["stages"] == "not measured"

@@ -235,15 +235,44 @@ def test_what_is_no_scheduler_is_refused_in_time(address, request, monkeypatch):
     assert time.perf_counter() - begin < 2.0
 
 
-def test_a_scheduler_without_workers_is_refused(monkeypatch):
+def empty_cluster():
+    import dask
     from distributed import LocalCluster
 
-    monkeypatch.setattr(parallel, "PATIENCE", 0.5)
+    with dask.config.set({"distributed.worker.multiprocessing-method": "spawn"}):
+        return LocalCluster(n_workers=0, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0")
+
+
+def test_a_scheduler_without_workers_is_refused_after_the_wait_that_is_asked_for(capfd):
+    begin = time.perf_counter()
     with (
-        LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
-        pytest.raises(InputError, match=r"no workers; .*dask worker tcp://"),
+        empty_cluster() as cluster,
+        pytest.raises(InputError, match=r"no workers in 1 s; .*dask worker tcp://.*--wait-workers"),
     ):
-        run(JOBS, "dask", cluster.scheduler_address)
+        run(JOBS, "dask", cluster.scheduler_address, wait=1.0)
+    assert 1.0 < time.perf_counter() - begin < 10.0
+    assert "waiting 1 s for a worker" in capfd.readouterr().err
+    for options, message in (({"wait": 3.0}, "only with --scheduler"), ({"scheduler": "x", "wait": -1.0}, "0 to 1e6")):
+        with pytest.raises(InputError, match=f"--wait-workers.*{message}"):
+            run(JOBS, "dask", **options)
+
+
+@pytest.mark.parametrize("at_first", [0, 1])
+def test_workers_that_join_late_are_used(at_first, tmp_path):
+    """The first worker comes when jobs wait already, and a second one is given the job that waits for the first's."""
+    with empty_cluster() as cluster:
+        cluster.scale(at_first)
+        joins = threading.Timer(1.5, cluster.scale, (at_first + 1,))
+        joins.start()
+        jobs = [(meet, (tmp_path,))] * 2 if at_first else [process]
+        assert len(set(run(jobs, "dask", cluster.scheduler_address, wait=60.0))) == at_first + 1
+        joins.join()
+
+
+def test_a_cluster_that_adapts_its_size_gets_workers_for_the_jobs():
+    with empty_cluster() as cluster:
+        cluster.adapt(minimum=0, maximum=1, interval="100 ms", wait_count=1000)
+        assert len(set(run([process] * 2, "dask", cluster.scheduler_address))) == 1
 
 
 def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path):

@@ -17,9 +17,9 @@ from rollbench.comparison.models.answers import gather, gather_axis
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.sweep import outputs, store
 from rollbench.comparison.wings.sweep import run as sweeping
 from rollbench.comparison.wings.sweep import sample as sampling
-from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
 from rollbench.comparison.wings.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -36,7 +36,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.sweep import run as sweeping, store
 from rollbench.comparison.wings.sweep.keys import read_vary
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed
+sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
 text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
 what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
@@ -242,3 +242,63 @@ main({[*words, "--out", str(tmp_path / "sweep")]!r})
 """
     done = python("-c", program)
     assert (done.returncode, "samples.csv" in done.stdout) == (0, True), done.stderr
+
+
+def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
+    every, _ = run(tmp_path / "every", 4)
+    solved = []
+
+    def counted(*arguments):
+        solved.append(arguments)
+        return run_model(*arguments)
+
+    some = sweep_of(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
+    with monkeypatch.context() as patch:
+        patch.setattr(sampling, "run_model", counted)
+        patch.setattr(outputs, "solve_scaled", None)  # the unloaded solution is of rigidity and preload
+        found = sweeping.run_samples(some, tmp_path / "some", Engine(), lambda _: None)
+    assert len(solved) == 4 + 1  # one of the first is tried before
+    kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
+    assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}
+    assert run_sweep(some, tmp_path / "some", Engine()).data["outputs"].keys() == {*kept[:3]}
+    assert (tmp_path / "some" / "samples.csv").read_text().splitlines()[0].endswith(",".join(("status", *kept[:4])))
+    with pytest.raises(InputError, match="another sweep"):
+        run(tmp_path / "some", 4)
+    with pytest.raises(InputError, match="--outputs: got loads; allowed: largest_load_N"):
+        sweeping.run_samples(sweep_of(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print)
+
+
+def test_outputs_of_load_cases_and_of_several_sets_can_be_left_out():
+    text = catalogue.scene_text("double-nut")
+    found = sampling.solve_sample(text, "double-nut.toml", (), (), "lin", "compiled", ["idle_balls"])
+    assert set(found) == {"status", "largest_load_N", "idle_balls", "at"}
+
+
+def test_a_batch_looks_at_the_folder_once_and_writes_once(tmp_path, monkeypatch):
+    said = {"read": 0, "written": 0}
+    looked, wrote = store.current, store.Writer.append
+
+    def look(*arguments):
+        said["read"] += 1
+        return looked(*arguments)
+
+    def write(self, records):
+        said["written"] += 1
+        wrote(self, records)
+
+    monkeypatch.setattr(store, "current", look)
+    monkeypatch.setattr(store.Writer, "append", write)
+    monkeypatch.setattr(sweeping, "BATCHES", 2)
+    found, _ = run(tmp_path / "a", 40)
+    assert (sorted(found), said) == (list(range(40)), {"read": 2, "written": 2})
+
+
+@pytest.mark.parametrize(("engine", "least"), [(Engine("dask", "tcp://x:1"), 1000), (Engine(), 100)])
+def test_there_are_jobs_enough_for_workers_that_may_join(tmp_path, monkeypatch, engine, least):
+    """Ten thousand samples make as many jobs as a large cluster can share, whether or not its size is known."""
+    given = []
+    monkeypatch.setattr(sweeping, "_try_first", lambda *_: None)
+    monkeypatch.setattr(sweeping, "first_here", lambda jobs, *_: given.extend(jobs) or iter(()))
+    sweeping.run_samples(what(10_000), tmp_path / "a", engine, lambda _: None)
+    assert len(given) >= least
+    assert sorted(n for _, (_, _, _, batch) in given for n, _ in batch) == list(range(10_000))

@@ -5,8 +5,8 @@ import pytest
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.sweep import section as tolerances
 from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep.outputs import MAIN
 from rollbench.comparison.wings.sweep.sample import solve_sample
-from rollbench.comparison.wings.sweep.summary import MAIN
 
 FOUND = tolerances.stored()
 KEYS = read_vary(FOUND["vary"])

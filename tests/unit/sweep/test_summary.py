@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.wings.sweep import keys, outputs, run
-from rollbench.comparison.wings.sweep.summary import MAIN, indices, main_effects, statistics, summary
+from rollbench.comparison.wings.sweep.outputs import MAIN
+from rollbench.comparison.wings.sweep.summary import indices, main_effects, statistics, summary
 
 KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
 NAMES = tuple(outputs.OUTPUTS)

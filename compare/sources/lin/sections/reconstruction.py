@@ -63,7 +63,9 @@ def _times(study: Study) -> Row:
     run = load(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
-        "no stored run" if run is None else f"{run.setup_seconds + run.solve_seconds:.0f} s with {run.unknowns:,} unknowns"
+        "no stored run"
+        if run is None
+        else f"{run.setup_seconds + run.solve_seconds:.0f} s with {run.unknowns:,} unknowns, measured with {run.measured}"
     )
     return _statement(
         "Table 2.2",

@@ -1,9 +1,5 @@
-"""What is measured once and kept in a store, so that a report need not start every process again: run times of the
-low-order models, processor time of cold set-ups (as ``tests/set_up_costs.py`` measured it), and what each release reached.
-
-A timed report of a version that has no row among the releases yet adds it to its store. Rows of releases before that were
-read off the reports that these releases shipped; what they did not measure, or measured otherwise, is said or left empty.
-"""
+"""What is measured once and kept in a store, so that a report need not start every process again: the times of one
+measuring run, and processor time of cold set-ups (as ``tests/set_up_costs.py`` measured it)."""
 
 from __future__ import annotations
 
@@ -15,21 +11,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rollbench.comparison.wings.bench.costs.assembly_bench import AssemblyCost
-from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel, measure
+from rollbench.comparison.reference.measured import Measured, here
+from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel
 from rollbench.comparison.writing import replace_file
 
 #: Files of a store.
-RUN_TIMES, SET_UP_COSTS, HISTORY = "run_times.json", "set_up_costs.json", "history.json"
-#: Quantities of a release by key, with their units; None where a release has no number.
-QUANTITIES = {
-    "error": "largest error / % of the mean load",
-    "u": "grid uncertainty / % of the mean load",
-    "cold": "run time, cold / s",
-    "memory": "peak memory / MB",
-}
-#: What numbers are kept of: models, and the reference on its finest level.
-NAMES = ("refined", "lin", "mei", "3D reference")
+RUN_TIMES, SET_UP_COSTS = "run_times.json", "set_up_costs.json"
 
 T = TypeVar("T")
 
@@ -46,15 +33,19 @@ class RunTime:
 
 @dataclass(frozen=True)
 class Kept:
-    """Times of one machine and day: ``times`` by scene and model, ``first``: a first process by model and engine,
-    ``levels`` of the 3D reference, cold, ``assembly``: ways to its stiffness (none where they were not measured)."""
+    """Times of one measuring run, what it was measured with, and its day: ``times`` by scene and model, ``first``: a first
+    process by model and engine, ``levels`` of the 3D reference, cold."""
 
-    machine: str
+    measured: Measured
     date: str
     times: Mapping[tuple[str, str], RunTime]
     first: Mapping[tuple[str, str], Cold]
     levels: Sequence[ColdLevel] = ()
-    assembly: Sequence[AssemblyCost] = ()
+
+    def __str__(self) -> str:
+        """What it was measured with, in words."""
+        older = "" if self.measured == here() else f", not with the {here().version} of this report"
+        return f"Run times are of one measuring run: measured with {self.measured}, {self.date}{older}."
 
 
 @dataclass(frozen=True)
@@ -84,23 +75,13 @@ class Way:
 
 @dataclass(frozen=True)
 class Costs:
-    """Costs of set-ups, measured on a machine and day."""
+    """Costs of set-ups, measured on a machine and day with a version of this program."""
 
     machine: str
     date: str
     jobs: Sequence[SetUp]
     ways: Sequence[Way]
-
-
-@dataclass(frozen=True)
-class Release:
-    """A release: version, day, commit, numbers by quantity and name, and what is to be known of them."""
-
-    version: str
-    date: str
-    commit: str
-    values: Mapping[str, Mapping[str, float | None]]
-    remark: str = ""
+    version: str = ""
 
 
 def today() -> str:
@@ -132,9 +113,8 @@ def save_times(store: Path, kept: Kept) -> None:
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
         "levels": [asdict(c) for c in kept.levels],
-        "assembly": [asdict(c) for c in kept.assembly],
     }
-    head = f'"machine": {json.dumps(kept.machine)}, "date": {json.dumps(kept.date)}'
+    head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(kept.measured), "date": kept.date}.items())
     body = ", ".join(f'"{name}": [\n {_lines(rows)}]' for name, rows in lists.items())
     replace_file(store / RUN_TIMES, f"{{{head}, {body}}}\n")
 
@@ -146,17 +126,10 @@ def load_times(stores: Sequence[Path]) -> Kept | None:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): Cold(**r) for r in data["first"]}
         levels = tuple(ColdLevel(**r) for r in data.get("levels", []))
-        assembly = tuple(AssemblyCost(**r) for r in data.get("assembly", []))
-        return Kept(data["machine"], data["date"], times, first, levels, assembly)
+        measured = Measured(data.get("version", ""), data.get("sources", ""), data["machine"])
+        return Kept(measured, data["date"], times, first, levels)
 
     return first_kept(stores, RUN_TIMES, made)
-
-
-def live(scene: str, models: Sequence[str], kept: Kept) -> str:
-    """A sentence: cold times of some models on a scene measured now beside the kept ones."""
-    known = {model: kept.times[scene, model].cold for model in models if (scene, model) in kept.times}
-    words = [f"{m} {measure(scene, m, repeats=1).process:.2f} s (kept: {cold:.2f} s)" for m, cold in known.items()]
-    return f"measured again for this report on {scene}: {', '.join(words)}"
 
 
 def load_costs(stores: Sequence[Path]) -> Costs | None:
@@ -164,16 +137,6 @@ def load_costs(stores: Sequence[Path]) -> Costs | None:
 
     def made(data: dict[str, Any]) -> Costs:
         jobs, ways = [SetUp(**row) for row in data["jobs"]], [Way(**row) for row in data["ways"]]
-        return Costs(data["machine"], data["date"], jobs, ways)
+        return Costs(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
     return first_kept(stores, SET_UP_COSTS, made)
-
-
-def load_releases(stores: Sequence[Path]) -> tuple[Release, ...]:
-    """Releases of the first store that has any, oldest first; none without a valid file."""
-    return first_kept(stores, HISTORY, lambda rows: tuple(Release(**row) for row in rows)) or ()
-
-
-def added(known: Sequence[Release], new: Release) -> tuple[Release, ...]:
-    """The releases with a new one at the end, unless there is one of its version: a release is not rewritten."""
-    return tuple(known) if any(one.version == new.version for one in known) else (*known, new)

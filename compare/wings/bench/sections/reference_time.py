@@ -7,32 +7,22 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from time import perf_counter
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.measure import error_percent, gate_scale, load_error
 from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
 from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
 from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.levels import SOURCE_LEVEL, STUDIED
-from rollbench.comparison.reference.store import load, shipped_store
-from rollbench.comparison.system import machine
-from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, REPEATS, AssemblyCost, assembly_costs
-from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel, measure, measure_level
-from rollbench.comparison.wings.bench.costs.kept import (
-    Costs,
-    Kept,
-    RunTime,
-    live,
-    load_costs,
-    load_times,
-    save_times,
-    today,
-)
+from rollbench.comparison.reference.levels import SOURCE_LEVEL
+from rollbench.comparison.reference.measured import Measured, here, one_run
+from rollbench.comparison.reference.store import Run, load, shipped_store
+from rollbench.comparison.wings.bench.costs.cold import ColdLevel, measure, measure_level
+from rollbench.comparison.wings.bench.costs.kept import Costs, Kept, RunTime, load_costs, load_times, save_times, today
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -45,9 +35,7 @@ FLOOR = 1e-2
 WARM_CALLS = 10
 #: Scene whose first process is timed with and without compiling.
 FIRST = "lin-case1"
-#: Preloaded screws of many contacts whose coarsest level is timed too.
-LARGE = (("unseen-40x10", 1), ("unseen-25x5", 1))
-#: Stages of a set-up that are told.
+#: Stages of a set-up that are named.
 DEAREST = 3
 #: Kinds of work of a set-up, and their headings.
 WORK = {
@@ -57,18 +45,29 @@ WORK = {
     "elimination": "of it elimination",
     "dense": "its dense algebra",
 }
-#: Models whose cold time is measured there even where times are kept.
+#: Models whose first process is timed there.
 SAMPLE = ("lin", "refined")
 #: Panels of one figure.
 PANELS = 6
 
 
 @dataclass(frozen=True)
+class Largest:
+    """The largest error [%] of a contact load, and its lowest and highest that the grid uncertainty of every contact
+    allows: `error_range`."""
+
+    error: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class TimePoint:
     """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
     lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
-    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, short name, and the status where it is no
-    solution."""
+    cold and warm of the measuring run (None: not measured in it), unknowns, peak memory [MB] (None: not measured), kind,
+    short name, the largest error by the gate's rule, the status where it is no solution; what the seconds were
+    measured with; an older time in words."""
 
     label: str
     kind: Literal["model", "level", "source mesh"]
@@ -76,25 +75,33 @@ class TimePoint:
     rms: float
     low: float | None
     high: float | None
-    cold: float
+    cold: float | None
     warm: float | None
     unknowns: int
     memory: float | None
     name: str
+    gate: Largest
     status: str = "converged"
+    measured: Measured | None = None
+    older: str = ""
 
 
-def error_range(value: Array, found: Reference) -> tuple[float, float, float | None, float | None]:
-    """Largest and RMS error of loads (n, 4) [N] against the reference's finest level, and the ends of the largest's bar.
+def error_range(value: Array, found: Reference, scale: Array) -> Largest:
+    """Largest error of loads (n, 4) [N] against the reference's finest level in per cent of ``scale`` (n, 4) [N].
 
-    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
-    are per cent of its mean load.
+    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U).
     """
+    off = np.abs(error_percent(value, found.load, scale))
+    bar = np.abs(error_percent(found.uncertainty, 0.0, scale))
+    return Largest(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
+
+
+def errors_of(value: Array, found: Reference) -> dict[str, Any]:
+    """Errors of a `TimePoint` by loads (n, 4) [N]."""
     e = load_error(value, found.load, found.contacts)
-    mean = found.mean
-    off = np.abs(error_percent(value, found.load, mean))
-    bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
-    return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
+    of_mean = error_range(value, found, np.full(value.shape, found.mean))
+    gate = error_range(value, found, gate_scale(found.load, found.mean))
+    return {"error": e.max_percent, "rms": e.rms_percent, "low": of_mean.low, "high": of_mean.high, "gate": gate}
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
@@ -107,52 +114,78 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
     return float(np.median(spent[1:]))
 
 
-def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """All models and meshes of a scene; times of models as kept, unless the study is timed or they are not kept."""
-    scene, out = study.scene(name), []
-    bodies, kept = finest_bodies(scene, found, study.stores), study.once(_kept)
-    further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
-    for model in (*suited(scene), *further):
-        if model.name == "condensed" and bodies is None:
-            continue
-        known = None if study.timed or kept is None else kept.times.get((name, model.name))
-        if known is None:
+def measuring_run(study: Study, step: Step) -> Kept | None:
+    """The times that a report shows: those that are kept, None without any; of a timed study those of a measuring run now,
+    which is kept in its first store: every model and level of every compared scene, an hour in all. A quick study measures
+    models alone, and keeps nothing."""
+    if not study.timed:
+        return load_times((*(study.stores or ()), shipped_store()))
+    times, levels, first = {}, [], {}
+    for name, found in compared_scenes(study).items():
+        for model, bodies in models_of(name, found, study):
             step(f"{name}, {model.label}: cold and warm")
-        out.append(_model_point(name, model, found, study, bodies if model.name == "condensed" else None, known))
-    runs = [(f"3D reference, level {r.level}", f"3D level {r.level}", r) for r in found.runs]
-    source = load(scene, SOURCE_LEVEL, stores=study.stores)
-    if source is not None:
-        runs.insert(0, ("3D reference, the source's mesh", "3D, source's mesh", source))
-    for label, short, run in runs:
-        kind: Literal["source mesh", "level"] = "source mesh" if run.level == SOURCE_LEVEL else "level"
-        seconds = run.setup_seconds + run.solve_seconds, run.solve_seconds
-        errors, costs = error_range(run.load, found), (*seconds, run.unknowns, run.peak_MB)
-        out.append(TimePoint(label, kind, *errors, *costs, short, run.status))
+            cold = measure(name, model.name, condensed=bodies, repeats=1)
+            options = Options(discretisation=False, engine="compiled", condensed=bodies)
+            warm = warm_seconds(model, study.scene(name), options)
+            times[name, model.name] = RunTime(cold.process, warm, cold.memory)
+        for run in () if study.quick else runs_of(name, found, study):
+            step(f"{name}, level {run.level} of the 3D reference, cold")
+            levels.append(measure_level(name, run.level))
+    for name, engine in () if study.quick else product(SAMPLE, ("interpreted", "compiled")):
+        step(f"{FIRST}, {name} {engine}: first process")
+        first[name, engine] = measure(FIRST, name, engine=engine)
+    measured = Kept(here(), today(), times, first, levels)
+    if study.stores and not study.quick:
+        save_times(study.stores[0], measured)
+    return measured
+
+
+def compared_scenes(study: Study) -> dict[str, Reference]:
+    """References of all scenes that have one; of the case studies alone in a quick study."""
+    return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
+
+
+def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
+    """Models of a scene, each with the file of its condensed bodies, where it takes them."""
+    scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
+    further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
+    every = [(m, bodies if m.name == "condensed" else None) for m in (*suited(scene), *further)]
+    return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
+
+
+def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
+    """Runs of the 3D reference of a scene: on the source's mesh, where there is one, and on its levels."""
+    source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+    return [*(() if source is None else (source,)), *found.runs]
+
+
+def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
+    """All models and meshes of a scene, with the times of the measuring run alone; the times of a run that this did not
+    measure are named with what they were measured with."""
+    kept, out = study.once(measuring_run, step), []
+    measured = None if kept is None else kept.measured
+    for model, bodies in models_of(name, found, study):
+        known = None if kept is None else kept.times.get((name, model.name))
+        result = _solved(name, model, study, bodies)
+        cold, warm, memory = (None, None, None) if known is None else (known.cold, known.warm, known.memory)
+        costs: dict[str, Any] = {"cold": cold, "warm": warm, "unknowns": result.solver.unknowns, "memory": memory}
+        notes: dict[str, Any] = {"status": result.status, "measured": None if known is None else measured}
+        out.append(TimePoint(model.label, "model", **errors_of(result.load, found), **costs, name=model.name, **notes))
+    for run in runs_of(name, found, study):
+        cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
+        for level in () if kept is None else kept.levels:
+            if (level.scene, level.level) == (name, run.level):
+                cold, warm, older = level.process, level.load_case, ""
+        of_source = run.level == SOURCE_LEVEL
+        label, short = (
+            ("the source's mesh", "3D, source's mesh") if of_source else (f"level {run.level}", f"3D level {run.level}")
+        )
+        kind: Literal["source mesh", "level"] = "source mesh" if of_source else "level"
+        costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
+        notes = {"status": run.status, "measured": None if cold is None else measured, "older": older}
+        errors = errors_of(run.load, found)
+        out.append(TimePoint(f"3D reference, {label}", kind, **errors, **costs, name=short, **notes))
     return out
-
-
-def _kept(study: Study) -> Kept | None:
-    return load_times((*(study.stores or ()), shipped_store()))
-
-
-def _unless_timed(study: Study) -> Kept | None:
-    """The times that are kept; None for a study that is to be timed, too."""
-    return None if study.timed else study.once(_kept)
-
-
-def _model_point(
-    name: str, model: Model, found: Reference, study: Study, bodies: Path | None, known: RunTime | None
-) -> TimePoint:
-    scene = study.scene(name)
-    result = _solved(name, model, study, bodies)
-    if known is None:
-        options = Options(discretisation=False, engine="compiled", condensed=bodies)
-        cold = measure(name, model.name, condensed=bodies, repeats=1)
-        known = RunTime(cold.process, warm_seconds(model, scene, options), cold.memory)
-    errors, unknowns = error_range(result.load, found), result.solver.unknowns
-    return TimePoint(
-        model.label, "model", *errors, known.cold, known.warm, unknowns, known.memory, model.name, result.status
-    )
 
 
 def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
@@ -177,6 +210,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
             Quantity("rms", "RMS error", "% of mean", ".2f"): p.rms,
             Quantity("cold", "cold", "s", "g3"): p.cold,
             Quantity("warm", "warm", "s", "g3"): p.warm,
+            Quantity("older", "not of this measuring run", "", "s"): p.older,
             "unknowns": p.unknowns,
             Quantity("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
             Quantity("status", "unless converged", "", "s"): "" if p.status == "converged" else p.status,
@@ -188,27 +222,16 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
         "Errors of all models and meshes are against the finest level of the reference, whose own difference is zero by "
         "definition. At least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: "
         "for low-order models a new process with empty caches, from the start of the interpreter to the first solve, "
-        "interpreted; for the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry "
-        "known, kernels compiled; of the 3D reference a further load case. Peak memory is each run's own (of several "
+        "interpreted, for the 3D reference up to its loads, on all cores. Warm: bodies of the geometry "
+        "known, kernels compiled; of the 3D reference a further load case. All times are of one measuring run; what it did "
+        "not measure stands apart, with what it was measured with. Peak memory is each run's own (of several "
         "processes: the sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of "
         "the monolithic mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
     )
     return Table.of("reference-time", "Error against run time", rows, note)
 
 
-def first_processes(study: Study, step: Step) -> Mapping[tuple[str, str], Cold]:
-    """Times of the first process by model and engine: as kept, unless the study is timed or none are kept."""
-    kept = _unless_timed(study)
-    if kept is not None and kept.first:
-        return kept.first
-    found = {}
-    for name, engine in product(SAMPLE, ("interpreted", "compiled")):
-        step(f"{FIRST}, {name} {engine}: first process")
-        found[name, engine] = measure(FIRST, name, engine=engine)
-    return found
-
-
-def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
+def compile_table(kept: Kept) -> Table:
     """The first process on a machine: with and without compiling the kernels."""
     rows: list[Row] = [
         {
@@ -219,35 +242,17 @@ def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
             Quantity("warm", "a further solve", "s", "g3"): cold.warm,
             Quantity("memory", "peak memory", "MB", ".0f"): cold.memory,
         }
-        for (name, engine), cold in first.items()
+        for (name, engine), cold in kept.first.items()
     ]
     note = (
         "Kernels are compiled once per machine and kept in the user's cache; the command line solves single "
         "scenes interpreted. Each row is a process of its own; the first solve of the refined model also "
-        "prepares the bodies of the geometry."
+        f"prepares the bodies of the geometry. {kept}"
     )
     return Table.of("reference-cold", f"{FIRST}: first process, with and without compiling", rows, note)
 
 
-def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
-    """Cold times of the levels: as kept, unless the study is timed or none are kept."""
-    kept = _unless_timed(study)
-    if kept is not None and kept.levels:
-        return kept.levels
-    out = []
-    for name, level in (*((FIRST, level) for level in STUDIED), *LARGE):
-        step(f"{name}, level {level} of the 3D reference, cold")
-        out.append(measure_level(name, level))
-    return out
-
-
-def assembly_ways(study: Study) -> Sequence[AssemblyCost]:
-    """Times of ways to assemble: as kept, unless the study is timed or none are kept."""
-    kept = _unless_timed(study)
-    return kept.assembly if kept is not None and kept.assembly else assembly_costs()
-
-
-def level_table(levels: Sequence[ColdLevel]) -> Table:
+def level_table(kept: Kept) -> Table:
     """Waiting time for a level of the 3D reference of a new scene."""
     rows: list[Row] = [
         {
@@ -261,21 +266,21 @@ def level_table(levels: Sequence[ColdLevel]) -> Table:
             Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
             "status": c.status,
         }
-        for c in levels
+        for c in kept.levels
     ]
     note = (
         "Each level in a process of its own on all cores, from the start of the interpreter to the loads, "
         "with no mesh, part or run known before. Peak memory: sum of the peaks of all processes of one "
         "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, and "
         "50 s of processor time for level 1 with 200 contacts. Where they are missed, the tables "
-        "reference-set-up-costs and reference-set-up-ways say what bounds them."
+        f"reference-set-up-costs and reference-set-up-ways say what bounds them. {kept}"
     )
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
 
 
 def cost_tables(costs: Costs) -> list[Table]:
     """Where the processor time of cold set-ups goes, and what cheaper ones would save and move."""
-    measured = f"Measured on {costs.machine}, {costs.date}, by tests/set_up_costs.py."
+    measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
         {
             "scene": job.scene,
@@ -321,35 +326,16 @@ def _dearest(level: ColdLevel) -> str:
     return ", ".join(f"{name} {seconds:.1f} s" for name, seconds in stages[:DEAREST])
 
 
-def assembly_table(costs: Sequence[AssemblyCost]) -> Table:
-    """What the assembly beside scikit-fem's forms, and the map beside its own, buy."""
-    ours = {cost.mesh: cost.seconds for cost in costs if cost.way == OURS}
-    rows: list[Row] = [
-        {
-            "mesh": cost.mesh,
-            "cells": cost.cells,
-            Quantity("way", "stiffness by", "", "s"): cost.way,
-            Quantity("seconds", "CPU time", "s", "g3"): cost.seconds,
-            Quantity("ratio", "over ours", "", ".1f"): cost.seconds / ours[cost.mesh],
-            Quantity("difference", "difference / largest entry", "", ".1e"): cost.difference,
-        }
-        for cost in costs
-    ]
-    note = (
-        "The same stiffness of curved cells at the same quadrature points, computed in two ways in turn; "
-        f"median of {REPEATS}. Six scalar forms: integrals of products of two derivatives, combined by "
-        "Hooke's law."
-    )
-    return Table.of("reference-assembly", "Assembly: ours and scikit-fem's own", rows, note)
-
-
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Speed ratio of the finest level to the source's low-order model, scene by scene."""
+    """Speed ratio of the finest level to the source's low-order model for the same work, scene by scene: a new process up
+    to the loads, and a further load case of a geometry that is known. Raises ValueError for times of several measuring
+    runs."""
     rows: list[Row] = []
     for scene, several in points.items():
         low = next(p for p in several if p.name == "lin")
         best = [p for p in several if p.kind == "level"][-1]
-        if low.warm and best.warm:
+        if low.cold and low.warm and best.cold and best.warm:
+            one_run(p.measured for p in (low, best) if p.measured is not None)
             rows.append(
                 {
                     "scene": scene,
@@ -358,8 +344,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
                     Quantity("ref", "3D reference, cold", "s", ".1f"): best.cold,
                     Quantity("ref_warm", "3D reference, load case alone", "s", ".2f"): best.warm,
                     Quantity("cold", "ratio, cold", "", ".0f"): best.cold / low.cold,
-                    Quantity("warm", "load case alone : warm", "", ".0f"): best.warm / low.warm,
-                    Quantity("both", "cold : warm", "", ".0f"): best.cold / low.warm,
+                    Quantity("warm", "ratio, a further load case", "", ".0f"): best.warm / low.warm,
                 }
             )
     printed = entry("lin-2.4.1", "speed_ratio").printed
@@ -375,9 +360,10 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
         high = [max(p.high, FLOOR) for p in points if p.high is not None]
         bars = (low, high) if len(low) == len(high) == len(points) else None
         errors = [max(p.error, FLOOR) for p in points]
-        return Series(label, [p.cold for p in points], errors, style, emphasis=emphasis, bars=bars)
+        times = [p.cold for p in points if p.cold is not None]
+        return Series(label, times, errors, style, emphasis=emphasis, bars=bars)
 
-    good = [p for p in of_scene if p.status == "converged"]
+    good = [p for p in of_scene if p.status == "converged" and p.cold is not None]
     drawn = [series(p.label, [p], "markers") for kind in ("model", "source mesh") for p in good if p.kind == kind]
     levels = [p for p in good if p.kind == "level"]
     if levels:
@@ -405,51 +391,25 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 
 
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
-    """Points of all scenes with a reference; of the case studies alone in a quick study."""
-    found = study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
-    study.once(ladder)  # times every new geometry, so it goes first; its results serve here
-    return {name: time_points(name, ref, study, step) for name, ref in found.items()}
+    """Points of all compared scenes. Raises ValueError where their times are of several measuring runs."""
+    study.once(ladder)  # its results serve here
+    points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
+    one_run(p.measured for several in points.values() for p in several if p.measured is not None)
+    return points
 
 
 def when_measured(study: Study, step: Step) -> str:
-    """Where and when the models' run times were measured; kept ones beside a sample that is measured now."""
-    kept = _unless_timed(study)
-    if kept is None:
-        return "Run times of the models were measured for this report."
-    step(f"{FIRST}: cold times beside those kept")
-    sample = live(FIRST, SAMPLE, kept)
-    return f"Run times of the models are kept, of {kept.date} on {kept.machine}; {sample}."
-
-
-def kept_now(
-    points: Mapping[str, Sequence[TimePoint]],
-    first: Mapping[tuple[str, str], Cold],
-    levels: Sequence[ColdLevel] = (),
-    assembly: Sequence[AssemblyCost] = (),
-) -> Kept:
-    """The times of these points, first processes, levels and ways to assemble, to be kept for reports to come."""
-    times = {
-        (scene, p.name): RunTime(p.cold, p.warm, p.memory)
-        for scene, several in points.items()
-        for p in several
-        if p.kind == "model" and p.warm is not None
-    }
-    return Kept(machine(), today(), times, first, levels, assembly)
-
-
-def cold_tables(study: Study, step: Step, points: Mapping[str, Sequence[TimePoint]]) -> list[Table]:
-    """Tables of first processes, levels, ways to assemble and stages of a set-up; a timed study keeps what it measures."""
-    first, levels, assembly = first_processes(study, step), cold_levels(study, step), assembly_ways(study)
-    if study.timed and study.stores:
-        save_times(study.stores[0], kept_now(points, first, levels, assembly))
-    costs = load_costs((*(study.stores or ()), shipped_store()))
-    tables = [compile_table(first), level_table(levels), assembly_table(assembly)]
-    return tables + (cost_tables(costs) if costs is not None else [])
+    """What the run times were measured with, in words."""
+    kept = study.once(measuring_run, step)
+    return "No run times are kept." if kept is None else str(kept)
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Tables and figures of all scenes with a reference; a quick study measures no process and no assembly. What a timed
-    study measures is kept in its first store."""
-    points = study.once(all_points, step)
-    tables = [] if study.quick else cold_tables(study, step, points)
-    return [time_table(points, study.once(when_measured, step)), *tables, speed_table(points), *time_figures(points)]
+    """Tables and figures of all scenes with a reference; in a quick study none of first processes and cold levels."""
+    points, kept = study.once(all_points, step), study.once(measuring_run, step)
+    items: list[Table | Figure] = [time_table(points, when_measured(study, step))]
+    if not study.quick:
+        costs = load_costs((*(study.stores or ()), shipped_store()))
+        items += [] if kept is None else [compile_table(kept), level_table(kept)]
+        items += [] if costs is None else cost_tables(costs)
+    return [*items, speed_table(points), *time_figures(points)]

@@ -155,7 +155,7 @@ def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record
         "status": result.status,
         "largest_percent": point.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(point, name) for name in QUANTITIES[1:]},
+        **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
         **{name.replace("percent", "expected_percent"): _rounded(getattr(expected, name)) for name in QUANTITIES},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }
