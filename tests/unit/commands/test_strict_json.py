@@ -16,7 +16,6 @@ OTHERS = {
     "list_": (("list",), ("list", "--trace"), ("list", "--table", "lin-3.2")),
     "doctor": (("doctor",),),
     "audit": (("audit", "--only", "lin-3.2"),),  # which prints a zero where another number is computed
-    "benchmark": (("benchmark", "score", str(ROOT / "wings" / "benchmark" / "contacts.csv")),),
     "stability": (("stability", "--random", "2"),),
     "compare": (("compare", "lin-case1", "--model", "lin"),),
     "check": (("check", "lin-case1", "--model", "lin", "--no-compute"),),
