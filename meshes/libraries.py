@@ -47,10 +47,7 @@ NEEDED_BY: dict[str, tuple[str, ...]] = {
 #: Modules of packages that have another name.
 _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 #: Python packages that one file of the report needs each: the file, and what installs the package.
-EXTRAS = {
-    "typst": ("the PDF of the first pages", "pip install typst"),
-    "trimesh": ("the view that can be turned", "pip install trimesh"),
-}
+EXTRAS = {"trimesh": ("the view that can be turned", "pip install trimesh")}
 
 
 @cache

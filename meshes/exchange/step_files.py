@@ -1,5 +1,5 @@
-"""STEP files of a scene's parts by gmsh's OpenCASCADE, lengths in mm: balls and bodies of revolution as exact solids; flanks
-of helical grooves as B-spline surfaces through exact arcs.
+"""STEP files of a scene's parts by gmsh's OpenCASCADE, lengths in mm: balls and bodies of revolution as exact solids;
+flanks of helical grooves as B-spline surfaces through exact arcs.
 
 A flank is a loft through its arcs, `SECTIONS` to a turn. An arc lies in the plane normal to the helix, so its ends at apex
 and land, too, are on the surface. `distance` says how far the loft is off between its sections.

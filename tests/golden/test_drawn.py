@@ -20,6 +20,8 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy import sparse
+from tests.campaign import draw as extreme
+from tests.campaign.draw_axes import axis_text
 from tests.golden.means import leaves
 from tests.rolling_scenes import linear_pair, screw_pair
 
@@ -33,8 +35,6 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference import tasks
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.campaign import draw as extreme
-from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
 from rollbench.comparison.wings.extremes.survey import draw as survey
 from rollbench.hifi.contact.balls import solve_balls
 from rollbench.hifi.contact.compliance import coupled
