@@ -169,7 +169,7 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         figure: the record; equal labels get equal colours and markers in all its panels.
 
     Returns:
-        An SVG document, and the canvas that drew it. Its identifiers begin with the figure's name, so that several may stand
+        An SVG document, and the canvas that drew it. Its identifiers begin with the figure's name, so that several may be
         in one page; neither date nor version enters it.
 
     Raises:

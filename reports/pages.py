@@ -89,7 +89,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         heading = f"{page['title']} – {report.title}"
         _write(folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading))
     summary = next((section.summary for section in report.sections if section.summary), None)
-    first = None if summary is None else _summary(report, summary, writer)
+    first = None if summary is None else _summary(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
     _write(folder / "index.html", text)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
@@ -152,7 +152,7 @@ def _words(record: Any) -> str:
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any]:
+def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
     """The first screen, its figure drawn for wide and for narrow screens."""
     wide, narrow = figures.draw(summary.figure), figures.draw(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)

@@ -134,7 +134,7 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
 
 
 def placed_sets(described: Solvable) -> list[PlacedSet]:
-    """Each set of a scene in its place, and the stretch of shaft that the reference meshes. Raises ValueError for rollers."""
+    """Each set of a scene in its place, and its stretch of shaft in the reference. Raises ValueError for rollers."""
     from rollbench.hifi.several_sets import bodies_of
     from rollbench.meshes.exchange.step_files import PlacedSet
     from rollbench.meshes.solid import dimensions

@@ -92,9 +92,8 @@ class TestFigures:
 class TestInAPage:
     def test_colours_are_the_page_s_to_set_and_references_resolve(self, svg):
         text = pages.inline(svg)
-        assert {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"} <= set(
-            re.findall(r"var\([^)]*\)", text)
-        )
+        colours = {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"}
+        assert colours <= set(re.findall(r"var\([^)]*\)", text))
         assert "var(" not in svg
         used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
         assert used <= set(re.findall(r'\bid="([^"]+)"', text))
@@ -103,13 +102,13 @@ class TestInAPage:
         x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
         named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
         panel = Panel("", "x", "y", [named], log="xy")
-        root = ElementTree.fromstring(figures.draw(figure(panels=[panel], size=(5.0, 3.0))))
+        svg, canvas = figures.drawing(figure(panels=[panel], size=(5.0, 3.0)))
+        root = ElementTree.fromstring(svg)
         found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
         heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))
         assert min(np.diff(heights)) > 9.0
-        points = [
-            float(u.get("x")) for u in root.iter(f"{SVG}use") if len(u.get("style", "")) and "stroke" in u.get("style")
-        ]
+        canvas.set_dpi(72.0)  # a pixel of the canvas is a point of the document
+        points = canvas.axes[0].transData.transform(list(zip(x, y, strict=True)))[:, 0]
         assert _place(found["one"])[0] < min(points)
         assert _place(found["far"])[0] > max(points)
 
