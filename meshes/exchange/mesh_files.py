@@ -14,6 +14,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.exchange.deck import element_faces, lines, number, rows
 from rollbench.meshes.leftovers import temporary
+from rollbench.meshes.libraries import pip
 from rollbench.meshes.node_order import VTK
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def need(form: str) -> None:
         try:
             import_module(package)
         except ImportError as error:
-            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: pip install {package}") from error
+            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: {pip(package)}") from error
 
 
 def reduced(mesh: Mesh, form: str) -> bool:
