@@ -22,7 +22,7 @@ def written(tmp_path_factory: pytest.TempPathFactory):
 
 def test_reference_has_every_command_key_and_quantity_with_its_unit(written) -> None:
     commands = (written / "commands.md").read_text(encoding="utf-8")
-    for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
+    for name in ("solve", "compare", "check", "friction", "doctor"):
         assert f"## `rollbench {name}`" in commands
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
     assert [table for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases") if table not in scene] == []

@@ -11,7 +11,6 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.wings.bench.sections import overview
 from rollbench.comparison.wings.bench.sections.reference_time import Largest, TimePoint
-from rollbench.reports.panels import draw_parts
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:
@@ -98,9 +97,6 @@ def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names:
     assert list(line.x) == [1.0, 2.0, 40.0, 130.0]
     assert "gate" in limit.label
     assert "gate" in panel.ylabel
-    drawn = draw_parts(figure).panels[1]
-    assert "refined, a\n2\n1.2</title>" in drawn
-    assert "refined, median of 3 scenes\n2\n2.4 (2.16 to 2.76)" in drawn
 
 
 def test_every_model_has_a_family() -> None:

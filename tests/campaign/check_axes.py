@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import linprog
+from tests.campaign import check
 
-from rollbench.comparison.wings.extremes.campaign import check
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array

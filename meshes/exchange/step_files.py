@@ -1,5 +1,5 @@
-"""STEP files of a problem by gmsh's OpenCASCADE, lengths in mm: balls and bodies of revolution as exact solids; flanks of
-helical grooves as B-spline surfaces through exact arcs.
+"""STEP files of a scene's parts by gmsh's OpenCASCADE, lengths in mm: balls and bodies of revolution as exact solids;
+flanks of helical grooves as B-spline surfaces through exact arcs.
 
 A flank is a loft through its arcs, `SECTIONS` to a turn. An arc lies in the plane normal to the helix, so its ends at apex
 and land, too, are on the surface. `distance` says how far the loft is off between its sections.
@@ -9,17 +9,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import asin, pi
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.benchmark.neutral import placed
-from rollbench.comparison.wings.benchmark.problems import Problem
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.gmsh_session import session
@@ -32,43 +29,41 @@ SECTIONS = 48
 MM = 1e3
 
 
-def write_step(one: Problem, folder: Path) -> dict[Path, float]:
-    """Write the files of a problem; each with the largest distance of its surfaces from the exact ones [m], 0 where exact.
+class PlacedSet(NamedTuple):
+    """Parts of one set, the shift of its nut along z [m], and the ends of its stretch of shaft [m]."""
 
-    Raises InputError where a file cannot be written.
+    scene: Scene
+    shift: float
+    ends: tuple[float, float]
+
+
+def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
+    """Write shaft, nuts and balls, and where the grooves are helical their flanks as surfaces in a second file,
+    ``NAME-grooves.step``: the bodies are without their grooves then.
+
+    Returns the largest distance [m] of each file's surfaces from the exact ones, 0 where they are exact.
+    Raises OSError where a file cannot be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(folder), "folder", reason, "a folder that can be written to", "check the path") from None
-    sets, out = placed(one), {}
-    bodies = folder / f"{one.name}.step"
+    path.parent.mkdir(parents=True, exist_ok=True)
     with _model() as gmsh:
-        for _, scene, shift, ends in sets:
+        for scene, shift, ends in sets:
+            body = _ring if scene.track.lead == 0.0 else _blank
             for radius, centre in _balls(scene):
                 gmsh.model.occ.addSphere(*(MM * centre), MM * radius)
-            if scene.track.lead == 0.0:
-                _ring(gmsh, scene, ends, screw=True)
-                _ring(gmsh, scene, _faces(scene, shift), screw=False)
-            else:
-                _blank(gmsh, scene, ends, screw=True)
-                _blank(gmsh, scene, _faces(scene, shift), screw=False)
+            body(gmsh, scene, ends, screw=True)
+            body(gmsh, scene, _faces(scene, shift), screw=False)
         gmsh.model.occ.synchronize()
-        _write(gmsh, bodies)
-    out[bodies] = 0.0
-    if all(scene.track.lead == 0.0 for _, scene, _, _ in sets):
-        return out
-    grooves = folder / f"{one.name}-grooves.step"
-    worst = 0.0
+        _write(gmsh, path)
+    if all(scene.track.lead == 0.0 for scene, _, _ in sets):
+        return {path: 0.0}
+    grooves, worst = path.with_name(f"{path.stem}-grooves.step"), 0.0
     with _model() as gmsh:
-        for _, scene, shift, ends in sets:
+        for scene, shift, ends in sets:
             for side in range(len(SIDES)):
                 faces = ends if side < 2 else _faces(scene, shift)
                 worst = max(worst, _flank(gmsh, scene, side, faces, shift if side >= 2 else 0.0))
         _write(gmsh, grooves)
-    out[grooves] = worst
-    return out
+    return {path: 0.0, grooves: worst}
 
 
 @contextmanager

@@ -15,12 +15,12 @@ from pathlib import Path
 from time import sleep
 
 import numpy as np
+from tests.campaign.draw import scene_text
+from tests.campaign.scenes import placed
 
 from rollbench.comparison.errors import SceneError
 from rollbench.comparison.reference.sealing import sealed, unsealed
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.campaign.draw import scene_text
-from rollbench.comparison.wings.extremes.campaign.scenes import placed
 from rollbench.meshes.condensed import CondensedBodies, load_condensed
 from rollbench.meshes.leftovers import temporary
 

@@ -13,25 +13,33 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from tests.campaign import check, check_axes
+from tests.campaign.draw import scene_text
+from tests.campaign.draw_axes import axis_text
 
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.provenance import sources_hash
 from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.campaign import check, check_axes
-from rollbench.comparison.wings.extremes.campaign.draw import scene_text
-from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
+from rollbench.comparison.wings.extremes.campaign import (
+    BAD,
+    CRASHED,
+    GOOD,
+    MISSTATED,
+    NOT_UNIQUE,
+    PROVEN,
+    REFUSED,
+    RIGHT,
+    SILENT,
+    UNPROVEN,
+    WRONG,
+)
 from rollbench.comparison.wings.sweep.store import packed, unpacked
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Outcomes, the good ones first.
-RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, proven", "refused, contacts not unique"
-WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
-MISSTATED = "misstated by the command line"
-GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
 #: Hears the number of scenes done, their total, and words on the last.
 Progress = Callable[[int, int, str], None]
 #: What draws a scene file from seed and number.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from tests.campaign.draw import log_uniform
 
-from rollbench.comparison.wings.extremes.campaign.draw import log_uniform
 from rollbench.meshes.parts import FREEDOMS
 
 
