@@ -98,8 +98,8 @@ def axis_outputs(
 ) -> dict[str, Any]:
     """`OUTPUTS` of several sets together, those that are wanted; loads are of contacts of balls and of rollers; ``at``
     begins with the name of the set; displacement: along the axis, of what the scene asks about, from the unloaded place of
-    the parts; approaches, life and torque are those of balls, life of the set that lives shortest; preload: the largest axial
-    force of a set without loads.
+    the parts; approaches, life and torque are those of balls, life of the set that lives shortest; preload: the largest
+    axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved = axial_load(assembly), along_axis(assembly, result)
