@@ -129,7 +129,7 @@ def _slope(scene: Scene) -> float:
 
 
 def _turns_share(scene: Scene) -> float:
-    return filled_turns(scene) ** 0.86
+    return float(filled_turns(scene) ** 0.86)
 
 
 def _turn_rating(scene: Scene) -> Array:
