@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.solving.summary import answers_json, starting_torque, whole_json
+from rollbench.comparison.commands.solving.summary import answers_json, by_pressure, set_json, starting_torque, whole_json
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import shown
@@ -64,10 +64,14 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         lost = axial["lost_motion_um_per_100N"]
         if lost is not None:
             lines.append(("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity only"))
-    if "worst_set" in data:
-        worst = one.scene.sets[data["worst_set"] - 1]
-        of_contacts = OF_ROLLERS if isinstance(worst.parts, RollerRow) else OF_BALLS
-        lines += [(label, f"{worst.name}: {text(data)}") for label, text in of_contacts]
+    kinds: set[bool] = set()
+    for i in by_pressure(answers):  # the worst set of balls and the worst row of rollers
+        s, of_set = result.sets[i], answers.sets[i]
+        if (of_rollers := isinstance(of_set.parts, RollerRow)) in kinds:
+            continue
+        kinds.add(of_rollers)
+        said = set_json(s, of_set)
+        lines += [(label, f"{of_set.name}: {text(said)}") for label, text in (OF_ROLLERS if of_rollers else OF_BALLS)]
     lines.append(("preload", _preloads(answers)))
     sets = zip(result.sets, answers.sets, strict=True)
     torques = {x.name: found["torque_Nmm"] for s, x in sets if (found := starting_torque(s, x)) is not None}

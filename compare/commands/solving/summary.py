@@ -249,15 +249,14 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
         "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * 2.0 * 100.0 / K),
     }
     data["stiffness"] = whole_stiffness(result)
-    i = worst(answers)
-    if i is not None:
+    for i in by_pressure(answers)[:1]:
         of_set = set_json(result.sets[i], answers.sets[i], one.scene.motion)
         data |= {"worst_set": i + 1} | {k: of_set[k] for k in of_set if k not in ("sides", "preload", "starting_torque")}
     return data
 
 
-def worst(answers: AxisAnswers) -> int | None:
-    """Number (from 0) of the set whose highest pressure is the largest share of what its contacts are allowed."""
+def by_pressure(answers: AxisAnswers) -> list[int]:
+    """Numbers (from 0) of the loaded sets, first that whose highest pressure is the largest share of what is allowed."""
     found = [x.loads for x in answers.sets]
-    shares = [x.worst.pressure / x.safety.allowed if x.worst and x.safety else -1.0 for x in found]
-    return int(np.argmax(shares)) if max(shares, default=-1.0) > 0.0 else None
+    shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
+    return sorted(shares, key=lambda i: -shares[i])

@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import ROLLERS, assembly, solved
+from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import own_text
 
+from rollbench.comparison.commands.solving.entries import block
+from rollbench.comparison.commands.solving.summary import whole_json
 from rollbench.comparison.models import answers
-from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.models.load_cases import solve_axis
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.roller_contacts import roller_safety, worst_roller
@@ -186,3 +189,20 @@ def test_a_preload_that_is_not_known_is_not_called_none(monkeypatch, command):
 
     monkeypatch.setattr(answers, "run_model", unsolved)
     assert "preload not known" in " ".join(command.said("solve", "smith-axis-taper").split())
+
+
+def test_the_worst_of_balls_and_the_worst_of_rollers_are_both_told_the_worse_first():
+    places = (("rollers +", 0.03, "+z", -20e-6), ("rollers -", 0.07, "-z", 20e-6))
+    rows = [RollingSet(name, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for name, z, t, by in places]
+    axis = fixed_axis((0.0, 0.0, 600.0))
+    one = solve_axis(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", Options())
+    found = [x.loads for x in one.answers.sets]
+    shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
+    first = whole_json(one)["worst_set"] - 1
+    assert shares[first] == max(shares)
+    said = [line for line in block(one, 400).splitlines() if line.startswith(("loads", "life"))]
+    other = 2 + int(np.argmax(shares[2:])) if first < 2 else int(np.argmax(shares[:2]))
+    names = [one.scene.sets[i].name for i in (first, first, other, other)]
+    assert [line[10:].partition(":")[0] for line in said] == names
+    assert sum("not computed" in line for line in said) == 1
+    assert sum("million revolutions" in line for line in said) == 1
