@@ -1,8 +1,8 @@
 """Every combination of readings: largest over smallest load of both models, the errors, and the scatter of meshes.
 
 Six numbers are printed: the ratio, "about 1.34", of both models, and four errors of one against the other. Each combination
-is shown with what it misses of them; no tolerance says which of them are met, and none is said to be what the source did.
-No model reads a printed number.
+is shown with what it misses of them; no tolerance decides which of them are met, and none is taken for what the source
+did. No model reads a printed number.
 
 A contact of case 1 is meshed as the source says, by first-order tetrahedra of about 0.08 mm, with several sizes near
 that: each is another unstructured mesh. Its approach, with what it falls by with the size taken out, scatters by some share
@@ -98,7 +98,7 @@ class Combined:
     def misses(self) -> Array:
         """What it misses of the printed numbers: both ratios [%], four errors of each contact's own load [points]."""
         ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_ratio())
-        return np.concatenate([ratios, np.array(self.errors["own"]) - printed_errors()])
+        return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
 
     @property
     def against_text(self) -> bool:
@@ -154,14 +154,14 @@ def combinations(study: Study) -> list[Combined]:
     return [Combined(a, b, ratio(x[0]), ratio(y[0]), errors(x, y)) for a, x in low for b, y in solid]
 
 
-def printed_errors() -> Array:
-    """The printed errors ``(4,)`` [%]."""
-    return np.array([value_of("lin-2.4.1", key) for key in ERRORS])
+def printed_errors() -> tuple[float, ...]:
+    """The four printed errors [%]."""
+    return tuple(value_of("lin-2.4.1", key) for key in ERRORS)
 
 
 def nearest(found: list[Combined], first: int = 6) -> Combined:
     """The combination that the text does not speak against with the smallest root mean square of its ``first`` misses: 2,
-    of the ratios alone; 6, of all that is printed."""
+    of the ratios; 6, of all that is printed."""
     allowed = [c for c in found if not c.against_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
 
@@ -199,4 +199,4 @@ def softened(study: Study, readings: Combination) -> float:
         0.5 * float((moved.centreline[:, 3] - still.centreline[:, 3]).mean()) * np.sin(track.contact_angle) * np.cos(lead)
     )
     load = mean_load(still.load)
-    return added / float(np.mean(nominal_hertz(scene).C[[0, 3]]) * load ** (2.0 / 3.0))
+    return float(added / (np.mean(nominal_hertz(scene).C[[0, 3]]) * load ** (2.0 / 3.0)))

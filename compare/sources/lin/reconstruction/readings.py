@@ -183,7 +183,8 @@ def level_of(readings: Combination) -> int:
 #: Folder of the runs.
 RUNS = Path(__file__).parent / "runs"
 #: Readings that move largest over smallest load by more than 0.5 % and that the text does not speak against: these are
-#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py). A penalty may be of any size and is taken alone.
+#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py). A penalty may be of any size: it is combined with
+#: readings of the low-order model only.
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 

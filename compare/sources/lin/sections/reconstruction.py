@@ -226,7 +226,7 @@ def first_paragraph(found: list[combined.Combined]) -> str:
         f"ratio of about {combined.printed_ratio():g} in both models. Two explanations come near, and each misses some of "
         f"it. Readings that are nearest in the ratio ({names(near.low)}; {names(near.solid)}) have {_given(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
-        f"{_span([c.solid_ratio for c in soft], 3)} beside {soft[0].low_ratio:.3f} in the low-order model, {errors}, and "
+        f"{_span([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, {errors}, and "
         f"{_span([_fallen(c) for c in soft], 0)} % of the printed fall. By default: {_given(found[0])}. Nearest in all six "
         f"numbers ({names(best.low)}; {names(best.solid)}): {_given(best)}."
     )
@@ -317,24 +317,24 @@ def friction_paragraph(study: Study) -> str:
 def explanation_table(found: list[combined.Combined]) -> Table:
     """What the explanations give, the printed numbers first."""
     printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
-    rows = [{"explanation": "printed"} | _six(printed, ".3f", ".2f")]
-    for name, c in combined.explanations(found).items():
-        rows.append({"explanation": name} | _six((c.low_ratio, c.solid_ratio, *c.errors["own"]), ".3f", ".2f"))
+    given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.explanations(found).items()}
+    rows: list[Row] = [
+        {"explanation": name, **_six(values, ".3f", ".2f")} for name, values in [("printed", printed), *given.items()]
+    ]
     return Table.of("reconstruction", "The printed numbers, and what the explanations give", rows)
 
 
 def missed_table(found: list[combined.Combined]) -> Table:
     """What each explanation misses: computed less printed."""
     printed = fall_and_rise(combined.printed_errors())
-    rows = []
+    rows: list[Row] = []
     for name, c in combined.explanations(found).items():
-        change = [a - b for a, b in zip(fall_and_rise(c.errors["own"]), printed, strict=True)]
-        rows.append(
-            {"explanation": name, "low order": names(c.low), "3D": names(c.solid)}
-            | _six(tuple(c.misses), "+.1f", "+.2f", "%")
-            | {Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f"): float(change[0])}
-            | {Quantity("rise_off", "rise of the RMS", "points", "+.2f"): float(change[1])}
-        )
+        fall, rise = (float(a - b) for a, b in zip(fall_and_rise(c.errors["own"]), printed, strict=True))
+        row: Row = {"explanation": name, "low order": names(c.low), "3D": names(c.solid)}
+        row |= _six(tuple(c.misses), "+.1f", "+.2f", "%")
+        row[Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f")] = fall
+        row[Quantity("rise_off", "rise of the RMS", "points", "+.2f")] = rise
+        rows.append(row)
     note = "Ratios in per cent of the printed one; errors in points, as both are per cent of each load."
     return Table.of("reconstruction-missed", "What each explanation misses: computed less printed", rows, note)
 

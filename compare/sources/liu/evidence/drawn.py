@@ -23,7 +23,7 @@ NAMES: dict[str, Quantity] = {
     "unloaded": "loaded",
     "K": "stiffness",
 }
-#: A step of load over which (22) is looked at beside its tangent, as a share of the load.
+#: A step of load over which (22) is compared with its tangent, as a share of the load.
 STEP = 0.12
 #: Printed sets of +-2 um, each a draw of its own.
 SETS = "abc"

@@ -125,14 +125,15 @@ def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     return summarise(equal_steps(source_cases.lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 
-def test_band_of_the_largest_torque_of_3_4_4_is_held_from_both_sides() -> None:
-    """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases; no volume of the tube."""
+def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
+    """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases, no volume of the tube: what is not printed
+    moves it by more than a quarter of its middle, and the printed number lies between."""
     assert source_cases.lin_3_4_4().tube == 0.0
     row = rows("lin-3.4.4")["largest"]
     runs = [*((a, 0.0) for a in AMPLITUDES), (3.0, 0.5 * np.pi), (3.0, np.pi)]
     values = [100.0 * run_summary(*run).largest for run in runs]
-    assert row.low <= min(values)
-    assert max(values) <= row.high
+    assert row.cls == "open"
+    assert max(values) - min(values) > 0.25 * (max(values) + min(values))
     assert values[0] < row.value < values[1]
 
 

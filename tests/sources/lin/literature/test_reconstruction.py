@@ -62,7 +62,7 @@ def test_no_combination_has_all_that_is_printed(study):
     assert (near_max.misses[[3, 5]] < -0.3).all()  # RMS of both cases
 
 
-def test_no_error_against_ansys_is_said_to_come_out(study):
+def test_no_error_against_ansys_comes_out(study):
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.1")}
     assert {judge(found[key])[0] for key in combined.ERRORS} == {"not identifiable"}
     assert all("combinations of readings" in found[key].words for key in combined.ERRORS)

@@ -123,7 +123,7 @@ def test_two_digits_exchanged() -> None:
 
 
 def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None:
-    """(22) is a difference over a step that is not printed: what rests on it alone is not identifiable."""
+    """(22) is a difference over a step that is not printed: what only it decides is not identifiable."""
     rows = [row for row in load_table("liu-4.4") if row.key.startswith("K_")]
     out = [row.key for row in rows if not drawn.stiffness_comes_out(row, 0.0)]
     assert (len(rows), len(out)) == (19, 8)
