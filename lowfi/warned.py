@@ -17,6 +17,7 @@ Kind = Literal[
     "preload",
     "safety",
     "play",
+    "held load",
     "feedback",
     "slip",
     "jam",
@@ -52,5 +53,5 @@ class Warned(str):
 def above(warnings: Iterable[Warned]) -> str:
     """The line above the answers, empty where none of the warnings belongs there."""
     shown = [w for w in warnings if w.brief]
-    outside = " outside what the models mean" * any(w.kind != "play" for w in shown)
+    outside = " outside what the models mean" * any(w.kind not in ("play", "held load") for w in shown)
     return f"WARNING{outside}: {'; '.join(w.brief for w in shown)}" if shown else ""

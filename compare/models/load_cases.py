@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from rollbench.comparison.models.answers import Answers, AxisAnswers, LoadAnswers, gather, outside, solve_sets
+from rollbench.comparison.models.load_path import path_warnings
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.ring_play import play_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -86,5 +88,5 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
         return Solved(scene, result)
     answers = gather(scene, result, model, options)
     warned = outside(scene, answers.loads, axial_of(answers.preload))
-    result = replace(result, warnings=(*result.warnings, *warned))
+    result = replace(result, warnings=(*result.warnings, *warned, *path_warnings(answers.path), *play_warnings(scene)))
     return Solved(scene, result, answers, estimate(scene, result))

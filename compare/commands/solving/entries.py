@@ -5,13 +5,14 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.solving.summary import answers_json, starting_torque, whole_json
+from rollbench.comparison.commands.solving.summary import answers_json, set_json, starting_torque, whole_json
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
+from rollbench.comparison.models.load_path import path_words
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import shown
 
 if TYPE_CHECKING:
-    from rollbench.comparison.models.answers import AxisAnswers
+    from rollbench.comparison.models.answers import Answers, AxisAnswers
 
 #: Width of the labels of the block.
 LABEL = 10
@@ -42,6 +43,8 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         ("ellipse", _ellipse(data)),
         ("static", _static(data)),
         ("preload", _preload(data)),
+        *_supports(one.answers),
+        *_rests([("", data)]),
         ("friction", _friction(data)),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
@@ -75,12 +78,31 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         if x.preload is not None and x.preload.loaded
     ]
     lines.append(("preload", "; ".join(preloads) or "no contact of balls carries load when the loads are away"))
+    lines += _supports(answers)
+    lines += _rests([(f"{s.of.name}: ", set_json(s, x)) for s, x in zip(result.sets, answers.sets, strict=True)])
     torques = {x.name: found["torque_Nmm"] for s, x in sets if (found := starting_torque(s, x)) is not None}
     if torques:
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
         words = "in all by Palmgren's load formula (Smith 2.33), without lubricant and seals"
         lines.append(("starting", f"torque {sum(torques.values()):.3g} N mm {words}: {each}"))
     return lines
+
+
+def _supports(answers: Answers | AxisAnswers | None) -> list[tuple[str, str]]:
+    """The entry on what supports take of the loads, where they take something."""
+    words = "" if answers is None or answers.path is None else path_words(answers.path)
+    return [("supports", words)] if words else []
+
+
+def _rests(sets: list[tuple[str, dict[str, Any]]]) -> list[tuple[str, str]]:
+    """The entry on the clearance of deep-groove rows: how it begins and answers of each."""
+    rows = [
+        f"{name}contact angle at rest {d['rest_angle_deg']:.2f} deg; clearance {d['radial_um']:.4g} um radial, "
+        f"{d['axial_um']:.4g} um axial"
+        for name, data in sets
+        if (d := data.get("clearance")) is not None
+    ]
+    return [("clearance", "; ".join(rows))] if rows else []
 
 
 def model_form_text(m: ModelForm) -> str:
