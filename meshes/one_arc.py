@@ -1,5 +1,5 @@
-"""Grooves of bearings that are one arc each: of deep-groove and angular-contact rows, and of any ring whose two arcs meet so
-near a contact angle of zero that both flanks' contacts lie within one patch."""
+"""Grooves of bearings that are one arc each: of deep-groove and angular-contact rows, and of any ring whose two arcs meet
+so near a contact angle of zero that both flanks' contacts lie within one patch."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def sides_of_arc(scene: Scene) -> tuple[int, ...]:
 
 
 def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
-    """`sides_of_arc` by a lead, by ``Track.arcs``, and by whether both flanks' contacts are one. The thread of a screw always
-    has two arcs: its nut would carry no thrust on one near the apex."""
+    """`sides_of_arc` by a lead, by ``Track.arcs``, and by whether both flanks' contacts are one. The thread of a screw
+    always has two arcs: its nut would carry no thrust on one near the apex."""
     if lead != 0.0 or (arcs == "two" and not near):
         return ()
     return (1, 2) if arcs == "-z" else (0, 3)

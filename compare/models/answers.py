@@ -205,7 +205,8 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     answers = gather_axis(assembly, result)
     sets = (x for x in answers.sets if x is not None)
     warned = (w.of(x.name) for x in sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
-    return replace(result, warnings=(*result.warnings, *warned, *path_warnings(answers.path), *play_warnings(assembly))), answers
+    further = (*warned, *path_warnings(answers.path), *play_warnings(assembly))
+    return replace(result, warnings=(*result.warnings, *further)), answers
 
 
 def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.lowfi.statics.result import AxisResult, StaticResult
-from rollbench.lowfi.statics.summary import wrench_of
+from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
+from rollbench.lowfi.statics.summary import about_origin
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -18,7 +18,7 @@ from rollbench.meshes.parts import Load, Scene
 LITTLE = 0.05
 #: Part of a load below which it is round-off, or of no interest.
 NOTHING = 5e-4
-#: Words for the six components of a load, and the key's ending of each.
+#: Words for the six components of a load.
 COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xyz")
 
 
@@ -73,10 +73,10 @@ def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult) -> Lo
 
 def sum_of(loads: Sequence[Load]) -> Array:
     """Force and couple (6,) of loads as they are written, without the moments of forces [N, N m]."""
-    return np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0)
+    return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
-def _supports(scene: Scene | Assembly, result: StaticResult | AxisResult, bare: StaticResult | AxisResult) -> tuple[Taker, ...]:
+def _supports(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[Taker, ...]:
     idle = bare.reactions if bare.converged else np.zeros(result.reactions.shape)
     parts = zip(scene.supports, -(result.reactions - idle), strict=True)
     return tuple(Taker(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
@@ -90,7 +90,7 @@ def _on_screw(result: StaticResult) -> Array:
 
 def _at(station: float, wrench: Array) -> Array:
     """A wrench (6,) about a station [m] of the axis in place of the origin."""
-    return wrench - wrench_of([Load(station, tuple(wrench[:3]))]) * np.repeat([0.0, 1.0], 3)
+    return about_origin(np.array([-station]), wrench[None])
 
 
 def path_words(path: LoadPath) -> str:
@@ -101,7 +101,9 @@ def path_words(path: LoadPath) -> str:
         into = [(t.name, float(t.part[k])) for t in path.takers if abs(t.part[k]) > NOTHING * abs(load)]
         if into:
             each = ", ".join(f"{part:.5g} {unit} into {name}" for name, part in into)
-            out.append(f"of {load:.5g} {unit} {COMPONENTS[k]} {each}, {float(path.contacts[k]):.3g} {unit} through contacts")
+            out.append(
+                f"of {load:.5g} {unit} {COMPONENTS[k]} {each}, {float(path.contacts[k]):.3g} {unit} through contacts"
+            )
     return "; ".join(out)
 
 

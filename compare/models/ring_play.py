@@ -44,9 +44,9 @@ def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
         return
     yield Warned(
         "play",
-        f"the held uz keeps a ring at one end of its axial play of {1e6 * clearance.axial:.4g} um, where the balls touch at "
-        f"{degrees(clearance.angle):.3g} deg without load, so that it moves less across than its clearance lets it: free uz, "
-        f"or hold it {1e6 * (middle - place):+.4g} um from there, in the middle of the play",
+        f"the held uz keeps a ring at one end of its axial play of {1e6 * clearance.axial:.4g} um, where balls touch "
+        f"at {degrees(clearance.angle):.3g} deg at rest, so that it moves less across than its clearance lets it; free "
+        f"uz, or hold it {1e6 * (middle - place):+.4g} um from there, in the middle of the play",
     )
 
 

@@ -184,14 +184,16 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "mend kind, or track.lead")
     if one.preload and one.thrust not in ONE_WAY and one.arrangement is None:
         advice = (
-            f'write {at}.thrust = "+z" or "-z", the way of the thrust on the shaft that this set is preloaded to carry, as each '
-            "nut of a double nut; one that carries thrust both ways is preloaded by errors.balls.oversize, a pair by offset"
+            f'write {at}.thrust = "+z" or "-z", the way of the thrust on the shaft that this set is preloaded to carry, as '
+            "each nut of a double nut; what carries it both ways is preloaded by errors.balls.oversize, a pair by offset"
         )
         yield Fault((f"{at}.preload",), 'a set with thrust = "+z" or "-z"', advice)
     if one.preload and one.offset != 0.0:
         yield Fault((f"{at}.preload",), "either preload or offset", "the force sets the shift: leave offset out", "both")
     if one.thrust == "both" and one.track is not None and one.track.clearance is not None:
-        advice = "a clearance is that of grooves of one arc each: leave thrust out for a deep-groove row, or write its one way"
+        advice = (
+            "a clearance is that of grooves of one arc each: leave thrust out for a deep-groove row, or write its one way"
+        )
         yield Fault((f"{at}.thrust",), '"deep groove", "+z" or "-z" with track.clearance', advice)
     if one.rollers is not None and isinstance(one.preload, ShareOfRating):
         yield Fault((f"{at}.preload",), "a force", "the rating of rollers is not computed: write the force")
@@ -267,7 +269,7 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
 
 
 def _of_arcs(scene: Scene, thrust: str) -> Scene:
-    """The parts of a bearing whose thrust says that its grooves are one arc each; a nut keeps the two arcs of its thread."""
+    """The parts of a bearing whose thrust says that its grooves are one arc each; a nut keeps its thread's two arcs."""
     if scene.track.lead != 0.0 or thrust == "both":
         return scene
     return replace(scene, track=replace(scene.track, arcs="-z" if thrust == "-z" else "+z"))

@@ -95,13 +95,15 @@ def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("track.clearance",), 'a bearing, lead = "0 mm"', advice, "a clearance of a nut")
     if angle is not None:
         advice = (
-            "the balls rest at the angle that clearance and groove radii make: leave contact_angle out; play of a four-point "
-            "bearing is errors.balls.oversize below zero"
+            "the balls rest at the angle that clearance and groove radii make: leave contact_angle out; play of a four-"
+            "point bearing is errors.balls.oversize below zero"
         )
         yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both")
     given = [name for name in ("radial", "axial") if getattr(clearance, name) is not None]
     if len(given) != 1:
-        yield Fault(("track.clearance",), "one of radial and axial", "one follows from the other", "both" if given else "neither")
+        yield Fault(
+            ("track.clearance",), "one of radial and axial", "one follows from the other", "both" if given else "neither"
+        )
     grooves = all((x.groove_radius is None) != (x.conformity is None) for x in (keys.screw, keys.nut))
     if len(given) == 1 and grooves and getattr(clearance, given[0]) >= 2.0 * centres_apart(keys):
         most = max(0.0, 2.0 * centres_apart(keys))

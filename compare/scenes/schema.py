@@ -35,7 +35,7 @@ class TrackKeys(keys.HelixKeys):
         "nominal angle of the contact normal against the radius; of a bearing it may follow from clearance", None, "45 deg"
     )
     clearance: ClearanceKeys | None = key(
-        "of a bearing whose grooves are one arc each (deep groove, or a row with thrust): the contact angle at rest follows",
+        "of a bearing whose grooves are one arc each (deep groove, or a row with thrust), in place of the contact angle",
         None,
         {"radial": "13 um"},
     )

@@ -49,9 +49,9 @@ class StaticSafety:
 class Truncation:
     """The ellipse that comes nearest to an edge of its groove's arc, or leaves it most.
 
-    ball from 1; side; edge: ``"land"``, or ``"apex"`` between two arcs; angle, half: contact angle and half width of the ellipse as an angle
-    of the groove's arc [rad]; limit: the edge's angle [rad]; margin [rad]: from the ellipse to the edge, negative where it
-    is cut; cut: number of contacts whose ellipse passes an edge.
+    ball from 1; side; edge: ``"land"``, or ``"apex"`` between two arcs; angle, half: contact angle and half width of the
+    ellipse as an angle of the groove's arc [rad]; limit: the angle of the edge [rad]; margin [rad]: from the ellipse to it,
+    negative where it is cut; cut: number of contacts whose ellipse passes an edge.
     """
 
     ball: int

@@ -119,8 +119,8 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
 
 
 def reactions_of(solved: SolvedState, reaction: Array) -> Array:
-    """Force and moment ``(s, 6)`` [N, N m] of every support on the screw, at its station; reaction: of all, ``(6,)`` about the
-    origin. What statics does not divide among the supports of a rigid screw is divided into the least forces."""
+    """Force and moment ``(s, 6)`` [N, N m] of every support on the screw, at its station; reaction: of all, ``(6,)`` about
+    the origin. What statics does not divide among the supports of a rigid screw is divided into the least forces."""
     problem, supports = solved.problem, solved.problem.scene.supports
     if problem.basis is None:
         return nodal_reactions(problem.nodes, supports, solved.reactions)
@@ -266,8 +266,8 @@ def assemble_result(
     status = where_not_unique(status, result.warnings)
     assumed = (*problem.scene.assumed, *idealised)
     reactions = reactions_of(solved, np.concatenate([balance.reaction_force, balance.reaction_moment]))
-    ended = {"status": status, "equilibrium": balance, "assumed": assumed, "left_out": left_out}
-    return replace(result, model=model, reactions=reactions, **ended)
+    result = replace(result, model=model, status=status, equilibrium=balance, reactions=reactions)
+    return replace(result, assumed=assumed, left_out=left_out)
 
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:

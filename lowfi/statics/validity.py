@@ -82,8 +82,8 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     if cut.any():
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
         notes.append(
-            f"the ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc ({ends_of_arc(problem.scene)}), most "
-            f"on ball {worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
+            f"the ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc ({ends_of_arc(problem.scene)}), "
+            f"most on ball {worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: small-displacement theory no longer holds")

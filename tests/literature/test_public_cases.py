@@ -1,5 +1,5 @@
 """Bearings and screws of public material through the command line, against an independent solver: rigid rings or a rigid
-screw on Hertz springs, their constants by complete elliptic integrals, so `lin` with a stiff shaft must give its numbers."""
+screw on Hertz springs, their constants by complete elliptic integrals; `lin` with a stiff shaft must give its numbers."""
 
 from pathlib import Path
 

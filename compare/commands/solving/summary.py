@@ -178,7 +178,7 @@ def path_json(path: LoadPath | None) -> dict[str, Any] | None:
     """Where the loads go: force and couple of all, what each support takes of them, what goes through contacts."""
     if path is None:
         return None
-    takers = [{"name": t.name, **record(WRENCH, t.part)} for t in path.takers]
+    takers = [{"name": t.name} | (record(WRENCH, t.part) or {}) for t in path.takers]
     return {"applied": record(WRENCH, path.applied), "supports": takers, "contacts": record(WRENCH, path.contacts)}
 
 

@@ -57,7 +57,9 @@ def test_supports_of_a_rigid_screw_share_what_statics_divides(command, tmp_path:
         '[[supports]]\nat = "100 mm"\nfix = ["uy", "rx", "rz"]\n\n'
     )
     text = re.sub(r"(?s)\[\[supports\]\].*?(?=\[\[loads\]\])", two, text)
-    (tmp_path / "two.toml").write_text(text.replace('["0 N", "0 N", "3000 N"]', '["400 N", "0 N", "3000 N"]'), encoding="utf-8")
+    (tmp_path / "two.toml").write_text(
+        text.replace('["0 N", "0 N", "3000 N"]', '["400 N", "0 N", "3000 N"]'), encoding="utf-8"
+    )
     found = command.json("solve", tmp_path / "two.toml", "--model", "lin", "--json")[1]
     path = found["summary"]["load_path"]
     parts = [x["force_N"][0] for x in path["supports"]]
