@@ -55,7 +55,7 @@ def test_a_row_that_carries_thrust_one_way_meets_the_bottom_of_its_groove(way: s
     found, low = solve_reference(prepare(scene, sides, COARSE), scene), solve_elastic(scene)
     assert found.status == "converged"
     used = list(sides)
-    np.testing.assert_allclose(found.load[:, used], low.load[:, used], rtol=0.03)  # a coarse mesh
+    np.testing.assert_allclose(found.load[:, used], low.load[:, used], rtol=0.05)  # a coarse mesh
     np.testing.assert_allclose(found.contact_angle[:, used[0]], low.contact_angle[:, used[0]], atol=np.radians(0.3))
     assert not np.delete(found.load, used, axis=1).any()
 
