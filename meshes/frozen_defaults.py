@@ -40,6 +40,7 @@ FROZEN: dict[str, dict[str, str]] = {
     "FourierTerm": {"sin": "0", "cos": "0", "sigma": "0"},
     "Friction": {"assumed": "()", "feedback": "True", "balls": "None", "neighbours": "False"},
     "GateLimits": {"max_error": "None", "rms_error": "None"},
+    "GrooveMap": {"arcs": '"two"'},
     "Housing": {"fixed": "()", "stiffness": "None", "force": "(0, 0, 0)", "moment": "(0, 0, 0)"},
     "Ingredients": {
         "hertz": '"nominal"',
@@ -131,5 +132,5 @@ FROZEN: dict[str, dict[str, str]] = {
         "nut_groove": '"through"',
     },
     "Time": {"angle": "None", "duration": "None", "steps": "None", "goal": "0.01", "output": '"balls"'},
-    "Track": {"hand": '"right"', "starts": "1", "phase": "0"},
+    "Track": {"hand": '"right"', "starts": "1", "phase": "0", "arcs": '"two"'},
 }

@@ -104,8 +104,8 @@ def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array
 @dataclass(frozen=True)
 class Groove:
     """Section of a body's groove: map, sides of its flanks (one for both where they are one arc), radii of land and of the
-    smooth surface behind [m], angles gamma of apex and edge [rad], half opening along z [m], thickness of the wall under
-    the groove [m], where it ends (None: at the flat ends)."""
+    smooth surface behind [m], angles gamma of apex and edge [rad], middle of the opening along z from the groove's line and
+    half of the opening [m], thickness of the wall under the groove [m], where it ends (None: at the flat ends)."""
 
     m: GrooveMap
     sides: tuple[int, ...]
@@ -113,6 +113,7 @@ class Groove:
     behind: float
     apex: float
     edge: float
+    middle: float
     half: float
     wall: float
     ends: GrooveEnds | None
@@ -122,13 +123,14 @@ class Groove:
         """Groove of a body. Raises ValueError where it leaves no land or no wall."""
         sides: tuple[int, ...] = (0, 1) if spec.outer else (2, 3)
         if m.one_arc:
-            sides = sides[:1] if spec.outer else sides[1:]
+            sides = tuple(s for s in sides if s in m.arc_sides)
         land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
         apex, edge = flank_limits(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
         r, zeta, _ = m.unroll(*m.section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
-        zeta = np.abs(zeta)
+        middle = float(m.centre[sides[-1], 1]) if m.one_arc else 0.0
+        zeta = np.abs(zeta - middle)
         wall = float(r.min() - behind if spec.outer else behind - r.max())
         if wall <= 0.0:
             raise ValueError(
@@ -141,13 +143,14 @@ class Groove:
                 f"the groove is {2e3 * zeta.max():.4g} mm wide, its next turn {1e3 * pitch:.4g} mm on: no land is left; "
                 "raise the lead or move the land towards the pitch radius"
             )
-        if not pitch and (m.z0 - zeta.max() <= spec.z_low or m.z0 + zeta.max() >= spec.z_high):
+        at = m.z0 + middle
+        if not pitch and (at - zeta.max() <= spec.z_low or at + zeta.max() >= spec.z_high):
             raise ValueError(
                 f"the groove is {2e3 * zeta.max():.4g} mm wide, the ring only {1e3 * (spec.z_high - spec.z_low):.4g} mm: "
                 "widen the ring or put its middle at the groove"
             )
         ends = GrooveEnds.of(m, spec.sockets, spec.size) if spec.ends else None
-        return Groove(m, sides, land, behind, apex, edge, float(zeta[-1]), wall, ends)
+        return Groove(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
     def unrolled(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
         """Radius [m], zeta [m] and turn psi [rad] of a flank at angles gamma."""

@@ -10,12 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from functools import cached_property
 from math import cos, sin
+from typing import Literal
 
 import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
-from rollbench.meshes.one_arc import near_apex
+from rollbench.meshes.one_arc import near_apex, sides_of_arcs
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 
@@ -23,7 +24,7 @@ from rollbench.meshes.parts import SIDE_SIGNS, Scene
 class GrooveMap:
     """Track of one scene: pitch radius R, reduced lead rg [m/rad], lead angle alpha, contact angle beta [rad], ball
     radius; per side: signs (4, 2), groove centres (4, 2) and radii (4,) in the section [m]; z of the nut's centre, phase,
-    starts."""
+    starts; arcs: as of `meshes.parts.Track`."""
 
     R: float
     rg: float
@@ -36,6 +37,7 @@ class GrooveMap:
     z0: float
     phase: float
     starts: int
+    arcs: Literal["two", "+z", "-z"] = "two"
 
     @staticmethod
     def of(scene: Scene) -> GrooveMap:
@@ -53,6 +55,7 @@ class GrooveMap:
             scene.nut.position,
             track.phase,
             track.starts,
+            track.arcs,
         )
 
     @cached_property
@@ -69,9 +72,19 @@ class GrooveMap:
         return hash(self._content)
 
     @property
-    def one_arc(self) -> bool:
-        """Whether each groove is one arc, which the sides SL and NR stand for (`meshes.one_arc`)."""
+    def at_apex(self) -> bool:
+        """Whether both flanks of a ring's groove have one contact, at its bottom (`meshes.one_arc`)."""
         return self.rg == 0.0 and near_apex(float(self.radius.min()), self.beta, self.ball)
+
+    @property
+    def one_arc(self) -> bool:
+        """Whether each groove is one arc."""
+        return bool(self.arc_sides)
+
+    @property
+    def arc_sides(self) -> tuple[int, ...]:
+        """Sides of the contacts in grooves of one arc each (`meshes.one_arc.sides_of_arc`)."""
+        return sides_of_arcs(self.rg, self.arcs, self.at_apex)
 
     def axes(self) -> Array:
         """Rows: radial, along the track, and across it in the groove's section, at azimuth 0, ``(3, 3)``."""

@@ -32,7 +32,7 @@ from rollbench.meshes.groove import (
     widest_gap,
 )
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDE_SIGNS, SIDES
 from rollbench.meshes.quality import Quality, arc_deviation, mended
 from rollbench.meshes.shell import (
     BEND,
@@ -201,22 +201,24 @@ class Surface:
         g, line = self.groove, self.m.z0
         limit = self.bend * g.land
         circles = [self._circle(g.land, z, limit) for z in self.z]
-        left, right = (self._circle(g.land, line + sign * g.half, min(limit, self.flank_limit)) for sign in (-1.0, 1.0))
-        self._tube("land", g.land, circles[0], left, (self.z[0], line - g.half), limit)
-        self._tube("land", g.land, right, circles[1], (line + g.half, self.z[1]), limit)
+        low, high = line + g.middle - g.half, line + g.middle + g.half
+        left, right = (self._circle(g.land, z, min(limit, self.flank_limit)) for z in (low, high))
+        self._tube("land", g.land, circles[0], left, (self.z[0], low), limit)
+        self._tube("land", g.land, right, circles[1], (high, self.z[1]), limit)
         if self.m.one_arc:
-            faces = [(g.sides[0], *((right, left) if self.spec.outer else (left, right)), -g.edge)]
+            side = g.sides[0]
+            faces = [(side, *((left, right) if SIDE_SIGNS[side][1] > 0.0 else (right, left)), -g.edge)]
         else:
             r, zeta = g.profile(g.sides[0], np.array([g.apex]))
             apex = self._circle(float(r[0]), line + float(zeta[0]), min(limit, self.flank_limit))
             faces = [(side, apex, edge, g.apex) for side, edge in zip(g.sides, (left, right), strict=True)]
-        for side, low, high, begin in faces:
+        for side, first, last, begin in faces:
 
             def seam(gamma: Array, side: int = side) -> Array:
                 r, zeta = g.profile(side, gamma)
                 return cylindrical(r, self.start, line + zeta)
 
-            self._flank(side, line, self._around(low, high, (begin, g.edge), seam, self.flank_limit))
+            self._flank(side, line, self._around(first, last, (begin, g.edge), seam, self.flank_limit))
         return [[c.on(seen(g.land))] for c in circles]
 
     def _helix(self) -> list[list[Side]]:

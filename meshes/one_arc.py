@@ -1,9 +1,10 @@
-"""Grooves of bearings whose two arcs are one: near a contact angle of zero both flanks' contacts lie within one patch."""
+"""Grooves of bearings that are one arc each: of deep-groove and angular-contact rows, and of any ring whose two arcs meet
+so near a contact angle of zero that both flanks' contacts lie within one patch."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import degrees, sin
+from dataclasses import dataclass, replace
+from math import acos, asin, cos, degrees, sin
 
 from rollbench.meshes.parts import Scene
 
@@ -15,10 +16,24 @@ LEAST = 1e-7
 
 
 def is_one_arc(scene: Scene) -> bool:
-    """Whether a bearing's contacts lie so near the apex of a groove that both flanks have one contact; never of a screw,
-    which could carry no thrust."""
+    """Whether each groove of a bearing is one arc: it has no apex, and a ball has one contact with it."""
+    return bool(sides_of_arc(scene))
+
+
+def sides_of_arc(scene: Scene) -> tuple[int, ...]:
+    """Sides of the contacts in grooves of one arc each, of the screw and of the nut (0 to 3 for SL, SR, NL, NR); none where
+    the grooves have two."""
     radius = min(scene.screw.groove_radius, scene.nut.groove_radius)
-    return scene.track.lead == 0.0 and near_apex(radius, scene.track.contact_angle, scene.balls.radius)
+    track = scene.track
+    return sides_of_arcs(track.lead, track.arcs, near_apex(radius, track.contact_angle, scene.balls.radius))
+
+
+def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
+    """`sides_of_arc` by a lead, by ``Track.arcs``, and by whether both flanks' contacts are one. The thread of a screw
+    always has two arcs: its nut would carry no thrust on one near the apex."""
+    if lead != 0.0 or (arcs == "two" and not near):
+        return ()
+    return (1, 2) if arcs == "-z" else (0, 3)
 
 
 def near_apex(groove: float, angle: float, ball: float) -> bool:
@@ -27,13 +42,14 @@ def near_apex(groove: float, angle: float, ball: float) -> bool:
 
 
 def as_one_arc(scene: Scene) -> Scene:
-    """The scene with grooves of one arc each, and a statement that says so, where `is_one_arc` holds; else as it is.
+    """The scene with grooves of one arc each, and a statement that says so, where both flanks' contacts are one; else as it
+    is, as where the scene says itself that they are one arc.
 
     The ball touches the arc where it touched the ridge between two, without play; what the ridge leaves out there,
     (r_g - r_b) r_b beta^2 / (2 r_g) of the larger groove [m], is stated.
     """
     angle, ball = scene.track.contact_angle, scene.balls.radius
-    if angle <= LEAST or not is_one_arc(scene):
+    if angle <= LEAST or scene.track.arcs != "two" or not is_one_arc(scene):
         return scene
     groove = max(scene.screw.groove_radius, scene.nut.groove_radius)
     ridge = (groove - ball) * ball / (2.0 * groove) * angle**2
@@ -42,3 +58,45 @@ def as_one_arc(scene: Scene) -> Scene:
         f"(a ridge between two arcs would stand {1e6 * ridge:.2g} um away from the ball)."
     )
     return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, statement))
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """Play between rings of one arc each: radial and axial internal clearance [m], both the whole way that one ring goes
+    against the other, and the contact angle [rad] at which the balls touch at either end of the axial one."""
+
+    radial: float
+    axial: float
+    angle: float
+
+
+def distance_of_centres(scene: Scene) -> float:
+    """Distance A = r_i + r_o - D [m] of the groove centres where a ball of nominal diameter D touches both grooves."""
+    return scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
+
+
+def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
+    """Contact angle at rest [rad] of rings whose groove centres are A [m] apart in contact, by their radial clearance
+    P_d = 2 A (1 - cos alpha), or their axial one P_e = 2 A sin alpha [m] (Harris and Kotzalas 2007, 2.3 and 2.4).
+
+    Raises ValueError, with the largest clearance that leaves a contact angle below 90 deg, for a larger one.
+
+    >>> round(degrees(rest_angle(0.18e-3, 13e-6, None)), 2)
+    15.44
+    """
+    share = (radial if axial is None else axial or 0.0) or 0.0
+    if not share < 2.0 * A:
+        raise ValueError(f"below {2e3 * A:.4g} mm")
+    return max(acos(1.0 - share / (2.0 * A)) if axial is None else asin(share / (2.0 * A)), LEAST)
+
+
+def clearance_of(scene: Scene) -> Clearance | None:
+    """Clearance of a bearing whose grooves are one arc each, with the oversize of its balls; None of other grooves."""
+    if not is_one_arc(scene):
+        return None
+    A = distance_of_centres(scene)
+    apart, touching = A * cos(scene.track.contact_angle), A - 2.0 * scene.errors.balls.oversize
+    if touching <= apart:
+        return Clearance(0.0, 0.0, 0.0)
+    angle = acos(apart / touching)
+    return Clearance(2.0 * (touching - apart), 2.0 * touching * sin(angle), angle)

@@ -62,7 +62,8 @@ class Material:
 class Track:
     """Nominal ball path (Lin 2.1, 2.2, 2.5): pitch radius [m], lead [m], hand, starts, contact angle [rad].
 
-    ``phase`` [rad] is the azimuth of the helix at the nut's centre; a lead of zero is a ball bearing.
+    ``phase`` [rad] is the azimuth of the helix at the nut's centre; a lead of zero is a ball bearing. ``arcs``: each groove
+    is a gothic arch of two arcs, or, of a bearing, one arc, whose contacts then carry thrust on the screw this way.
     """
 
     pitch_radius: float
@@ -71,6 +72,7 @@ class Track:
     hand: Literal["right", "left"] = "right"
     starts: int = 1
     phase: float = 0.0
+    arcs: Literal["two", "+z", "-z"] = "two"
 
 
 @dataclass(frozen=True)

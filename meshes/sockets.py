@@ -412,9 +412,13 @@ def _narrowed(
     for side in sides:
         land, radius = land_screw if side < 2 else land_nut, float(m.radius[side])
         apex, edge = flank_limits(m, side, land)
+        at_land = f"the groove, at the land radius of {1e3 * land:.4g} mm,"
+        low_end, remedy_low = "apex between the two arcs", "bring the groove radius closer to the ball's"
+        if m.one_arc:
+            low_end, remedy_low = f"other edge of {at_land}", "deepen the groove"
         for room, name, remedy in (
-            (m.beta - apex, "apex between the two arcs", "bring the groove radius closer to the ball's"),
-            (edge - m.beta, f"edge of the groove, at the land radius of {1e3 * land:.4g} mm,", "deepen the groove"),
+            (m.beta - apex, low_end, remedy_low),
+            (edge - m.beta, f"edge of {at_land}", "deepen the groove"),
         ):
             reason = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}"
             usable = ZONE * room / (1.0 + CLOSE)

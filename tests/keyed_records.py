@@ -13,13 +13,14 @@ from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import Dimensions
 
 #: Records that hold all others.
 ROOTS = (
     *(Scene, Assembly, Dimensions, Settings, Sizes, BearingBallScene, BearingPairScene, LinearChainScene, LinearPairScene),
-    *(ScrewPairScene, ScrewRunScene),
+    *(ScrewPairScene, ScrewRunScene, GrooveMap),
 )
 
 

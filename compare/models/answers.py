@@ -11,8 +11,10 @@ from typing import Any
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models import loading
+from rollbench.comparison.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
 from rollbench.comparison.models.loading import LiftOff, Preload, preload
 from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed, run_model
+from rollbench.comparison.models.ring_play import play_warnings
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
@@ -62,7 +64,7 @@ class Answers:
     """Answers of one low-order result. displacement: axial [m] of the screw at the nut's centre from that without loads
     (from the nominal place where nothing holds the screw then); force: axial on the nut [N]; tangent: axial rigidity [N/m],
     rotation held, None where the model has no tangent, or none is found, for which ``tangent_words`` say why; friction: its
-    sums, JSON-ready, or words why it is not computed."""
+    sums, JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
 
     loads: LoadAnswers
     force: float
@@ -74,6 +76,7 @@ class Answers:
     lift: LiftOff | None
     friction: dict[str, Any] | None
     friction_words: str
+    path: LoadPath | None = None
 
 
 def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
@@ -143,7 +146,8 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     friction, words = quick_friction(scene, result, options)
     slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle)
-    return Answers(loads, force, moved, three, slope, why, held, lift, friction, words)
+    path = path_of_set(scene, result, bare)
+    return Answers(loads, force, moved, three, slope, why, held, lift, friction, words, path)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
@@ -211,11 +215,12 @@ class SetAnswers:
 @dataclass(frozen=True)
 class AxisAnswers:
     """sets: of each; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked about, along the
-    axis, from that without loads."""
+    axis, from that without loads; path: where the loads go, None without any."""
 
     sets: tuple[SetAnswers, ...]
     force: float
     displacement: float | None
+    path: LoadPath | None = None
 
 
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
@@ -223,7 +228,7 @@ def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
     sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
     moved = loading.along_axis(assembly, result) - loading.along_axis(assembly, bare) if bare.converged else None
-    return AxisAnswers(sets, loading.axial_load(assembly), moved)
+    return AxisAnswers(sets, loading.axial_load(assembly), moved, path_of_sets(assembly, result, bare))
 
 
 def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
@@ -233,7 +238,8 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
         return result, None
     answers = gather_axis(assembly, result)
     warned = (w.of(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
-    return replace(result, warnings=(*result.warnings, *warned)), answers
+    further = (*warned, *path_warnings(answers.path), *play_warnings(assembly))
+    return replace(result, warnings=(*result.warnings, *further)), answers
 
 
 def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers:

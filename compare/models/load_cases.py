@@ -13,9 +13,11 @@ from rollbench.comparison.models.answers import (
     outside,
     solve_sets,
 )
+from rollbench.comparison.models.load_path import path_warnings
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.ring_play import play_warnings
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -107,5 +109,6 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     warned = [*outside(scene, answers.loads, axial_of(answers.preload))]
     if scene.friction is not None:
         warned += overall_warnings(scene.track, scene.friction)
+    warned += [*path_warnings(answers.path), *play_warnings(scene)]
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))

@@ -183,10 +183,18 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
     if one.kind not in (None, found_kind):
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "mend kind, or track.lead")
     if one.preload and one.thrust not in ONE_WAY and one.arrangement is None:
-        advice = "a row that carries thrust both ways is preloaded by errors.balls.oversize, or a pair by offset"
-        yield Fault((f"{at}.preload",), 'thrust "+z" or "-z"', advice)
+        advice = (
+            f'write {at}.thrust = "+z" or "-z", the way of the thrust on the shaft that this set is preloaded to carry, as '
+            "each nut of a double nut; what carries it both ways is preloaded by errors.balls.oversize, a pair by offset"
+        )
+        yield Fault((f"{at}.preload",), 'a set with thrust = "+z" or "-z"', advice)
     if one.preload and one.offset != 0.0:
         yield Fault((f"{at}.preload",), "either preload or offset", "the force sets the shift: leave offset out", "both")
+    if one.thrust == "both" and one.track is not None and one.track.clearance is not None:
+        advice = (
+            "a clearance is that of grooves of one arc each: leave thrust out for a deep-groove row, or write its one way"
+        )
+        yield Fault((f"{at}.thrust",), '"deep groove", "+z" or "-z" with track.clearance', advice)
     if one.rollers is not None and isinstance(one.preload, ShareOfRating):
         yield Fault((f"{at}.preload",), "a force", "the rating of rollers is not computed: write the force")
     if one.carrier is not None and one.carrier == one.housing:
@@ -255,8 +263,16 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
     if one.thrust is None and is_one_arc(scene):
         scene, thrust = as_one_arc(scene), "deep groove"
+    scene = _of_arcs(scene, thrust)
     own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier)
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
+
+
+def _of_arcs(scene: Scene, thrust: str) -> Scene:
+    """The parts of a bearing whose thrust says that its grooves are one arc each; a nut keeps its thread's two arcs."""
+    if scene.track.lead != 0.0 or thrust == "both":
+        return scene
+    return replace(scene, track=replace(scene.track, arcs="-z" if thrust == "-z" else "+z"))
 
 
 def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
@@ -328,6 +344,9 @@ def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
         if any(x is not None and (x.conformity or x.groove_radius) for x in (one.screw, one.nut)):
             advice = "leave conformity and groove_radius out"
             yield Fault((f"{at}.pair_rigidity",), "in place of the grooves of the set", advice)
+        if one.track is not None and one.track.clearance is not None:
+            advice = "both follow from the grooves: write the contact angle in place of the clearance"
+            yield Fault((f"{at}.pair_rigidity",), "a track with contact_angle", advice)
     if not given:
         return
     if one.rollers is not None or (one.track is not None and one.track.lead != 0.0):
@@ -363,7 +382,7 @@ def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[Rolling
     for k, way in enumerate(ways):
         name, at = f"{whole.name} {k + 1}", whole.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length
         errors = replace(parts.errors, seed=parts.errors.seed + seeds * k)
-        row = replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors)
+        row = _of_arcs(replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors), way)
         share = total / ways.count(way) if len(set(ways)) == 2 else 0.0
         yield replace(whole, name=name, parts=row, position=at, thrust=way, preload=share)
 

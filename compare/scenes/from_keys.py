@@ -12,6 +12,7 @@ from rollbench.comparison.errors import escaped
 from rollbench.comparison.scenes import schema
 from rollbench.comparison.scenes.keys import MaterialKeys
 from rollbench.meshes import parts
+from rollbench.meshes.one_arc import rest_angle
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.axis_schema import HousingKeys
@@ -26,7 +27,7 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     return parts.Scene(
         name=name,
         title=escaped(keys.title),
-        track=parts.Track(**track.model_dump()),
+        track=_track(keys),
         screw=parts.Screw(bore=keys.screw.bore, **_body(keys, keys.screw)),
         nut=parts.Nut(position=nut.position, azimuth=nut.azimuth, flange=_flange(nut), **_body(keys, nut)),
         balls=parts.Balls(keys.balls.radius, material, _azimuths(keys.balls, track)),
@@ -52,10 +53,28 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     )
 
 
+def _track(keys: schema.SceneKeys) -> parts.Track:
+    """The path; with a clearance, of a bearing of one arc a groove at its contact angle at rest."""
+    fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
+    if clearance is not None:
+        apart = centres_apart(keys)
+        fields |= {"contact_angle": rest_angle(apart, clearance.radial, clearance.axial), "arcs": "+z"}
+    return parts.Track(**fields)
+
+
+def centres_apart(keys: schema.SceneKeys) -> float:
+    """Distance [m] of the groove centres where a ball touches both grooves."""
+    return groove_of(keys, keys.screw) + groove_of(keys, keys.nut) - 2.0 * keys.balls.radius
+
+
+def groove_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
+    """Groove radius [m] of screw or nut."""
+    return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
+
+
 def _body(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
     """What screw and nut have alike."""
-    groove = part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
-    shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove}
+    shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_of(keys, part)}
     return {**shape, "material": material_of(part.material, keys.material)}
 
 

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator
 
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.comparison.scenes.from_keys import ball_total
+from rollbench.comparison.scenes.from_keys import ball_total, centres_apart
 from rollbench.comparison.scenes.keys import MAX_BALLS, GrooveKeys
 from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
 from rollbench.meshes.partition import MERGE
@@ -22,6 +22,7 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     yield from _kind_faults(keys)
     yield from groove_choice_faults(keys.screw, "screw")
     yield from groove_choice_faults(keys.nut, "nut")
+    yield from _angle_faults(keys)
     yield from _holding_faults(keys)
     yield from _ball_choice_faults(keys)
     yield from _support_faults(keys)
@@ -79,6 +80,35 @@ def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
         given = "neither" if groove.conformity is None else "both"
         advice = "groove radius = conformity x ball diameter: give one and leave out the other"
         yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, given)
+
+
+def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """A contact angle, or in its place the clearance of a bearing whose balls touch at some angle."""
+    angle, clearance = keys.track.contact_angle, keys.track.clearance
+    if clearance is None:
+        if angle is None:
+            advice = 'add contact_angle = "45 deg", or of a deep-groove bearing e.g. clearance = { radial = "13 um" }'
+            yield Fault(("track.contact_angle",), "an angle above 0 deg, below 90 deg", advice, "nothing")
+        return
+    if keys.track.lead != 0.0:
+        advice = "play of a nut is smaller balls: write contact_angle, and errors.balls.oversize below zero"
+        yield Fault(("track.clearance",), 'a bearing, lead = "0 mm"', advice, "a clearance of a nut")
+    if angle is not None:
+        advice = (
+            "the balls rest at the angle that clearance and groove radii make: leave contact_angle out; play of a four-"
+            "point bearing is errors.balls.oversize below zero"
+        )
+        yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both")
+    given = [name for name in ("radial", "axial") if getattr(clearance, name) is not None]
+    if len(given) != 1:
+        yield Fault(
+            ("track.clearance",), "one of radial and axial", "one follows from the other", "both" if given else "neither"
+        )
+    grooves = all((x.groove_radius is None) != (x.conformity is None) for x in (keys.screw, keys.nut))
+    if len(given) == 1 and grooves and getattr(clearance, given[0]) >= 2.0 * centres_apart(keys):
+        most = max(0.0, 2.0 * centres_apart(keys))
+        advice = "there the balls would touch at 90 deg: check the unit, and the groove radii against the ball's"
+        yield Fault((f"track.clearance.{given[0]}",), f"below {mm(most)} with these grooves", advice)
 
 
 def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:

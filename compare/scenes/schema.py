@@ -19,10 +19,26 @@ CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
+class ClearanceKeys(keys.Table):
+    """Internal clearance of a bearing as data sheets give it, all the way that one ring goes against the other."""
+
+    radial: keys.Clearance | None = key("radial clearance", None, "13 um")
+    axial: keys.Clearance | None = key("or axial clearance", None, "96 um")
+
+
 class TrackKeys(keys.HelixKeys):
     """Nominal path of the ball centres."""
 
     model_config = either("pitch_radius", "pitch_diameter")
+
+    contact_angle: keys.ContactAngle | None = key(  # type: ignore[assignment]
+        "nominal angle of the contact normal against the radius; of a bearing it may follow from clearance", None, "45 deg"
+    )
+    clearance: ClearanceKeys | None = key(
+        "of a bearing whose grooves are one arc each (deep groove, or a row with thrust), in place of the contact angle",
+        None,
+        {"radial": "13 um"},
+    )
 
     pitch_diameter: Annotated[keys.Size | None, Field(exclude=True)] = key(
         "diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm"

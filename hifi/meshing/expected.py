@@ -28,7 +28,7 @@ from rollbench.meshes.axis import Assembly, Thrust
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
-from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.one_arc import sides_of_arc
 from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
 from rollbench.meshes.solid import dimensions
 
@@ -145,9 +145,9 @@ def closing(scene: Scene, force: float) -> float:
 
 
 def _sides(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
-    """Sides ``(4,)`` that can touch: SL and NR stand for grooves of one arc."""
-    if is_one_arc(scene):
-        return True, False, False, True
+    """Sides ``(4,)`` that can touch: of grooves of one arc one on either body."""
+    if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
+        return tuple(s in sides for s in range(4))
     return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
 
 

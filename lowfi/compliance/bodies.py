@@ -108,8 +108,8 @@ def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
     flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead."""
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
-    one_arc = is_one_arc(scene) and is_ring(scene, screw)
-    if not one_arc and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
+    one_patch = is_one_arc(scene) and is_ring(scene, screw)
+    if not one_patch and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
             f"contact angle {np.degrees(angle):.3g} deg, but the elastic flanks of this groove need {least:.2g} deg: "

@@ -207,7 +207,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     radius, zeta = flank.contact()
     line, width = (grid.shape[1] - 1 if flank.screw else 0), NARROW * flank.map.ball
     rows = np.zeros((5, *grid.shape, 3))
-    if flank.map.one_arc:  # both flanks are the same patch
+    if flank.map.at_apex:  # both flanks are the same patch
         share, _ = flank_weights(grid, line, 0.0, width)
         rows[0, :, line, 0] = rows[2, :, line, 0] = rows[1, :, line, 2] = rows[3, :, line, 2] = share
         rows[4, :, line, ::2] = normal_load(flank, grid, width, 0.0)

@@ -10,6 +10,7 @@ from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
 
 #: Permanent indentation over the ball's diameter that the static rating of ball contacts allows (ISO 76).
@@ -50,9 +51,9 @@ class StaticSafety:
 class Truncation:
     """The ellipse that comes nearest to an edge of its groove's arc, or leaves it most.
 
-    ball from 1; side; edge: ``"land"`` or ``"apex"``; angle, half: contact angle and half width of the ellipse as an angle
-    of the groove's arc [rad]; limit: the edge's angle [rad]; margin [rad]: from the ellipse to the edge, negative where it
-    is cut; cut: number of contacts whose ellipse passes an edge.
+    ball from 1; side; edge: ``"land"``, or ``"apex"`` between two arcs; angle, half: contact angle and half width of the
+    ellipse as an angle of the groove's arc [rad]; limit: the angle of the edge [rad]; margin [rad]: from the ellipse to it,
+    negative where it is cut; cut: number of contacts whose ellipse passes an edge.
     """
 
     ball: int
@@ -120,7 +121,7 @@ def truncation(scene: Scene, load: Array, angle: Array) -> Truncation | None:
     return Truncation(
         i + 1,
         SIDES[s],
-        "land" if land else "apex",
+        "land" if land or is_one_arc(scene) else "apex",
         float(angle[i, s]),
         float(half[i, s]),
         float(high[s] if land else low[s]),

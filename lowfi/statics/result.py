@@ -105,7 +105,8 @@ class Answering:
 @dataclass(frozen=True, kw_only=True)
 class Solved(Answering):
     """What every static solution holds of the shaft. status: "converged" or what went wrong; centreline: stations
-    ``(k,)`` [m] and motions ``(k, 6)`` [m, rad]; member: which specimen of a scene with random errors."""
+    ``(k,)`` [m] and motions ``(k, 6)`` [m, rad]; member: which specimen of a scene with random errors; reactions: of every
+    support of the scene on the shaft, at its station ``(s, 6)`` [N, N m]."""
 
     model: str
     status: Status
@@ -117,7 +118,8 @@ class Solved(Answering):
     left_out: tuple[str, ...]
     warnings: tuple[Warned, ...] = ()
     member: int = 0
-    ANSWERS: ClassVar[tuple[str, ...]] = ("centreline", "equilibrium")
+    reactions: Array = field(default_factory=lambda: np.zeros((0, 6)))
+    ANSWERS: ClassVar[tuple[str, ...]] = ("centreline", "equilibrium", "reactions")
 
     @property
     def converged(self) -> bool:

@@ -14,14 +14,14 @@ from rollbench.lowfi.statics.shape import motions_at
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.one_arc import is_one_arc, sides_of_arc
 from rollbench.meshes.partition import MERGE, contact_stations
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 
 def all_sides(scene: Scene) -> Mask:
-    """Sides (4,) that a scene has: all, or the one arc of both grooves, which SL and NR stand for."""
-    return np.array([True, False, False, True]) if is_one_arc(scene) else np.ones(4, dtype=bool)
+    """Sides (4,) that a scene has: all, or of grooves of one arc one on either body."""
+    return np.isin(np.arange(4), sides_of_arc(scene) or range(4))
 
 
 def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:

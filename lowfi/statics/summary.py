@@ -18,7 +18,7 @@ from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
 from rollbench.lowfi.statics.validity import warnings_of
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import BeamSection
 
 #: Statements that hold for every run of the source's low-order model.
@@ -116,6 +116,29 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     if problem.basis is None:
         noise = round_off(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.motion)
     return balance_of(sums, size, scene.track.pitch_radius, noise, net_forces(force, solved.normal))
+
+
+def reactions_of(solved: SolvedState, reaction: Array) -> Array:
+    """Force and moment ``(s, 6)`` [N, N m] of every support on the screw, at its station; reaction: of all, ``(6,)`` about
+    the origin. What statics does not divide among the supports of a rigid screw is divided into the least forces."""
+    problem, supports = solved.problem, solved.problem.scene.supports
+    if problem.basis is None:
+        return nodal_reactions(problem.nodes, supports, solved.reactions)
+    held = [(i, FREEDOMS.index(name)) for i, s in enumerate(supports) for name, _ in s.fixed]
+    unit = np.array([rigid_transport(supports[i].at)[k] for i, k in held]).reshape(-1, 6)
+    out = np.zeros((len(supports), 6))
+    for (i, k), size in zip(held, np.linalg.lstsq(unit.T, reaction, rcond=None)[0], strict=True):
+        out[i, k] = size
+    return out
+
+
+def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> Array:
+    """Force and moment ``(s, 6)`` of every support on the shaft by those on its nodes ``(n, 6)`` [N, N m]."""
+    out = np.zeros((len(supports), 6))
+    for i, support in enumerate(supports):
+        freedoms = [FREEDOMS.index(name) for name, _ in support.fixed]
+        out[i, freedoms] = held[int(np.abs(nodes - support.at).argmin()), freedoms]
+    return out
 
 
 def about_origin(stations: Array, wrenches: Array) -> Array:
@@ -242,7 +265,9 @@ def assemble_result(
         status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
     status = where_not_unique(status, result.warnings)
     assumed = (*problem.scene.assumed, *idealised)
-    return replace(result, model=model, status=status, equilibrium=balance, assumed=assumed, left_out=left_out)
+    reactions = reactions_of(solved, np.concatenate([balance.reaction_force, balance.reaction_moment]))
+    result = replace(result, model=model, status=status, equilibrium=balance, reactions=reactions)
+    return replace(result, assumed=assumed, left_out=left_out)
 
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:

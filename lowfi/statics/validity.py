@@ -54,13 +54,18 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
 
 
 def groove_range(scene: Scene) -> tuple[Array, Array]:
-    """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: apex (of one arc: the other edge) and land's
-    edge."""
+    """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: from the apex between two arcs to the land; of
+    one arc from one land to the other, whose shoulders are equally high: a scene gives one diameter for both."""
     screw, nut = groove_section(scene), nut_groove_range(scene)
     if is_one_arc(scene):
         return np.repeat([-screw.gamma_2, -nut[1]], 2), np.repeat([screw.gamma_2, nut[1]], 2)
     low, high = (screw.gamma_1, nut[0]), (screw.gamma_2, nut[1])
     return np.repeat(low, 2), np.repeat(high, 2)
+
+
+def ends_of_arc(scene: Scene) -> str:
+    """Words for what a groove's arc ends at."""
+    return "land edge" if is_one_arc(scene) else "apex or land edge"
 
 
 def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
@@ -72,7 +77,8 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
         notes.append(
-            f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge), where the model does not hold"
+            f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends_of_arc(problem.scene)}), where the model does "
+            "not hold"
         )
     semi_axis = nominal_hertz(problem.scene).C_a * np.cbrt(force)  # the long axis lies across the groove
     half = semi_axis / problem.drawn.radius
@@ -80,8 +86,8 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     if cut.any():
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
         notes.append(
-            f"the ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc (apex or land edge), most on ball "
-            f"{worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
+            f"the ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc ({ends_of_arc(problem.scene)}), "
+            f"most on ball {worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: small-displacement theory no longer holds")

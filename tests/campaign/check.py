@@ -13,7 +13,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.one_arc import sides_of_arc
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 #: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
@@ -174,8 +174,8 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
             w[:, s] -= np.einsum("nak,nk->na", axes, moved)
         here = by_law(drawn, result.hertz_C, w)
         law = np.where(np.abs(here - result.load) < np.abs(law - result.load), here, law)
-    if is_one_arc(scene):
-        law[:, 1:3] = 0.0  # one arc a groove, which SL and NR stand for
+    if sides := sides_of_arc(scene):  # one contact of a ball with either groove
+        law[:, [s for s in range(4) if s not in sides]] = 0.0
     stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C
     allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.radius) * stiff)
     allowed[result.load == 0.0] = np.maximum(allowed[result.load == 0.0], nothing(result))

@@ -138,7 +138,7 @@ def solve(
         Seconds after which to give up, with exit code 1; none unless given.
     strict
         Exit with 1 if a WARNING line stands above the answers: pressure, preload, static safety or rotations beyond the
-        validity of the models.
+        validity of the models, or a load of which little reaches the contacts.
     assumptions
         Also print the assumptions, what is left out, the balance and the solver.
     """

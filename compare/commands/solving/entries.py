@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.commands.solving.summary import answers_json, by_pressure, set_json, starting_torque, whole_json
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
+from rollbench.comparison.models.load_path import path_words
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import shown
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
-    from rollbench.comparison.models.answers import AxisAnswers
+    from rollbench.comparison.models.answers import Answers, AxisAnswers
 
 #: Width of the labels of the block.
 LABEL = 10
@@ -43,6 +44,8 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         ("ellipse", _ellipse(data)),
         ("static", _static(data)),
         ("preload", _preload(data)),
+        *_supports(one.answers),
+        *_rests([("", data)]),
         ("friction", _friction(data)),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
@@ -70,10 +73,12 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         if (of_rollers := isinstance(of_set.parts, RollerRow)) in kinds:
             continue
         kinds.add(of_rollers)
-        said = set_json(s, of_set)
+        said = set_json(s, of_set, one.scene.motion)
         lines += [(label, f"{of_set.name}: {text(said)}") for label, text in (OF_ROLLERS if of_rollers else OF_BALLS)]
     lines.append(("preload", _preloads(answers)))
-    sets = zip(result.sets, answers.sets, strict=True)
+    lines += _supports(answers)
+    sets = list(zip(result.sets, answers.sets, strict=True))
+    lines += _rests([(f"{s.of.name}: ", set_json(s, x, one.scene.motion)) for s, x in sets])
     torques = {x.name: found["torque_Nmm"] for s, x in sets if (found := starting_torque(s, x)) is not None}
     if torques:
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
@@ -89,6 +94,23 @@ def _preloads(answers: AxisAnswers) -> str:
     held = [(x.name, "roller" if isinstance(x.parts, RollerRow) else "contact", x.preload) for x in answers.sets]
     each = [f"{name} {p.mean:.1f} N a {one}, {p.axial:.0f} N along the axis" for name, one, p in held if p and p.loaded]
     return "; ".join(each) or "none: no contact carries load when the scene's loads are away"
+
+
+def _supports(answers: Answers | AxisAnswers | None) -> list[tuple[str, str]]:
+    """The entry on what supports take of the loads, where they take something."""
+    words = "" if answers is None or answers.path is None else path_words(answers.path)
+    return [("supports", words)] if words else []
+
+
+def _rests(sets: list[tuple[str, dict[str, Any]]]) -> list[tuple[str, str]]:
+    """The entry on the clearance of deep-groove rows: how it begins and answers of each."""
+    rows = [
+        f"{name}contact angle at rest {d['rest_angle_deg']:.2f} deg; clearance {d['radial_um']:.4g} um radial, "
+        f"{d['axial_um']:.4g} um axial"
+        for name, data in sets
+        if (d := data.get("clearance")) is not None
+    ]
+    return [("clearance", "; ".join(rows))] if rows else []
 
 
 def model_form_text(m: ModelForm) -> str:

@@ -8,6 +8,8 @@ import numpy as np
 
 from rollbench.comparison.models.answers import LoadAnswers, RollerAnswers
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
+from rollbench.comparison.models.load_path import LoadPath
+from rollbench.comparison.models.ring_play import clearance_in
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
@@ -16,7 +18,7 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import counted, mean_load
-from rollbench.meshes.parts import FREEDOMS, SIDES, Motion
+from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
@@ -88,6 +90,10 @@ CONTACT_LOST = (
     quantity("side", lambda lift: lift.side or None),
     quantity("words", lambda lift: lift.words or None),
 )
+#: Play of a deep-groove row without load.
+CLEARANCE = (quantity("rest_angle_deg", "angle"), quantity("radial_um"), quantity("axial_um"))
+#: Force and moment (6,).
+WRENCH = (quantity("force_N", lambda x: x[:3]), quantity("moment_Nm", lambda x: x[3:]))
 #: Answers on a bearing's torque.
 STARTING = (
     quantity("torque_Nmm"),
@@ -95,6 +101,8 @@ STARTING = (
     quantity("equivalent_load_N"),
     quantity("static_rating_N", "rating"),
 )
+#: Answers that each set has for itself.
+OF_A_SET = ("sides", "preload", "starting_torque", "clearance")
 #: Groups of answers that contact loads give by themselves.
 GROUPS = {"worst_contact": CONTACT, "truncation": TRUNCATION, "static_safety": STATIC_SAFETY, "life": LIFE}
 
@@ -199,7 +207,17 @@ def answers_json(one: Solved) -> dict[str, Any]:
         "contact_lost": record(CONTACT_LOST, answers.lift),
         "friction": answers.friction,
         "friction_words": answers.friction_words or None,
+        "load_path": path_json(answers.path),
+        "clearance": record(CLEARANCE, clearance_in(scene)),
     }
+
+
+def path_json(path: LoadPath | None) -> dict[str, Any] | None:
+    """Where the loads go: force and couple of all, what each support takes of them, what goes through contacts."""
+    if path is None:
+        return None
+    takers = [{"name": t.name} | (record(WRENCH, t.part) or {}) for t in path.takers]
+    return {"applied": record(WRENCH, path.applied), "supports": takers, "contacts": record(WRENCH, path.contacts)}
 
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
@@ -219,7 +237,10 @@ def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) ->
         return data
     loads = roller_loads(s.loads) if s.balls is None else loads_json(s.balls.load)
     data |= {"loads": loads, **contacts_json(answers.loads, motion), "preload": record(PRELOAD, answers.preload)}
-    return data if s.balls is None else data | {"starting_torque": starting_torque(s, answers)}
+    if not isinstance(answers.parts, Scene):
+        return data
+    data["clearance"] = record(CLEARANCE, clearance_in(answers.parts, s.of.thrust))
+    return data | {"starting_torque": starting_torque(s, answers)}
 
 
 def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
@@ -249,9 +270,10 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
         "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * 2.0 * 100.0 / K),
     }
     data["stiffness"] = whole_stiffness(result)
+    data["load_path"] = path_json(answers.path)
     for i in by_pressure(answers)[:1]:
         of_set = set_json(result.sets[i], answers.sets[i], one.scene.motion)
-        data |= {"worst_set": i + 1} | {k: of_set[k] for k in of_set if k not in ("sides", "preload", "starting_torque")}
+        data |= {"worst_set": i + 1} | {k: of_set[k] for k in of_set if k not in OF_A_SET}
     return data
 
 

@@ -26,6 +26,7 @@ from rollbench.lowfi.statics.summary import (
     contacts_of,
     judged,
     net_forces,
+    nodal_reactions,
     round_off,
     where_not_unique,
     wrench_of,
@@ -103,6 +104,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
         assumed=(*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
         left_out=(*held, *end.left_out, *left_out(system)),
         warnings=warnings,
+        reactions=nodal_reactions(structure.nodes, assembly.supports, end.held[:n]),
     )
 
 

@@ -42,6 +42,7 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
         "turning": f'{one}\n[motion]\nspeed = "60 rpm"\n',
         "bearings": template("support-bearings"),
         "rollers": own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'),
+        "deep-groove": own_text("public/b1-nptel-clearance"),
         "sets": f'{two}\n[[cases]]\nname = "one"\nshare = 1\n',
     }
     for name, text in scenes.items():

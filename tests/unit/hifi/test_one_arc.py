@@ -38,6 +38,42 @@ def test_loads_are_those_of_elastic_rings() -> None:
     assert not found.load[:, 1:3].any()
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("_one_submodel")
+@pytest.mark.parametrize(("way", "sides"), [("+z", (0, 3)), ("-z", (1, 2))])
+def test_a_row_that_carries_thrust_one_way_meets_the_bottom_of_its_groove(way: str, sides: tuple[int, int]) -> None:
+    """Ellipses about 6 deg wide about a contact angle of 6 deg: two arcs would end at an apex under them."""
+    scene = bearing(6.0, 0.0, 0.0)
+    off = 5e-6 if way == "+z" else -5e-6
+    scene = replace(
+        scene,
+        loads=(),
+        track=replace(scene.track, arcs=way),
+        balls=replace(scene.balls, azimuths=(-0.4, 0.5)),
+        supports=(Support(0.008, (("ux", 8e-6), ("uy", 0.0), ("uz", off), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),),
+    )
+    found, low = solve_reference(prepare(scene, sides, COARSE), scene), solve_elastic(scene)
+    assert found.status == "converged"
+    used = list(sides)
+    np.testing.assert_allclose(found.load[:, used], low.load[:, used], rtol=0.05)  # a coarse mesh
+    np.testing.assert_allclose(found.contact_angle[:, used[0]], low.contact_angle[:, used[0]], atol=np.radians(0.3))
+    assert not np.delete(found.load, used, axis=1).any()
+
+
+@pytest.mark.parametrize("way", ["+z", "-z"])
+def test_the_section_of_one_arc_is_even_about_its_own_middle(way: str) -> None:
+    scene = bearing(15.0, 1.0, 0.0)
+    scene = replace(scene, track=replace(scene.track, arcs=way))
+    m = GrooveMap.of(scene)
+    for side in m.arc_sides:
+        land = scene.screw.outer_diameter / 2.0 if side < 2 else 2.0 * m.R - scene.screw.outer_diameter / 2.0
+        low, high = flank_limits(m, side, land)
+        assert low == -high
+        z = [float(m.section(side, np.array(g), m.radius[side])[1]) for g in (low, high)]
+        assert np.mean(z) == pytest.approx(m.centre[side, 1], abs=1e-12)
+        assert abs(m.centre[side, 1]) == pytest.approx((m.radius[side] - m.ball) * np.sin(m.beta))
+
+
 def test_one_arc_reaches_from_edge_to_edge() -> None:
     m = GrooveMap.of(bearing(0.01, 1.0, 0.0))
     low, high = flank_limits(m, 0, 0.033)

@@ -45,7 +45,7 @@ def to_toml(scene: Scene) -> str:
         held |= dict(zip(("inner_diameter", "outer_diameter"), (2.0 * r for r in flange.seat), strict=True))
         held |= {"centring": "bonded" if flange.bonded else "free", "bolts": flange.bolts}
     tables = [("", {name: getattr(scene, name) for name in ("title", "source", "assumed", "members")})]
-    tables += [(name, fields_of(getattr(scene, name), "flange")) for name in ("track", "screw", "nut", "balls")]
+    tables += [(name, fields_of(getattr(scene, name), "flange", "arcs")) for name in ("track", "screw", "nut", "balls")]
     tables += [("nut.flange", {} if flange is None else fields_of(flange, "seat", "bonded", "bolts")), ("nut.held", held)]
     listed = {str(k): v for k, v in errors.balls.listed}
     tables += [("errors", {"seed": errors.seed}), ("errors.balls", fields_of(errors.balls) | {"listed": listed})]

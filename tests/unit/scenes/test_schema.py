@@ -21,7 +21,7 @@ from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_O
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
-EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle"}
+EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance"}
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
