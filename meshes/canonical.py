@@ -58,9 +58,9 @@ def canonical(value: object) -> str:
         return f"class {value.__module__}.{value.__qualname__}"
     if isinstance(value, np.bool | np.integer | np.float64 | np.float32 | np.float16 | np.str_):
         return canonical(value.item())
-    form = getattr(value, "format", "") if type(value).__module__.startswith("scipy.sparse") else ""
-    if form in ("csr", "csc"):
-        return f"{form}_matrix{canonical([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
+    kind = getattr(value, "format", "")
+    if type(value).__module__.startswith("scipy.sparse") and kind in ("csr", "csc"):  # a matrix or an array
+        return f"{kind}_matrix{canonical([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
     raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
 
 

@@ -13,7 +13,7 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.comparison.wings.bench.costs.timing import Job
-from rollbench.comparison.wings.bench.waits import TYPED, long_jobs
+from rollbench.comparison.wings.bench.waits import CATALOGUED, TYPED, long_jobs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def run_bench_command() -> Answer:
     """Measure. A job that could not be measured says so in its note."""
-    jobs = [_told(one.measured()) for one in TYPED]
+    jobs = [_told(one.measured()) for one in (*TYPED, *CATALOGUED)]
     jobs += run_bench(on_terminal)
     for job in (*axis_jobs(5), *(job for added in offered("bench") for job in added())):
         on_terminal(job.job)

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import split
@@ -20,6 +21,7 @@ from typing import Literal
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.like import scene_like
 from rollbench.comparison.system import machine
 from rollbench.comparison.wings.bench.costs.kept import first_kept, save_rows, today
 from rollbench.comparison.wings.bench.costs.timing import Job, as_a_users, launch
@@ -35,6 +37,8 @@ CLOCKS = {
     "wall": "wall clock of the whole process",
     "answer": "wall clock until the first line of the answer",
 }
+#: Sizes of new screws that are solved as typed, and their balls.
+CATALOGUE = {"20x5": 54, "50x5": 134}
 #: File of a store that holds the long ones; seconds after which one of them is given up.
 FILE, LIMIT = "waits.json", 7200.0
 _IN_TIME = '\n[motion]\nturns = "screw"\nspeed = "60 rpm"\n\n[time]\nangle = "90 deg"\nsteps = 200\noutput = "torque"\n'
@@ -55,8 +59,8 @@ class Wait:
     do without, and what that is. counts: two numbers of samples, the job being one of those between; caches: filled by a
     first run, empty, or as they are; clock: seconds of a processor, on the wall, or there up to the answer's first line;
     program: the module that runs; module: of the package, whose import brings all that the command is made of, none where
-    that is not told; runs: least of so many counts. {folder} in words: an empty folder; {balls32}: a scene there; {seed}:
-    another every time, so that no sample's bodies are known.
+    that is not told; runs: least of so many counts; busy: next to a process that keeps one core busy. {folder} in words: an
+    empty folder; {balls32}, {like50x5}: scenes there; {seed}: another every time, so that no sample's bodies are known.
     """
 
     job: str
@@ -70,6 +74,7 @@ class Wait:
     program: str = "rollbench"
     module: str = ""
     runs: int = 1
+    busy: bool = False
 
     def seconds(self, words: list[str], folder: Path) -> float | None:
         """Seconds of a Python process with these words; None where it fails."""
@@ -103,9 +108,13 @@ class Wait:
             for balls in (32, 120):
                 places[f"balls{balls}"] = str(Path(name) / f"balls-{balls}.toml")
                 Path(places[f"balls{balls}"]).write_text(_balls(balls), encoding="utf-8")
+            for size in CATALOGUE:
+                places[f"like{size}"] = str(Path(name) / f"{size}.toml")
+                Path(places[f"like{size}"]).write_text(scene_like(size), encoding="utf-8")
             if self.caches == "warm":
                 replace(self, runs=1).each(self.words, {**places, "folder": f"{name}/first"}, ("-m", self.program))
-            whole = self.each(self.words, places, ("-m", self.program))
+            with busy_process() if self.busy else nullcontext():
+                whole = self.each(self.words, places, ("-m", self.program))
             plain = replace(self, clock="CPU", caches="warm")
             floor = plain.each(self.base, places)
             own = f"{self.base}; import rollbench.comparison.{self.module}"
@@ -130,6 +139,12 @@ TYPED = (
     _typed("solve lin-random --members 10000 --model lin", 3.0, COMPILED, _MEMBERS, 2),
     _typed("solve lin-random --members 20", 1.0, COMPILED, _MEMBERS),
     _typed("solve lin-random --members 1000", 2.0, COMPILED, _MEMBERS, 2),
+)
+CATALOGUED = tuple(
+    Wait(f"solve a new {size}, {balls} balls, --model {model}, next to a busy process", words, aim, busy=True)
+    for size, balls in CATALOGUE.items()
+    for model, aim in (("lin", 1.0), ("refined", 2.0))
+    for words in (f"solve {{like{size}}} --model {model}",)
 )
 _FIRST, _REPORT = "first use", "report --out {folder}/report --store {folder}/runs"
 _CHANGED = _SWEEP.format(vary="nut.outer_diameter=47.9 mm:48.1 mm")
@@ -183,6 +198,16 @@ def cpu_seconds(arguments: list[str], runs: int, extra: dict[str, str], limit: f
             return None
         found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
     return min(found)
+
+
+@contextmanager
+def busy_process() -> Iterator[None]:
+    """A process that keeps one core busy."""
+    with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as process:
+        try:
+            yield
+        finally:
+            process.kill()
 
 
 def _until_answer(arguments: list[str], extra: dict[str, str], folder: Path) -> float | None:

@@ -169,6 +169,14 @@ def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path
         bench_command(["audit"])
 
 
+def test_new_screws_are_solved_next_to_a_busy_process():
+    for size, balls in waits.CATALOGUE.items():
+        assert scene_file.loads(waits.scene_like(size), size).ball_count == balls
+    job = waits.CATALOGUED[0]
+    assert job.busy
+    assert job.measured().seconds > 0.1
+
+
 @pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
 def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
     longer, case = scene_file.loads(waits._balls(count), "balls"), catalogue.scene("lin-case1")
