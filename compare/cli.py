@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import threading
@@ -17,6 +18,7 @@ from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.commands.printing import OutputLost, writing
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.meshes import kept
+from rollbench.meshes.threads import one_thread
 
 #: Longest wait [s] after an interrupt for threads that tidy up.
 TIDYING = 2.0
@@ -72,6 +74,7 @@ def main(tokens: list[str] | None = None) -> None:
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
     if tokens is None:
+        one_thread()
         kept.switch_on()
     try:
         asked = sys.argv[1:] if tokens is None else tokens
@@ -87,7 +90,11 @@ def main(tokens: list[str] | None = None) -> None:
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        _say((f"command line: {text} Advice: see rollbench --help",))
+        from rollbench.comparison.scenes.units import COMMA, has_comma
+
+        given = re.search('convert "(.*)" into (?:int|float)', text)
+        advice = COMMA if given and has_comma(given[1]) else "see rollbench --help"
+        _say((f"command line: {text} Advice: {advice}",))
         sys.exit(2)
     except KeyboardInterrupt as stop:
         _let_threads_end()

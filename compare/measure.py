@@ -26,13 +26,25 @@ def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | Non
     return np.asarray(np.where(difference == 0.0, 0.0, np.where(base > 0.0, percent, np.nan)))
 
 
+#: A contact whose reference load is below this share of the mean load is judged in per cent of the mean load [-].
+SMALL = 0.1
+
+
+def gate_scale(reference: ArrayLike, mean: float) -> Array:
+    """What the gate takes errors of contact loads in per cent of [N]: each contact's own ``reference`` load, or the mean
+    load where that is below ``SMALL`` of it."""
+    own = np.asarray(reference, float)
+    return np.asarray(np.where(own >= SMALL * mean, own, mean))
+
+
 @dataclass(frozen=True)
 class LoadError:
     """Difference of two load distributions in per cent.
 
     max_percent, rms_percent: of the reference's mean load (`meshes.loads.mean_load`), over all contacts loaded in either;
     own_max_percent, own_rms_percent: each contact against its own reference load (as the source does), over the contacts
-    loaded in the reference; ball (from 1) and side: where max_percent is met.
+    loaded in the reference; ball (from 1) and side: where max_percent is met; gate_percent: largest by the gate's rule
+    (`gate_scale`), over all contacts loaded in either.
     """
 
     max_percent: float
@@ -41,6 +53,7 @@ class LoadError:
     own_rms_percent: float
     ball: int
     side: str
+    gate_percent: float
 
 
 def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
@@ -48,8 +61,9 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
     either = (value > 0.0) | (reference > 0.0)
     loaded = reference > 0.0
     if not either.any() or not loaded.any():
-        return LoadError(0.0, 0.0, 0.0, 0.0, 0, "")
-    of_mean = np.where(either, error_percent(value, reference, mean_load(reference, contacts)), 0.0)
+        return LoadError(0.0, 0.0, 0.0, 0.0, 0, "", 0.0)
+    mean = mean_load(reference, contacts)
+    of_mean = np.where(either, error_percent(value, reference, mean), 0.0)
     relative = error_percent(value[loaded], reference[loaded])
     ball, side = np.unravel_index(int(np.abs(of_mean).argmax()), of_mean.shape)
     return LoadError(
@@ -59,4 +73,5 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
         own_rms_percent=float(np.sqrt((relative**2).mean())),
         ball=int(ball) + 1,
         side=SIDES[int(side)],
+        gate_percent=float(np.abs(error_percent(value, reference, gate_scale(reference, mean))[either]).max()),
     )

@@ -25,6 +25,7 @@ class Unit(NamedTuple):
 #: How keys of results end; the longest fits first.
 UNITS = {
     "N_per_um": Unit("N/um", "newton / micrometer", 1e-6),
+    "N_mm": Unit("N/mm", "newton / millimeter", 1e-3),
     "Nmm": Unit("N mm", "newton * millimeter", 1e3),
     "Nm": Unit("N m", "newton * meter"),
     "rad_s": Unit("rad/s", "radian / second"),
@@ -37,6 +38,7 @@ UNITS = {
     "mW": Unit("mW", "milliwatt", 1e3),
     "um": Unit("um", "micrometer", 1e6),
     "mm": Unit("mm", "millimeter", 1e3),
+    "km": Unit("km", "kilometer", 1e-3),
     "N": Unit("N", "newton"),
     "W": Unit("W", "watt"),
 }

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from rollbench.comparison.errors import InputError
-from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missing, version
+from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missing, pip, version
 
 
 def gmsh_fault() -> str:
@@ -23,7 +23,7 @@ def gmsh_fault() -> str:
 
 def gmsh_remedy() -> str:
     """What to do where gmsh cannot be loaded."""
-    return "pip install gmsh" if version("gmsh") is None else install(MESHING)
+    return pip("gmsh") if version("gmsh") is None else install(MESHING)
 
 
 def need_gmsh() -> None:
@@ -38,7 +38,7 @@ def need_packages(*packages: str) -> None:
     """Raise InputError for the first of some Python packages that cannot be used."""
     for package in packages:
         if reason := fault(package):
-            advice = f"pip install {package}; see rollbench doctor for what works without"
+            advice = f"{pip(package)}; see rollbench doctor for what works without"
             raise InputError("this machine", package, reason, "a package that this command needs", advice)
 
 

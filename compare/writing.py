@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.errors import InputError
 from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
-from rollbench.meshes.libraries import fault
+from rollbench.meshes.libraries import fault, pip
 
 if TYPE_CHECKING:
     from rollbench.reports.content import Figure
@@ -75,7 +75,7 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 def no_figure() -> str:
     """Why no figure can be drawn, and what helps; empty where one can."""
     reason = fault("matplotlib")
-    return f"no figure ({reason}: pip install matplotlib)" if reason else ""
+    return f"no figure ({reason}: {pip('matplotlib')})" if reason else ""
 
 
 def write_figure(path: Path, figure: Figure) -> str:

@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("kalker",),
     ("liu", "smith", "makers", "lin", "external"),
     ("rolling", "extremes"),
-    ("benchmark", "random_errors", "bearings", "crosscheck", "friction", "sweep"),
+    ("random_errors", "bearings", "crosscheck", "friction", "sweep"),
     ("doctor", "evidence", "bench", "export", "mesh_study"),
     ("members",),
     ("comparison",),

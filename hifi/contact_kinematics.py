@@ -70,11 +70,11 @@ def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
     return np.concatenate(rows, axis=1)
 
 
-def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_matrix:
+def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_array:
     """N: gap closed by unit motions of each ball (3), by the normals ``(balls, n, 3)`` of every set, and by the unheld
     rigid motions, which move the grooves' nodes along their normals by ``unheld`` ``(pairs, k)``."""
-    balls = sp.block_diag([normals for of_set in directions for normals in of_set])
-    return sp.hstack([balls, sp.csr_matrix(-unheld)]).tocsr()
+    balls = sp.block_diag([sp.csr_array(normals) for of_set in directions for normals in of_set])
+    return sp.hstack([balls, sp.csr_array(-unheld)]).tocsr()
 
 
 def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -> Array:

@@ -135,7 +135,7 @@ def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) 
     return _answer(setup, mesh, forces, nut_transform(mesh, setup.dims), screw=False)
 
 
-def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_matrix, *, screw: bool) -> Array:
+def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool) -> Array:
     """K q = Q^T V^T f on what the transform T leaves free."""
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
@@ -288,7 +288,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
         start = pairs.stop
-    result, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_matrix(N), f)
+    result, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_array(N), f)
     if not result.converged:
         raise ValueError(f"ball {ball + 1}: {result.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])

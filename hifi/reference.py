@@ -14,7 +14,6 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.contact.balls import ContactResult, State, solve_balls
 from rollbench.hifi.contact_kinematics import (
@@ -104,9 +103,8 @@ def solve_reference(
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
-    with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
-        case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
-        return case.end(updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
+    case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
+    return case.end(updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
 class Round(NamedTuple):

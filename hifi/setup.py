@@ -132,7 +132,7 @@ def prepare(
     meshes = gather(*stages.run([Job("meshes", *recipe) for recipe in recipes], processes))
     jobs = _patch_jobs(scene, m, dims, meshes, sides, settings)
     records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
-    condensed = dict(zip(jobs, records, strict=False))
+    condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
     patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
     section, *meshed = records[len(jobs) :]
     homogenised = homogenise(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None

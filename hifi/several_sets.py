@@ -13,7 +13,6 @@ from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.elements.rigid import transport
@@ -109,15 +108,14 @@ def solve_sets(
 ) -> ReferenceResult:
     """Loads of an assembly; setups: of the bodies of each set (`bodies_of`), in order; frozen, step: as
     `rollbench.hifi.reference.solve_reference`. Raises ValueError as `bodies_of`."""
-    with threadpool_limits(1):
-        begin, frame = perf_counter(), Frame.of(assembly)
-        each = zip(assembly.sets, bodies_of(assembly), setups, strict=True)
-        placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
-        mounted = _mounted(assembly, placed, frame)
-        placed, unmet = _preloaded(assembly, placed, frame)
-        found = Case(placed, frame, mounted).end(ROUNDS, reporting(assembly.name, begin, step), frozen=frozen)
-        status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
-        return replace(found, status=status, seconds=perf_counter() - begin)
+    begin, frame = perf_counter(), Frame.of(assembly)
+    each = zip(assembly.sets, bodies_of(assembly), setups, strict=True)
+    placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
+    mounted = _mounted(assembly, placed, frame)
+    placed, unmet = _preloaded(assembly, placed, frame)
+    found = Case(placed, frame, mounted).end(ROUNDS, reporting(assembly.name, begin, step), frozen=frozen)
+    status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
+    return replace(found, status=status, seconds=perf_counter() - begin)
 
 
 def _mounted(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> Mounted:

@@ -149,11 +149,11 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
 
 @cache
 def _numba_works() -> bool:
-    from rollbench.meshes.libraries import ONLY_FOR, fault
+    from rollbench.meshes.libraries import ONLY_FOR, fault, pip
 
     missing = fault("numba")
     if missing:
-        sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; pip install numba\n")
+        sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; {pip('numba')}\n")
     return not missing
 
 

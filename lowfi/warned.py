@@ -16,7 +16,9 @@ Kind = Literal[
     "rotation",
     "preload",
     "safety",
+    "conformity",
     "play",
+    "coefficient",
     "feedback",
     "slip",
     "jam",
@@ -52,5 +54,5 @@ class Warned(str):
 def above(warnings: Iterable[Warned]) -> str:
     """The line above the answers, empty where none of the warnings belongs there."""
     shown = [w for w in warnings if w.brief]
-    outside = " outside what the models mean" * any(w.kind != "play" for w in shown)
+    outside = " outside what the models mean" * any(w.kind not in ("play", "coefficient") for w in shown)
     return f"WARNING{outside}: {'; '.join(w.brief for w in shown)}" if shown else ""

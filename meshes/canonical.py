@@ -58,8 +58,9 @@ def canonical(value: object) -> str:
         return f"class {value.__module__}.{value.__qualname__}"
     if isinstance(value, np.bool | np.integer | np.float64 | np.float32 | np.float16 | np.str_):
         return canonical(value.item())
-    if type(value).__module__.startswith("scipy.sparse") and getattr(value, "format", "") in ("csr", "csc"):
-        return f"{type(value).__name__}{canonical([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
+    form = getattr(value, "format", "") if type(value).__module__.startswith("scipy.sparse") else ""
+    if form in ("csr", "csc"):
+        return f"{form}_matrix{canonical([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
     raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
 
 

@@ -22,35 +22,45 @@ MESHING = {
 }
 #: Shared libraries that VTK draws with where there is no screen; everything but 3D pictures runs without.
 PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1": "libxrender1"}
+#: Extra of this package that installs a Python package; all commands need the others.
+EXTRA = {
+    "numba": "fast",
+    **dict.fromkeys(("gmsh", "scikit-fem", "meshio", "h5py", "pymetis"), "reference"),
+    **dict.fromkeys(("matplotlib", "pillow", "jinja2", "pyvista", "trimesh"), "report"),
+    **dict.fromkeys(("dask", "distributed"), "cluster"),
+}
 _NO_RUN = "no run of the 3D reference is computed; stored ones are read"
-#: Python packages that not all commands need, and what goes without; the others are needed by all.
+#: What goes without a package of an extra.
 ONLY_FOR = {
     "gmsh": f"no 3D meshes: no export and no condense, {_NO_RUN}",
     "meshio": "no export of meshes",
+    "h5py": "no export as MED",
     "scikit-fem": f"no export of meshes, no whole report, no 3D model of rolling, {_NO_RUN}",
     "pymetis": _NO_RUN,
     "pyvista": "the report has no 3D pictures",
+    "trimesh": "the report has no view that can be turned",
+    "pillow": "no report",
+    "jinja2": "no report",
+    "dask": "no sweep or reference on a cluster",
+    "distributed": "no sweep or reference on a cluster",
     "matplotlib": "no report; compare, mesh-study, sweep and solve --curve write tables without figures",
     "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }
-#: Those that a run of the 3D reference needs, and those that pages are made with.
+#: Those that a run of the 3D reference needs, and those that a page does.
 REFERENCE = ("gmsh", "scikit-fem", "pymetis")
-PAGES = ("matplotlib", "pillow", "jinja2", "pyvista")
-#: Those of `ONLY_FOR` and `PAGES` that commands take: check beside stored runs none, report and all every one.
-NEEDED_BY: dict[str, tuple[str, ...]] = {
-    "check": (),
-    "solve": ("numba",),
-    "compare": ("numba", "matplotlib", "meshio", *REFERENCE),
-    "report": (),
-    "all": (),
-}
+PAGES = ("matplotlib", "pillow", "jinja2")
 #: Modules of packages that have another name.
 _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
-#: Python packages that one file of the report needs each: the file, and what installs the package.
-EXTRAS = {
-    "typst": ("the PDF of the first pages", "pip install typst"),
-    "trimesh": ("the view that can be turned", "pip install trimesh"),
-}
+
+
+def pip(package: str) -> str:
+    """The line that installs a package, by the extra that it belongs to.
+
+    >>> pip("gmsh")
+    "pip install 'rollbench[reference]'"
+    """
+    extra = EXTRA.get(package)
+    return f"pip install 'rollbench[{extra}]'" if extra else f"pip install {package}"
 
 
 @cache

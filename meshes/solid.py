@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rollbench.meshes.helix import groove_radii
+import numpy as np
+
+from rollbench.meshes.helix import groove_radii, nominal_groove_centres
 from rollbench.meshes.parts import Scene, UnfitKey
 
 #: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
@@ -50,13 +52,21 @@ class Dimensions:
         return low, high
 
 
-def _check_lands(scene: Scene, land: float, reach: float) -> None:
+def groove_depths(scene: Scene) -> tuple[float, float]:
+    """Depths [m] of the bottoms of screw's and nut's nominal groove below the pitch cylinder: where its two arcs meet, or
+    the bottom of one arc. In a wide groove that is far less than the groove's radius."""
+    radial, across = np.abs(nominal_groove_centres(scene)).T
+    screw, nut = (np.sqrt(groove_radii(scene) ** 2 - across**2) - radial)[[0, 3]]
+    return float(screw), float(nut)
+
+
+def _check_lands(scene: Scene, land: float, depth: float) -> None:
     """Raise ValueError, naming what the scene says, where lands of radius ``land`` [m] leave the nut no groove or no wall.
 
-    reach: of the grooves beyond the pitch cylinder [m].
+    depth: of the nut's groove below the pitch cylinder [m].
     """
     pitch, outer = 2e3 * scene.track.pitch_radius, 1e3 * scene.screw.outer_diameter
-    most = pitch + 2e3 * reach
+    most = pitch + 2e3 * depth
     diameter = 2e3 * land
     if diameter >= 1e3 * scene.nut.outer_diameter and pitch < diameter < most:
         wall = f"the nut's lands of {diameter:.4g} mm diameter leave no wall"
@@ -71,7 +81,7 @@ def _check_lands(scene: Scene, land: float, reach: float) -> None:
     raise UnfitKey(
         "screw.outer_diameter",
         f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove: the nut's lands "
-        f"mirror the screw's, which must lie between {pitch - 2e3 * reach:.4g} mm and the pitch diameter; mend one of the "
+        f"mirror the screw's, which must lie between {pitch - 2e3 * depth:.4g} mm and the pitch diameter; mend one of the "
         "two, or give the nut's lands by solid.nut_inner_diameter",
     )
 
@@ -142,13 +152,13 @@ def dimensions(scene: Scene) -> Dimensions:
         )
     else:
         assumed.append("The groove runs through the whole nut and the whole 3D stretch of the screw; flat nut faces.")
-    reach = float(groove_radii(scene).max())
-    _check_lands(scene, land, reach)
-    if not 0.0 < hole < R - reach:
+    of_screw, of_nut = groove_depths(scene)
+    _check_lands(scene, land, of_nut)
+    if not 0.0 < hole < R - of_screw:
         raise UnfitKey(
             "solid.hole_diameter",
             f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove, which needs it "
-            f"below {2e3 * (R - reach):.4g} mm: set solid.hole_diameter",
+            f"below {2e3 * (R - of_screw):.4g} mm: set solid.hole_diameter",
         )
     return Dimensions(
         land,

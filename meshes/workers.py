@@ -7,16 +7,20 @@ import threading
 import time
 from typing import Any
 
+from rollbench.meshes.threads import VARIABLES
+
 #: Seconds between two looks at whether the process that started a worker still lives.
 LOOK = 0.5
 
 
-def local(threads: int | None = None) -> Any:
-    """joblib's context in which ``Parallel`` starts workers of this machine, each with so many threads of linear algebra
-    (None: as many as joblib gives). A worker ends within a second of the process that started it, however that ended: one
-    that was killed leaves none. On Windows, which does not tell, they end when they have been idle for five minutes."""
+def local() -> Any:
+    """joblib's context in which ``Parallel`` starts workers of this machine, each with linear algebra on one thread, or on
+    as many as the variables say that are set here (`rollbench.meshes.threads`). A worker ends within a second of the
+    process that started it, however that ended: one that was killed leaves none. On Windows, which does not tell, they end
+    when they have been idle for five minutes."""
     from joblib import parallel_config
 
+    threads = None if any(name in os.environ for name in VARIABLES) else 1
     return parallel_config(
         backend="loky", inner_max_num_threads=threads, initializer=end_with_parent, initargs=(os.getpid(),)
     )

@@ -32,6 +32,9 @@ COLOURS = "viridis"
 STYLES, SCALES = ("line", "markers", "line+markers", "band"), ("", "x", "y", "xy")
 
 MAX_PANELS = 6
+#: Colours of a drawing that a page may set, by the name of its variable.
+THEME = {"#222222": "ink", "#8a8f98": "frame", "#dfe2e6": "grid", "#ffffff": "paper", "white": "paper"}
+THEME |= {colour.lower(): f"c{number}" for number, colour in enumerate(PALETTE)}
 #: Fonts of the reader's machine; the layout is made with DejaVu Sans, which is wider than any of them.
 FONTS = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif"
 
@@ -166,8 +169,8 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         figure: the record; equal labels get equal colours and markers in all its panels.
 
     Returns:
-        An SVG document, and what drew it. Its identifiers begin with the figure's name, so that several may stand in
-        one page; neither date nor version enters it.
+        An SVG document, and the canvas that drew it. Its identifiers begin with the figure's name, so that several may be
+        in one page; neither date nor version enters it.
 
     Raises:
         ValueError: no panel or more than six; an unknown style or scale.

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rollbench.meshes.leftovers import temporary
 from rollbench.reports.content import Report, Table, Text
-from rollbench.reports.first_pages import FILE as PDF
 from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.pages import MARKER, SEARCH, Progress, write_pages
 
@@ -69,10 +68,11 @@ def check_target(out: Path) -> None:
 
 
 def _is_page(entry: Path) -> bool:
-    """Whether a file is a page of a report, the index of its search, its manifest, or the PDF of its first pages."""
+    """Whether a file is a page of a report, the index of its search, its manifest, or the PDF of releases
+    up to 0.14."""
     if not entry.is_file():
         return False
-    return entry.name in (SEARCH, PDF, MANIFEST) or (
+    return entry.name in (SEARCH, MANIFEST, "first-pages.pdf") or (
         entry.suffix == ".html" and MARKER in entry.read_text(encoding="utf-8", errors="replace")
     )
 

@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from rollbench.reports import field3d, figures, first_pages, scene3d, sketch, view3d
+from rollbench.reports import field3d, figures, scene3d, sketch, view3d
 from rollbench.reports.cells import cell_view, filled, is_number, micro, typeset, write_csv
 from rollbench.reports.content import (
     FieldPicture,
@@ -29,7 +29,6 @@ from rollbench.reports.content import (
     Text,
 )
 from rollbench.reports.manifest import write_manifest
-from rollbench.reports.panels import draw_parts, themed
 
 #: What marks pages as written by a report, and their folder as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'
@@ -90,7 +89,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         heading = f"{page['title']} – {report.title}"
         _write(folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading))
     summary = next((section.summary for section in report.sections if section.summary), None)
-    first = None if summary is None else _summary(report, summary, writer)
+    first = None if summary is None else _summary(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
     _write(folder / "index.html", text)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
@@ -153,21 +152,13 @@ def _words(record: Any) -> str:
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """The first screen, its figure drawn for wide and for narrow screens; writes the PDF of it where typst is installed."""
-    wide, narrow = draw_parts(summary.figure), draw_parts(summary.narrow)
-    _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide.whole)
+def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
+    """The first screen, its figure drawn for wide and for narrow screens."""
+    wide, narrow = figures.draw(summary.figure), figures.draw(summary.narrow)
+    _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
     items = [_item(item, "index.html", True, writer) for item in summary.items]
-    view: dict[str, Any] = {"record": summary, "items": items}
-    for name, drawn in (("wide", wide), ("narrow", narrow)):
-        view |= {name: [Markup(panel) for panel in drawn.panels], f"{name}_legend": Markup(drawn.legend)}
-    try:
-        first_pages.write_first_pages(report, summary, wide.whole, writer.folder)
-    except (ImportError, RuntimeError) as error:
-        writer.say(f"report: {first_pages.FILE} left out ({error}); {first_pages.REMEDY}")
-        return view | {"pdf": None}
-    return view | {"pdf": first_pages.FILE}
+    return {"record": summary, "items": items, "wide": inline(wide), "narrow": inline(narrow)}
 
 
 def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]:
@@ -177,18 +168,16 @@ def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]
     if isinstance(item, Table):
         return table_view(item, whole, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
-    view |= {"file": None, "panels": (), "legend": "", "across": 1, "image": None, "missing": None, "turned": None}
+    view |= {"file": None, "drawing": None, "across": 1, "image": None, "missing": None, "turned": None}
     name = f"figures/{item.name}"
-    if isinstance(item, Figure):
-        drawn = draw_parts(item)
-        _write(writer.folder / f"{name}.svg", drawn.whole)
-        across = max(1, min(item.columns, len(item.panels), 3))
-        panels = [Markup(panel) for panel in drawn.panels]
-        return {**view, "file": f"{name}.svg", "panels": panels, "legend": Markup(drawn.legend), "across": across}
-    if isinstance(item, PressureMap | Sketch):
-        svg = figures.draw_map(item) if isinstance(item, PressureMap) else sketch.draw(item)
+    if isinstance(item, Figure | PressureMap | Sketch):
+        if isinstance(item, Figure):
+            svg = figures.draw(item)
+            view["across"] = max(1, min(item.columns, len(item.panels), 3))
+        else:
+            svg = figures.draw_map(item) if isinstance(item, PressureMap) else sketch.draw(item)
         _write(writer.folder / f"{name}.svg", svg)
-        return {**view, "file": f"{name}.svg", "panels": [Markup(themed(inline(svg)))]}
+        return {**view, "file": f"{name}.svg", "drawing": inline(svg)}
     return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
@@ -219,9 +208,13 @@ def _turned(item: LoadedScrew, back: str, writer: _Writer) -> str | None:
     return name
 
 
-def inline(svg: str) -> str:
-    """An SVG document as an element of a page: without prologue, metadata and title of its own."""
-    return re.sub(r"\s*<(metadata|title)>.*?</\1>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+def inline(svg: str) -> Markup:
+    """An SVG document as an element of a page: without prologue, metadata and title; ink, paper and curves take the page's
+    colours, which change where it is dark."""
+    element = re.sub(r"\s*<(metadata|title)>.*?</\1>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    colour = re.compile(r"#[0-9a-fA-F]{6}\b|(?<=fill: )white\b")
+    theme = figures.THEME
+    return Markup(colour.sub(lambda c: f"var(--{theme[c[0].lower()]}, {c[0]})" if c[0].lower() in theme else c[0], element))
 
 
 def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:

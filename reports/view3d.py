@@ -17,13 +17,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.libraries import EXTRAS
+from rollbench.meshes.libraries import pip
 from rollbench.reports import scene3d
 from rollbench.reports.content import LoadedScrew
 from rollbench.reports.offscreen import draw_in_child
 
 #: What installs the viewer.
-REMEDY = EXTRAS["trimesh"][1]
+REMEDY = pip("trimesh")
 #: Edge of the triangles, as a multiple of that of a picture.
 COARSE = 5.0
 #: Shares of a colour that are seen in the viewer's light and without it.

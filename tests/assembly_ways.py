@@ -61,7 +61,7 @@ def meshes(share: float = 1.0) -> dict[str, Mesh]:
     return {name: moved(mesh, bent(points_of(mesh))) for name, mesh in named.items()}
 
 
-def six_forms(mesh: Mesh) -> sp.csc_matrix:
+def six_forms(mesh: Mesh) -> sp.csc_array:
     """int N_a,i N_b,j by a scalar form for each i <= j, the others by transposition; Hooke's law makes the blocks."""
     V, forms = cells(mesh, mapping=mesh.mapping()), {}
     for i, j in combinations_with_replacement(range(3), 2):
@@ -73,21 +73,21 @@ def six_forms(mesh: Mesh) -> sp.csc_matrix:
     shear = YOUNG / (2.0 * (1.0 + POISSON))
     lame = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
     blocks = lame * G + shear * G.swapaxes(1, 2) + shear * np.trace(G, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-    return sp.bsr_matrix((blocks, pattern.indices, pattern.indptr), shape=(3 * V.N, 3 * V.N)).tocsc()
+    return sp.bsr_array((blocks, pattern.indices, pattern.indptr), shape=(3 * V.N, 3 * V.N)).tocsc()
 
 
-def vector_form(mesh: Mesh) -> sp.csc_matrix:
+def vector_form(mesh: Mesh) -> sp.csc_array:
     """The weak form as it stands, on the vector space."""
     V = Basis(mesh, ElementVector(mesh.elem()), mesh.mapping(), quadrature=rule(mesh))
     return elasticity(YOUNG, POISSON).assemble(V).tocsc()
 
 
-def with_own_map(mesh: Mesh) -> sp.csc_matrix:
+def with_own_map(mesh: Mesh) -> sp.csc_array:
     """This project's assembly, with scikit-fem's isoparametric map in place of `CurvedMap`."""
     return assemble(elasticity(YOUNG, POISSON), mesh, mesh.mapping())
 
 
-WAYS: dict[str, Callable[[Mesh], sp.csc_matrix]] = {
+WAYS: dict[str, Callable[[Mesh], sp.csc_array]] = {
     OURS: lambda mesh: assemble(elasticity(YOUNG, POISSON), mesh, CurvedMap(mesh)),
     OWN_MAP: with_own_map,
     SIX: six_forms,

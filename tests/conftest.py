@@ -1,10 +1,11 @@
-"""One thread for the linear algebra of every worker: the workers share the cores, and many small factors only wait for the
-threads of one another. What compiles kernels and what takes long is begun first."""
+"""Linear algebra on one thread in every worker, as on the command line. What compiles kernels and what takes long is begun
+first."""
 
 import gc
 import json
 import os
 import re
+import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -12,8 +13,22 @@ from typing import Any, NamedTuple
 
 import pytest
 
-for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+TESTS = Path(__file__).parent
+
+
+def begin() -> None:
+    """Make the links that a source archive does not hold; linear algebra on one thread."""
+    project = tomllib.loads((TESTS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    for folder, package in project["tool"]["hatch"]["build"]["targets"]["wheel"]["sources"].items():
+        link = TESTS.parent / project["tool"]["hatch"]["build"]["dev-mode-dirs"][0] / package
+        if not link.exists():
+            link.symlink_to(os.path.relpath(TESTS.parent / folder, link.parent))
+    from rollbench.meshes.threads import one_thread
+
+    one_thread()
+
+
+begin()
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test starts compiles all modules again
 
 #: Packages that the core does without: a module of tests that imports one of them, or a helper that does, is the wing's.
@@ -23,7 +38,6 @@ WING = re.compile(
     re.MULTILINE,
 )
 HELPER = re.compile(r"^from (tests\.[\w.]+) import ", re.MULTILINE)
-TESTS = Path(__file__).parent
 
 
 @cache

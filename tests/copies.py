@@ -9,6 +9,8 @@ import pytest
 from tests import processes
 
 ROOT = Path(__file__).parents[1]
+#: Of tests that read the last report, which a source archive leaves out.
+of_report = pytest.mark.skipif(not (ROOT / "reports/validation").is_dir(), reason="no report in a source archive")
 FOLDERS = (".import", "compare", "hifi", "lowfi", "meshes", "reports")
 
 

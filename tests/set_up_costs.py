@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison import __version__
 from rollbench.comparison.reference.store import shipped_store
@@ -41,6 +40,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
+from rollbench.meshes.threads import one_thread
 
 #: What a stage spends its time on: names of functions and the modules that call them; the dense algebra is a part of the
 #: elimination.
@@ -186,7 +186,7 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
 
 
 if __name__ == "__main__":
-    with threadpool_limits(1):
-        found = {"version": __version__, "machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
-        found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
+    one_thread()
+    found = {"version": __version__, "machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
+    found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
     (shipped_store() / SET_UP_COSTS).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -1,4 +1,8 @@
-"""The functions of the library: each does what the command of its name does, and returns its result."""
+"""The functions of the library: each does what the command of its name does, and returns its result.
+
+Linear algebra has one thread while a function runs, and as many as before when it returns. ``OMP_NUM_THREADS``, or the
+variable of one library such as ``OPENBLAS_NUM_THREADS``, is the switch: where it is set, it holds.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +21,7 @@ from rollbench.comparison.scenes.scene_file import each_case, solvable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.threads import held_to_one_thread
 
 if TYPE_CHECKING:
     from rollbench.comparison.commands.comparing.compare_output import Comparison
@@ -33,6 +38,7 @@ def read(name: str | Path) -> Described:
     return catalogue.any_scene(str(name))
 
 
+@held_to_one_thread()
 def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) -> Solution:
     """Contact loads and all that they answer, by a low-order model.
 
@@ -63,6 +69,7 @@ def loads_and_angles(result: StaticResult) -> tuple[Array, Array]:
     return result.load, np.where(result.load > 0.0, np.degrees(result.contact_angle), np.nan)
 
 
+@held_to_one_thread()
 def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
     """Ball motion, losses, friction torque, efficiency, of a scene of any kind.
 
@@ -74,6 +81,7 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     return Friction(data, shown, tuple(data.get("warnings", ())))
 
 
+@held_to_one_thread()
 def compare(
     scene: Described | str | Path,
     models: Sequence[str] = (),
@@ -149,6 +157,7 @@ def _compared_json(each: Comparison, reference: Reference) -> dict[str, Any]:
     }
 
 
+@held_to_one_thread()
 def check(
     scene: Described | str | Path,
     *,
@@ -194,6 +203,7 @@ def check(
     return Judged(verdicts_json([described], verdicts) | {"warnings": warnings}, "verdicts", lines)
 
 
+@held_to_one_thread()
 def mesh_study(
     scene: Described | str | Path,
     *,
@@ -212,6 +222,7 @@ def mesh_study(
     return Result(*study(solvable(described, described.name), levels, spread=spread, store=Path(store)))
 
 
+@held_to_one_thread()
 def sweep(
     scene: str | Path,
     vary: Sequence[str],
@@ -234,6 +245,7 @@ def sweep(
     return Result(data, "outputs", (f"{data['converged']} of {data['solved']} samples converged: {Path(out)}",))
 
 
+@held_to_one_thread()
 def report(
     scene: str | Path | None = None,
     *,

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 #: Width below which lines are not wrapped, and that of a column whose words may be broken.
 LEAST, FOLDED = 40, 8
 #: A command at the end of a line, to be copied.
-COMMAND = re.compile(r"(?<= )(rollbench solve .*--condensed \S+|(apt-get|pip) install [\w .+-]+)$")
+COMMAND = re.compile(
+    r"(?<= )(rollbench (solve .*--condensed|check SCENE --loads) (\S*'.*'|\S+)|(apt-get|pip) install [\w .+-]+)$"
+)
 
 
 def wrapped(text: str, width: int) -> str:

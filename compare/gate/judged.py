@@ -23,6 +23,7 @@ from rollbench.comparison.quantities import split_unit, unit_of
 from rollbench.comparison.reference.convergence import observe
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.registration import offered
+from rollbench.comparison.scenes.units import COMMA, has_comma
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -83,7 +84,7 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
         except ValueError:
             value = float("nan")
         if name not in QUANTITIES or name in out or not 0.0 < value < float("inf"):
-            raise InputError("command line", "--limit", f'"{text}"', allowed, advice)
+            raise InputError("command line", "--limit", f'"{text}"', allowed, COMMA if has_comma(number) else advice)
         out[name] = value
     return out
 

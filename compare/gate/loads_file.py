@@ -4,15 +4,20 @@ written."""
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+import re
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes.units import COMMON, UnitError, parse, tidy
+from rollbench.comparison.reading import ENCODING, NoText, like_path, text_of
+from rollbench.comparison.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
 from rollbench.comparison.writing import write_csv
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
@@ -36,7 +41,9 @@ NAMES = {
     "z": ("z", "length"),
 }
 #: Units as they are spelt in headings without capitals; ``mn`` may mean two.
-FOLDED = {unit.lower(): unit for unit in COMMON if unit != "MN"}
+FOLDED = {unit.lower(): unit for unit in COMMON if unit != "MN"} | {"newton": "N", "newtons": "N"}
+#: First line by which Excel says its separator.
+SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
 #: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
 PLACE = {"azimuth", "z"}
 #: What a file may say of contacts besides, by the names of `NAMES`.
@@ -77,10 +84,10 @@ def _with_unit(name: str, text: str, dimension: str) -> Column:
     unit = tidy(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
-    try:
-        return Column(name, parse(f"1 {FOLDED.get(unit.lower(), unit)}", dimension))
-    except UnitError:
-        return Column("")
+    for spelt in (FOLDED.get(unit.lower(), unit), unit.lower()):
+        with suppress(UnitError):
+            return Column(name, parse(f"1 {spelt}", dimension))
+    return Column("")
 
 
 @dataclass(frozen=True)
@@ -115,7 +122,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
     """Write rows of `loads_csv`, of several sets with a column ``set`` first; a line that says so."""
     write_csv(path, rows)
-    return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {path}"
+    return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
 
 
 @dataclass(frozen=True)
@@ -130,25 +137,61 @@ class Rows:
     notes: Mapping[str, str]
 
     @classmethod
-    def read(cls, path: Path, columns: Sequence[str], example: str) -> Rows:
-        """A file with some columns, in any order, among others, separated by commas, semicolons or tabs (a decimal comma is
-        read where they are not commas). Raises InputError, with an example."""
+    def read(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> Rows:
+        """A file with some columns, in any order, among others, separated by commas, semicolons or tabs, or by what a first
+        line ``sep=;`` says (a decimal comma is read where they are not commas). optional: columns that are read where there
+        are any. Raises InputError, with an example, also for a row whose cells do not fit the headings."""
         lines = read_table(path).splitlines()
-        above = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
+        says = SEPARATOR.fullmatch(lines[0]) if lines else None
+        begin = 0 if says is None else 1
+        above = next((k for k, line in enumerate(lines) if k >= begin and not line.startswith("#")), len(lines))
         first, title = f"line {above + 1}", lines[above] if above < len(lines) else ""
         if not title.strip():
             raise InputError(str(path), first, "nothing", ", ".join(columns), example)
-        separator = next((c for c in ";\t" if c in title), ",")
-        rows = csv.reader(lines[above:], delimiter=separator)
-        titles = tuple(head.strip() for head in next(rows))
-        heads = tuple(head.lower() for head in titles)
+        separator = next((c for c in ";\t" if c in title), ",") if says is None else says[1]
+        rows = _cells(path, lines[above:], above, separator)
+        titles = tuple(next(rows)[1])
+        heads = [head.lower() for head in titles]
         for name in columns:
             if name.lower() not in heads:
                 raise InputError(str(path), first, title, f"a column {name}", example)
-        cells = ((number, [cell.strip() for cell in row]) for number, row in enumerate(rows, above + 2))
-        kept = tuple((number, dict(zip(heads, row, strict=False))) for number, row in cells if any(row))
-        notes = dict(_note(line) for line in lines[:above])
-        return cls(titles, above + 1, separator != ",", kept, notes)
+        for name in (*columns, *optional):
+            if heads.count(name.lower()) > 1:
+                raise InputError(str(path), first, title, f"one column {name}", "delete the others")
+        kept = []
+        for number, row in rows:
+            if any(row):
+                _check_cells(path, number, titles, row, separator)
+                cells = dict(zip_longest(heads, row[: len(heads)], fillvalue=""))
+                short = next((name for name in columns if heads.index(name.lower()) >= len(row)), None)
+                if short is not None:
+                    value, allowed = f"nothing after {separator.join(row)}", "a cell for every heading that is read"
+                    raise InputError(str(path), f"line {number}: {short}", value, allowed, "was the file cut off?")
+                kept.append((number, cells))
+        notes = dict(_note(line) for line in lines[begin:above])
+        return cls(titles, above + 1, separator != ",", tuple(kept), notes)
+
+
+def _cells(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Cells of every row, with the number of its line. Raises InputError for quotes that do not fit."""
+    reader = csv.reader(lines, delimiter=separator, strict=True)
+    try:
+        for row in reader:
+            yield above + reader.line_num, [cell.strip() for cell in row]
+    except csv.Error as error:
+        advice = "close every quote, or leave quotes out"
+        raise InputError(str(path), f"line {above + reader.line_num}", str(error), "cells of a CSV file", advice) from None
+
+
+def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
+    """Raises InputError for a row with a filled cell that has no heading; the first may be one, where row numbers stand."""
+    if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
+        return
+    value = f"{sum(map(bool, row))} cells: {separator.join(row)}"
+    advice = "give every column a heading, or put a cell that holds a separator into quotes"
+    if separator == ",":
+        advice = "is it a decimal comma? write a point, or separate cells by semicolons; else give every column a heading"
+    raise InputError(str(path), f"line {number}", value, f"{sum(map(bool, titles))}, one for each heading", advice)
 
 
 def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:
@@ -169,6 +212,8 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in columns.items()}
         cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
         if any(cells.word(name) not in words for name, words in only.items()):
+            if empty := [name for name in only if name in named and not cells.word(name)]:
+                raise cells.fault(empty[0], "", "the word that the row is of", "fill the cell, or delete the row")
             continue
         cases.add(cells.word("case"))
         if len(cases) > 1:
@@ -249,7 +294,7 @@ class _Row:
         """An azimuth [rad] or a station [m]."""
         value, factor, text = self._number(name)
         if not np.isfinite(value):
-            raise self.fault(self._cells[name][0], text, "a number", "or leave the column out")
+            raise self.fault(self._cells[name][0], text, "a number", comma_or("or leave the column out", text))
         return value * factor
 
     def amount(self, name: str) -> float:
@@ -260,7 +305,7 @@ class _Row:
             return float("nan")
         if not 0.0 <= value < float("inf"):
             advice = "write the size without unit, which the heading says, and 0 where contact is lost"
-            raise self.fault(self._cells[name][0], text, "a number from 0", advice)
+            raise self.fault(self._cells[name][0], text, "a number from 0", comma_or(advice, text))
         return value * factor
 
     def _number(self, name: str) -> tuple[float, float, str]:
@@ -299,20 +344,32 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
         return float("nan")
 
 
+def comma_or(advice: str, text: str) -> str:
+    """What to do about a cell that is no number: with a decimal comma its name, else some advice.
+
+    >>> comma_or("write a number", "489,5"), comma_or("write a number", "x")
+    ('is it a decimal comma? write a point, and nothing between thousands', 'write a number')
+    """
+    return COMMA if has_comma(text) else advice
+
+
 def read_table(path: Path) -> str:
     """The text of a file. Raises InputError where it cannot be read, is no text, or is too large."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():
-            raise InputError(str(path), "file", "no regular file" if path.exists() else "no such file", allowed, advice)
+            value, near = ("no regular file", "") if path.exists() else ("no such file", like_path(path))
+            raise InputError(str(path), "file", value, allowed, near or advice)
         if path.stat().st_size > MAX_BYTES:
             most = f"up to {MAX_BYTES // 1_000_000} MB"
             raise InputError(str(path), "file", "a larger one", most, "is this a table of loads?")
-        return path.read_text(encoding="utf-8-sig")
+        return text_of(path.read_bytes())
     except OSError as error:
         raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
+    except NoText as error:
+        raise InputError(str(path), "file", error.value, f"a CSV file, {ENCODING}", error.advice) from None
     except ValueError as error:
-        raise InputError(str(path), "file", str(error), allowed, "save the table as CSV in UTF-8") from None
+        raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
 def _whole(path: Path, load: Array) -> GivenLoads:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.judged import OF_CONTACTS
-from rollbench.comparison.gate.loads_file import EVERY, GivenLoads, Only, read_loads
+from rollbench.comparison.gate.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.comparison import gate_points
 from rollbench.comparison.reference.estimate import Reference
@@ -89,7 +89,8 @@ def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str
         size = float("nan")
     if not 0.0 <= size < float("inf"):
         allowed = "0.5 % (of the mean load), or a force such as 2 N"
-        raise InputError(str(path), f"note {UNCERTAINTY}", note or "nothing", allowed, "or write a column uncertainty_N")
+        advice = comma_or("or write a column uncertainty_N", note)
+        raise InputError(str(path), f"note {UNCERTAINTY}", note or "nothing", allowed, advice)
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
-from rollbench.comparison.gate.judged import LIFE, limit_of, parse_limits
+from rollbench.comparison.gate.judged import ANGLE, LIFE, limit_of, parse_limits
 from rollbench.comparison.gate.loads_file import GivenLoads, Only, read_loads
 from rollbench.comparison.gate.reference_file import exceeding, read_reference
 from rollbench.comparison.gate.values_file import GivenValue, read_values
@@ -27,6 +27,8 @@ from rollbench.meshes.parts import SIDES, Scene
 
 #: Mesh levels that are computed where none is asked for: the fewest that give an uncertainty.
 ENOUGH = 2
+#: Limit [%] below which a share may be meant: no reference is known that well.
+SHARE = 0.2
 #: What is said of a scene without reference.
 NONE_STORED = "no stored run of its 3D reference, and none is to be computed"
 #: Columns that are known, in words.
@@ -127,6 +129,9 @@ def check_scenes(
     files that do not fit the scene, Refusal where the model cannot take it.
     """
     warned: dict[str, None] = {}
+    for scene in scenes:
+        for words in as_shares(limits_of(scene, request.max_error, request.limits)):
+            warned.setdefault(words)
     read = [_files(scene, request, warned.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, request, cases)]
     for words in warned:
         warn(words)
@@ -320,6 +325,13 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
         return Limits(LIMIT if max_error is None else max_error, others=others)
     limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
     return Limits(limit if max_error is None else max_error, scene.gate.rms_error, others)
+
+
+def as_shares(limits: Limits) -> Iterator[str]:
+    """Questions about limits that look like shares: 0.07 where 7 % may be meant."""
+    for name, limit in {"loads": limits.largest, **limits.others}.items():
+        if limit < SHARE and name != ANGLE.name:
+            yield f"the limit of {name} is {limit:g} %: are {100.0 * limit:g} % meant? limits are in per cent"
 
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
-from rollbench.comparison.gate.loads_file import Rows
+from rollbench.comparison.gate.loads_file import Rows, comma_or
 from rollbench.comparison.scenes.units import UnitError, expected, parse
 
 COLUMNS = ("quantity", "value", "unit")
@@ -39,7 +39,9 @@ class GivenValue:
 
 def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
     """Values of a file, of a load case by their column case, and headings that nothing is known of. Raises InputError."""
-    table = Rows.read(path, (*COLUMNS, *(("case",) if case else ())), EXAMPLE)
+    needed = (*COLUMNS, *(("case",) if case else ()))
+    optional = (WHERE, "set")
+    table = Rows.read(path, needed, EXAMPLE, optional)
     out: dict[tuple[str, ...], GivenValue] = {}
     for number, cells in table.rows:
         if case is not None and cells.get("case") != case:
@@ -51,8 +53,7 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
         out[key] = given
     if not out and case is None:
         raise InputError(str(path), "file", "no values", "a row for every value", EXAMPLE)
-    known = (*COLUMNS, WHERE, "set", *(("case",) if case else ()))
-    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in known)
+    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in (*needed, *optional))
 
 
 def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
@@ -65,16 +66,17 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
     try:
         value = _life(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])
     except UnitError as error:
-        allowed = expected(DIMENSIONS[quantity])
-        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, error.advice) from None
+        allowed, advice = expected(DIMENSIONS[quantity]), comma_or(error.advice, f"{number},{unit}")
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     except ValueError:
-        allowed = f"a number and one of: {', '.join(LIVES)}"
-        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, EXAMPLE) from None
+        allowed, advice = f"a number and one of: {', '.join(LIVES)}", comma_or(EXAMPLE, text)
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     where = cells.get(WHERE, "")
     force, station = (_size(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
-        raise InputError(str(path), f"{line}: {WHERE}", where, allowed, "leave it empty for the scene's own loads")
+        advice = comma_or("leave it empty for the scene's own loads", where)
+        raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 
 

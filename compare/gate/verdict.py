@@ -13,7 +13,7 @@ from rollbench.comparison.models.comparison import RULE, gate_points
 from rollbench.comparison.quantities import split_unit
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
+from rollbench.meshes.loads import bearing, mean_load
 from rollbench.meshes.parts import SIDES
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
@@ -195,7 +195,8 @@ def judge(
 ) -> list[Verdict]:
     """Verdicts on loads ``(n, 4)`` [N] against a reference: on the largest error, and on the RMS error if it has a limit.
 
-    flanks: the sides that are judged; what the others carry is no part of any error.
+    flanks: the sides that are judged; what the others carry is no part of any error, and they count in no mean: of the
+    contacts that the nominal screw loads these have the share that they have of those that bear load.
     """
     chosen = np.array([side in flanks for side in SIDES])
     points = [
@@ -205,7 +206,9 @@ def judge(
     ]
     if not points:
         return [blank(reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
-    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), reference.contacts)
+    reached = bearing(reference.load)
+    contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
+    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
     kind, at = decisive(points, limits.largest)
     words = "; ".join(filter(None, (detail, about(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}

@@ -18,17 +18,22 @@ from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life, rating
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
+from rollbench.lowfi.rating.roller_contacts import RollerContact, roller_safety, worst_roller
 from rollbench.lowfi.rating.static import Ratings, ratings
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
+
+
+#: Largest conformity of a groove that is no slip of notation: usual are 0.51 to 0.58, over the ball's radius twice that.
+WIDEST = 0.6
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,14 @@ class LoadAnswers:
     life: Life | None
     ratings: Ratings | None
     words: str = ""
+
+
+@dataclass(frozen=True)
+class RollerAnswers:
+    """What the line loads of a row of rollers answer: the worst line contact and its static safety; None without load."""
+
+    worst: RollerContact | None
+    safety: StaticSafety | None
 
 
 @dataclass(frozen=True)
@@ -144,14 +157,35 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     return None, "friction is left out of this installation"
 
 
-def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:
-    """Where answers leave what the models mean: static safety below one, a preload [N] beyond the dynamic load rating."""
+def roller_answers(row: RollerRow, line_loads: Array) -> RollerAnswers:
+    """Answers of the line loads ``(count, slices)`` [N/m] of a row of rollers."""
+    worst = worst_roller(row, line_loads)
+    return RollerAnswers(worst, None if worst is None else roller_safety(worst))
+
+
+def _wide_grooves(scene: Scene) -> Iterator[Warned]:
+    """Conformities that are hardly meant as groove radius over ball diameter."""
+    grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
+    wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
+    if wide:
+        brief = f"conformity above {WIDEST:g} ({', '.join(wide)})"
+        words = "it is groove radius over ball diameter, usually 0.51 to 0.58; if it is over the ball's radius, halve it"
+        yield Warned("conformity", f"{brief}: {words}", f"{brief}: {words}")
+
+
+def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preload: float) -> Iterator[Warned]:
+    """Where answers leave what the models mean: wide grooves, static safety below one, a preload [N] beyond the dynamic
+    load rating."""
+    if isinstance(parts, Scene):
+        yield from _wide_grooves(parts)
     if loads.safety is not None and loads.safety.factor < 1.0:
         factor = f"{loads.safety.factor:.3g}"
         words = "hardened steel keeps a permanent dent, which life and friction do not take into account"
         yield Warned("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
+    if isinstance(parts, RollerRow):
+        return
     try:
-        C = rating(scene)
+        C = rating(parts)
     except ValueError:  # said with the answers
         return
     if preload > C:
@@ -165,21 +199,21 @@ def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned
 
 @dataclass(frozen=True)
 class SetAnswers:
-    """One set of balls: its name and parts. preload: of its contacts without the loads of the scene, axially the force that
-    it then has on the shaft; None where the scene does not solve then."""
+    """One set: its name and parts. preload: of its contacts without the loads of the scene, axially the force that it then
+    has on the shaft; None where the scene does not solve then."""
 
     name: str
-    parts: Scene
-    loads: LoadAnswers
+    parts: Scene | RollerRow
+    loads: LoadAnswers | RollerAnswers
     preload: Preload | None
 
 
 @dataclass(frozen=True)
 class AxisAnswers:
-    """sets: of each, None for rollers; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked
-    about, along the axis, from that without loads."""
+    """sets: of each; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked about, along the
+    axis, from that without loads."""
 
-    sets: tuple[SetAnswers | None, ...]
+    sets: tuple[SetAnswers, ...]
     force: float
     displacement: float | None
 
@@ -198,18 +232,22 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     if not result.converged:
         return result, None
     answers = gather_axis(assembly, result)
-    sets = (x for x in answers.sets if x is not None)
-    warned = (w.of(x.name) for x in sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
+    warned = (w.of(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
     return replace(result, warnings=(*result.warnings, *warned)), answers
 
 
-def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:
-    if s.balls is None or not isinstance(s.of.parts, Scene):
-        return None
-    answers = load_answers(s.of.parts, s.balls.load, s.balls.contact_angle)
-    if bare is None or bare.balls is None:
-        return SetAnswers(s.of.name, s.of.parts, answers, None)
-    loads = bare.balls.load[bare.balls.load > 0.0]
+def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers:
+    """bare: the set without the scene's loads, None where that does not solve."""
+    parts = s.of.parts
+    if isinstance(parts, RollerRow):
+        assert s.line_loads is not None, "a row of rollers has line loads"
+        answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
+    else:
+        assert s.balls is not None, "a set of balls has contacts"
+        answers = load_answers(parts, s.balls.load, s.balls.contact_angle)
+    if bare is None:
+        return SetAnswers(s.of.name, parts, answers, None)
+    loads = bare.loads[bare.loads > 0.0]
     mean = mean_load(loads) if loads.size else 0.0
     preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
-    return SetAnswers(s.of.name, s.of.parts, answers, preload)
+    return SetAnswers(s.of.name, parts, answers, preload)

@@ -2,7 +2,7 @@
 
 Descriptors need no solution, so that a scene can be placed before it is solved. A scene is outside in a descriptor where it
 lies beyond the compared range by more than the descriptor's margin; `compare.models.model_form` adds what the loads say
-(preload, spread), and either makes a result "not covered".
+(preload, spread, force across and moment), and either makes a result "not covered".
 """
 
 from __future__ import annotations
@@ -54,7 +54,15 @@ def _beyond_balls(scene: Scene) -> float:
     return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)
 
 
+def _poisson(scene: Scene) -> float:
+    """Poisson's ratio of the part whose ratio is farthest from steel's 0.3."""
+    ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
+    return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
+
+
 #: What describes a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
+#: Of moduli there is one step, as all parts of the compared are of one steel: a nut's compliance is most of lin's error,
+#: which so grows by a quarter at the margin; balls change only Hertz' constants, so that theirs holds silicon nitride.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
     Descriptor(
@@ -75,6 +83,19 @@ DESCRIPTORS = (
     ),
     Descriptor("misalignment of the supports", "um", 300.0, _misalignment),
     Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _beyond_balls),
+    Descriptor(
+        "Young's modulus of the nut over the screw's",
+        "",
+        0.2,
+        lambda s: s.nut.material.youngs_modulus / s.screw.material.youngs_modulus,
+    ),
+    Descriptor(
+        "Young's modulus of the balls over the screw's",
+        "",
+        0.5,
+        lambda s: s.balls.material.youngs_modulus / s.screw.material.youngs_modulus,
+    ),
+    Descriptor("Poisson's ratio, the one farthest from 0.3", "", 0.05, _poisson),
 )
 
 

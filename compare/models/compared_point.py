@@ -72,10 +72,11 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
         result.model,
         round(error.max_percent, 4),
         round(error.rms_percent, 4),
-        {name: round(value, 4) for name, value in features(scene, result.load).items()},
+        {name: round(value, 4) for name, value in features(scene, result).items()},
         off(answer.moved, reference.moved),
         off(*stiff),
         off(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
+        gate_percent=round(error.gate_percent, 4),
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from rollbench.comparison import data
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.measure import error_percent, gate_scale, load_error
 from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.reference.convergence import pool
@@ -29,9 +29,7 @@ from rollbench.meshes.parts import SIDES, Scene
 
 #: Scenes whose reference runs come with the package.
 REFERENCED = with_role("referenced")
-#: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
-SMALL = 0.1
-#: That rule in words.
+#: The rule of the gate (`measure.gate_scale`) in words.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 #: Printed errors (largest, RMS) and load ratio by scene.
 PRINTED = {
@@ -287,12 +285,11 @@ class GatePoint:
 
 def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
-    mean = reference.mean
+    scales = gate_scale(reference.load, reference.mean)
     points = []
     for i, s in zip(*np.nonzero((reference.load > 0.0) | (load > 0.0)), strict=True):
-        ref = float(reference.load[i, s])
-        scale = ref if ref >= SMALL * mean else mean
-        error = float(error_percent(load[i, s], ref, scale))
+        scale = float(scales[i, s])
+        error = float(error_percent(load[i, s], reference.load[i, s], scale))
         bar = float(error_percent(reference.uncertainty[i, s], 0.0, scale))
         points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points

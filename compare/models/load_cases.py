@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from rollbench.comparison.models.answers import Answers, AxisAnswers, LoadAnswers, gather, outside, solve_sets
+from rollbench.comparison.models.answers import (
+    Answers,
+    AxisAnswers,
+    LoadAnswers,
+    RollerAnswers,
+    gather,
+    outside,
+    solve_sets,
+)
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -37,6 +46,11 @@ class Solved:
     expected: ModelForm | None = None
 
     @property
+    def contacts(self) -> tuple[LoadAnswers, ...]:
+        """What its contact loads answer; nothing where it did not converge."""
+        return () if self.answers is None else (self.answers.loads,)
+
+    @property
     def sets(self) -> dict[str, OfSet]:
         """Its one set, without a name; none where it did not converge."""
         if self.answers is None or self.result.equilibrium is None:
@@ -56,6 +70,11 @@ class SolvedAxis:
     expected: None = None
 
     @property
+    def contacts(self) -> tuple[LoadAnswers | RollerAnswers, ...]:
+        """What the contact loads of each set answer, of rollers too; nothing where it did not converge."""
+        return () if self.answers is None else tuple(x.loads for x in self.answers.sets)
+
+    @property
     def sets(self) -> dict[str, OfSet]:
         """Its sets of balls by name; none where it did not converge."""
         if self.answers is None:
@@ -63,7 +82,7 @@ class SolvedAxis:
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
         loads, out = (*self.scene.loads, *on_housings), {}
         for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
-            if answers is not None and s.balls is not None:
+            if isinstance(answers.parts, Scene) and isinstance(answers.loads, LoadAnswers) and s.balls is not None:
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
                 out[s.of.name] = OfSet(parts, s.balls.load, -s.force, answers.loads)
         return out
@@ -85,6 +104,8 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if not result.converged:
         return Solved(scene, result)
     answers = gather(scene, result, model, options)
-    warned = outside(scene, answers.loads, axial_of(answers.preload))
+    warned = [*outside(scene, answers.loads, axial_of(answers.preload))]
+    if scene.friction is not None:
+        warned += overall_warnings(scene.track, scene.friction)
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reading import like_path
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 
@@ -53,7 +54,8 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
     try:
         return Condensed.read(options.condensed, scene)
     except OSError as error:
-        words = error.strerror or str(error), "a file of condensed bodies", "check the path"
+        near = like_path(options.condensed) if isinstance(error, FileNotFoundError) else ""
+        words = error.strerror or str(error), "a file of condensed bodies", near or "check the path"
     except ValueError as error:
         allowed = "a file that rollbench condense made of this scene's parts"
         words = str(error), allowed, "make it again: rollbench condense"

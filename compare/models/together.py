@@ -73,7 +73,7 @@ class Together:
 def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
     """Extremes and lives of the solved cases of a cycle, in its order."""
     pairs = list(zip(cycle.cases, solved, strict=True))
-    answers = [(case, s.answers) for case, one in pairs for s in one.sets.values()]
+    answers = [(case, x) for case, one in pairs for x in one.contacts]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
     return Together(
         _extreme(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),

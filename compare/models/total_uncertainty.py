@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.answers import load_answers
+from rollbench.comparison.models.applicability import outside
 from rollbench.comparison.models.modelling import SPOKEN_FOR, Modelling
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
@@ -136,7 +137,7 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
     return Total(
         uncertainty_percent(reference),
         reference.parts.by_experience,
-        spoken_for(scene.name, read(shipped_store())),
+        spoken_for(replace(scene, name=reference.best.scene), read(shipped_store())),
         share,
         name,
         second_order(scene, reference),
@@ -181,9 +182,12 @@ def choices_of(varied: Modelling) -> Choices:
     return Choices(varied.scene, varied.largest, first, varied.choices[first])
 
 
-def spoken_for(name: str, known: Mapping[str, Choices]) -> Choices | None:
-    """The choices that speak for a scene: of its own parts, or else the ones with the largest effect."""
-    return known.get(SPOKEN_FOR.get(name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
+def spoken_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
+    """The choices that speak for a scene: of its own parts, or else the ones with the largest effect; none for a scene
+    beyond what was compared. Raises ValueError as `applicability.outside`."""
+    if outside(scene):
+        return None
+    return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
 def save(store: Path, known: Mapping[str, Choices]) -> None:

@@ -11,7 +11,7 @@ reference's value, those of contact loads of the mean load. u_input is computed 
 sensitivities are cheap. Model and reference are given the same inputs, so that it cancels in E here: it is what E would
 be uncertain by if one of the two were a measured screw, and the share of values within the reference's own part,
 sqrt(u_grid^2 + u_model^2), stands beside. Where choices of the reference were not varied on a scene, those of the
-varied scene whose effect is largest stand in.
+varied scene whose effect is largest stand in, but not for a scene beyond what was compared, of which they say nothing.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.applicability import outside
 from rollbench.comparison.models.comparison import Loads, from_result, from_run
 from rollbench.comparison.models.modelling import SPOKEN_FOR, VARIED, base_run
 from rollbench.comparison.models.study import Study
@@ -119,7 +120,8 @@ INPUTS = (
 @dataclass(frozen=True)
 class Uncertainty:
     """Of a quantity of a scene, each of the shape of its values, in per cent: of the grid, of the reference's choices, of
-    the inputs; ``varied``: the scene on which the choices were varied; grid is nan with one level."""
+    the inputs; ``varied``: the scene on which the choices were varied; grid is nan with one level, model where no varied
+    scene speaks for this one."""
 
     grid: Array
     model: Array
@@ -133,7 +135,7 @@ class Uncertainty:
 
     @property
     def combined(self) -> Array:
-        """u_val: root of the sum of squares; nan with one level of the grid."""
+        """u_val: root of the sum of squares; nan where a part is."""
         return np.asarray(np.sqrt(self.grid**2 + self.model**2 + self.inputs**2))
 
 
@@ -211,7 +213,7 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
         return None
     scene = study.scene(name)
     grid = grid_uncertainty(scene, reference, quantity)
-    choices = study.once(choices_of, quantity)
+    choices = {} if outside(scene) else study.once(choices_of, quantity)
     speaks = SPOKEN_FOR.get(name, "")
     if speaks in choices and choices[speaks].shape == grid.shape:
         model, varied = choices[speaks], speaks
@@ -247,6 +249,14 @@ class Validated:
     within_own: float
     ratio: tuple[float, ...]
     varied: str
+
+    @property
+    def bar(self) -> str:
+        """u_val in words, or why it is not known."""
+        if np.isfinite(self.combined):
+            return f"u_val {self.combined:.2f} %"
+        why = "modelling choices were varied on no scene like it" if np.isfinite(self.grid) else "one mesh level"
+        return f"u_val not known ({why})"
 
 
 def validated(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:

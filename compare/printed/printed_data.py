@@ -25,6 +25,9 @@ KINDS: dict[Kind, str] = {
     "input": "input, taken over",
 }
 NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
+#: Half width of a band over its middle at most: a range from 0.6 to 1.67 times a number says something of it, a wider one
+#: holds nearly whatever is computed.
+WIDEST = 0.25
 _TEXTS = ("key", "label", "printed", "unit", "place", "class", "kind", "remark", "origin", "claim")
 _NUMBERS = ("tolerance", "low", "high")
 
@@ -36,8 +39,9 @@ class Printed:
     table, key: where it is filed; label: what it is; value: the number in ``unit``, None for a claim;
     unit and printed: as the source prints them; place: section or table of the source;
     cls: ``"hard"`` (must be reproduced), ``"as-printed"`` (only by repeating a fault of the source),
-    ``"band"`` (against ``low`` to ``high``, of stated ``origin``), ``"open"`` (shown, never gated on) or ``"input"``
-    (given by the source, or what something was inferred from: a scene holds it, nothing reproduces it);
+    ``"band"`` (against ``low`` to ``high``, of stated ``origin``, narrow enough to fail),
+    ``"open"`` (shown, never gated on) or ``"input"`` (given by the source, or what something was inferred from: a scene
+    holds it, nothing reproduces it);
     kind: a key of ``KINDS``;
     tolerance: absolute, in ``unit``, half a unit of the last printed digit unless the table says otherwise;
     remark: what to know about it; claim: the statement in words, where there is no number.
@@ -132,8 +136,14 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
     if cls == "band":
         if not raw.get("origin"):
             raise refuse("origin", "a sentence", "a band says where its range comes from")
-        if printed and (low is None or high is None or low > high):
-            raise refuse("low", "low and high, low <= high", "a band of a number has two ends")
+        if printed:
+            if low is None or high is None or low > high:
+                raise refuse("low", "low and high, low <= high", "a band of a number has two ends")
+            if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
+                allowed = f"low and high, half their distance at most {WIDEST:g} of their middle"
+                raise refuse(
+                    "low", allowed, 'a wider band cannot fail: make the class "open" and say the range in the remark'
+                )
     elif "low" in raw or "high" in raw:
         raise refuse("low" if "low" in raw else "high", "only in class band", "remove it, or make it a band")
     if cls == "as-printed" and not raw.get("remark"):

@@ -1,6 +1,6 @@
 """Independent jobs side by side: in this process, in processes of this machine (joblib), or on a Dask cluster.
 
-One job at a time unless more are asked for: a run of the 3D reference takes gigabytes, and its solvers use all cores.
+One job at a time unless more are asked for: a run of the 3D reference takes gigabytes, and its set-up uses all cores.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from typing import Any
 
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError
+from rollbench.meshes.threads import one_thread
 from rollbench.meshes.workers import local
 
 #: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
@@ -58,8 +59,8 @@ def as_done(
 
     backend: "joblib" for this machine, "dask" for the cluster of `scheduler` (its address; None starts a cluster on this
     machine). workers: jobs at the same time; None for one on this machine, and for one on each worker of a scheduler,
-    whenever it joins. wait: seconds to wait for a worker of the scheduler where there is none, `LONELY` unless given. With
-    several workers on this machine the cores are divided among their solvers' threads.
+    whenever it joins. wait: seconds to wait for a worker of the scheduler where there is none, `LONELY` unless given. The
+    linear algebra of a job runs on one thread.
     The first exception of a job is raised here, once, and jobs that have not begun are dropped; one that cannot travel
     between processes becomes a RuntimeError with its message.
     Raises InputError for an unknown backend, fewer than one worker, a package that is missing, a scheduler that does not
@@ -101,6 +102,7 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
     A worker that is not of ``version``, which may have joined the cluster at any time, refuses it by an InputError.
     Results and exceptions travel as bytes: joblib hangs on results that cannot be unpickled.
     """
+    one_thread()
     with _ALONE:
         try:
             if version != __version__:
@@ -122,10 +124,10 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
 
 def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
     """Answers of processes of this machine as they come; jobs that have not begun when it is closed are dropped."""
-    from joblib import Parallel, cpu_count, delayed
+    from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    with local(max(1, cpu_count() // workers)):  # max_nbytes: no read-only arguments
+    with local():  # max_nbytes: no read-only arguments
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:

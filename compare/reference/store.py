@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import glob
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from rollbench.comparison.reference.tasks import Solvable, meant, plain, serves
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.canonical import Fields, digest
+from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Scene
 from rollbench.meshes.solid import dimensions
@@ -34,6 +33,8 @@ SECTIONS = "mean of a slice"
 HOLLOW = "shear of a hollow section"
 #: Programs whose results runs depend on.
 PROGRAMS = ("gmsh", "scikit-fem")
+#: Pattern of a content key.
+KEY = 16 * "[0-9a-f]"
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 #: What of a scene says nothing about static loads (of an ensemble, those of the first member).
@@ -159,9 +160,9 @@ def _meshed(
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
     """File of a run of a scene in a store; by the versions that it names, as it may be read where others, or none, are
-    installed."""
+    installed, and by the scene's name when it was made."""
     key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
-    return store / f"{_stem(scene, run.level, run.variant)}{key}.json"
+    return store / f"{_stem(run.scene, run.level, run.variant)}{key}.json"
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
@@ -170,8 +171,8 @@ def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
     return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
 
-def _stem(scene: Solvable, level: int, variant: str) -> str:
-    return f"{scene.name}-level{level}-{variant}-" if variant else f"{scene.name}-level{level}-"
+def _stem(name: str, level: int, variant: str) -> str:
+    return f"{name}-level{level}-{variant}-" if variant else f"{name}-level{level}-"
 
 
 def save(store: Path, scene: Solvable, run: Run) -> Path:
@@ -198,20 +199,66 @@ def shipped_store() -> Path:
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
 
-    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, those by
-    the installed versions of gmsh and scikit-fem come first, then those on the finest cells, then those with the largest
-    patches.
+    It is found by its key, under whatever name the scene had when it was made, which `Run.scene` keeps. stores: the shipped
+    one unless given, the first that has a run counts. Of several runs, made with other scenes, those by the installed
+    versions of gmsh and scikit-fem come first, then those on the finest cells, then those with the largest patches.
     """
     installed = versions()
     for store in (shipped_store(),) if stores is None else stores:
         runs = []
-        for path in sorted(store.glob(f"{glob.escape(_stem(scene, level, variant))}*.json")):
+        for path in files_of(store, scene, level, variant):
             run = read(path, scene, level, variant)
             if run is not None and serves(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
             return min(runs, key=partial(_order, installed))
     return None
+
+
+def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
+    """Files of a store whose name ends with the key of the scene on one of the meshes of that level; those under the
+    scene's own name first."""
+    own, pattern = (_stem(name, level, variant) for name in (scene.name, "*"))
+    paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
+    meshes = {mesh.text: mesh for path in paths if (mesh := _mesh_of(path)) is not None and mesh.balls == scene.ball_count}
+    keys = {key for mesh in meshes.values() if (key := mesh.key(scene, variant)) is not None}
+    return [path for path in paths if path.stem.rpartition("-")[2] in keys]
+
+
+class _Mesh(NamedTuple):
+    """What a key has of a run besides its scene, as text too, and how many balls the run is of."""
+
+    balls: int
+    settings: dict[str, Any]
+    sides: tuple[int, ...]
+    programs: dict[str, str]
+    text: str
+
+    def key(self, scene: Solvable, variant: str) -> str | None:
+        """The key of a scene's run on this mesh; None where it is no mesh of such a scene."""
+        try:
+            return key_of(scene, variant, self.settings, self.sides, self.programs)
+        except (ValueError, KeyError, TypeError):
+            return None
+
+
+def _mesh_of(path: Path) -> _Mesh | None:
+    """The mesh of a run's file; None where that cannot be read."""
+    try:
+        return _known_mesh(path, path.stat().st_mtime_ns)
+    except OSError:
+        return None
+
+
+@lru_cache(maxsize=100_000)
+def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
+    try:
+        run = unsealed(path)
+        settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])
+        text = canonical((Fields("Settings", settings), sides, programs))
+        return _Mesh(len(run["load"]), settings, sides, programs, text)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
 
 
 def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
@@ -230,7 +277,8 @@ def read(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
         data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"]), "settings": plain(data["settings"])}
         run = Run(**data, **arrays, without=without)
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
-        as_named = (run.level, run.variant) == (level, variant) and path.name == path_in(path.parent, scene, run).name
+        key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
+        as_named = (run.level, run.variant) == (level, variant) and path.stem.rpartition("-")[2] == key
         return run if whole and as_named and run.answers else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None

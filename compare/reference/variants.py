@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import Dimensions, dimensions
+from rollbench.meshes.solid import Dimensions, dimensions, groove_depths
 
 Change = Callable[[Scene], Scene]
 #: "modelling": an idealisation or a dimension that the source does not print; "numerical": a choice of the method beside
@@ -99,9 +99,11 @@ def ends_in_plain_shaft(scene: Scene) -> Scene:
 def twisted(scene: Scene) -> Scene:
     """Every support of the rotation about the axis turned by what the dropped coupling would turn the shaft up to the nut:
     |c| F L / sqrt(EA GJ) with the sum of axial loads F and the sections of a plain shaft of the pitch radius less that
-    of the groove (its core: more than the grooved shaft twists)."""
+    of the groove (its core: more than the grooved shaft twists), or of the groove's bottom where that leaves no wall."""
     e = scene.screw.material
     core = scene.track.pitch_radius - scene.screw.groove_radius
+    if core <= scene.screw.bore / 2.0:
+        core = scene.track.pitch_radius - groove_depths(scene)[0]
     area = np.pi * (core**2 - (scene.screw.bore / 2.0) ** 2)
     polar = 0.5 * np.pi * (core**4 - (scene.screw.bore / 2.0) ** 4)
     force = sum(abs(load.force[2]) for load in scene.loads)

@@ -16,6 +16,7 @@ from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.near import close_pairs
 from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
 from rollbench.meshes.section import volume_ratio
+from rollbench.meshes.solid import groove_depths
 
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0
@@ -215,13 +216,14 @@ def _rigid_faults(scene: Scene) -> Iterator[Fault]:
 def _solid_faults(scene: Scene) -> Iterator[Fault]:
     """Dimensions that only the 3D reference needs, where the scene gives them."""
     solid, R = scene.solid, scene.track.pitch_radius
+    of_screw, of_nut = groove_depths(scene)
     if solid.nut_inner_diameter is not None:
-        most = min(2.0 * (R + scene.nut.groove_radius), scene.nut.outer_diameter)
+        most = min(2.0 * (R + of_nut), scene.nut.outer_diameter)
         if not 2.0 * R < solid.nut_inner_diameter < most:
             advice = "the lands lie outside the pitch cylinder and must leave a groove and a wall"
             yield Fault(("solid.nut_inner_diameter",), f"above {mm(2.0 * R)}, below {mm(most)}", advice)
     if solid.hole_diameter is not None:
-        most = 2.0 * (R - scene.screw.groove_radius)
+        most = 2.0 * (R - of_screw)
         if not scene.screw.bore <= solid.hole_diameter < most:
             advice = "the hole holds the bore and must leave a wall under the groove"
             yield Fault(("solid.hole_diameter",), f"from {mm(scene.screw.bore)}, below {mm(most)}", advice)

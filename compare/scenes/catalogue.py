@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.reading import alike, question
 from rollbench.comparison.registration import data_files, kinds
 from rollbench.comparison.scenes.names import AXIS
 from rollbench.meshes.parts import Scene
@@ -112,9 +113,7 @@ def looks_like_path(text: str) -> bool:
 
 
 def _unknown(name: str) -> InputError:
-    import difflib
-
     names = scene_names()
-    near = difflib.get_close_matches(name, [*names, *(path.name for path in Path().glob("*.toml"))], n=3)
-    advice = f"did you mean {' or '.join(near)}?" if near else "list the shipped scenes with: rollbench list"
+    near = question(alike(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
+    advice = near or "list the shipped scenes with: rollbench list"
     return InputError("scene", "name", f'"{name}"', f"one of {len(names)} shipped names, or a file", advice)

@@ -26,17 +26,24 @@ GRADES = {
     "zirconia": ("ZrO2",),
 }
 MATERIALS = STANDARD | {grade: STANDARD[name] for name, grades in GRADES.items() for grade in grades}
-MATERIAL_NAMES = "a standard material, typical values in place of the two keys below, which go before it: " + ", ".join(
-    f"{name} ({', '.join(GRADES[name])}) {modulus}, {ratio:g}" for name, (modulus, ratio) in STANDARD.items()
+MATERIAL_NAMES = (
+    "a standard material, typical values in place of the two keys below, which go before it: "
+    + ", ".join(f"{name} ({', '.join(GRADES[name])}) {modulus}, {ratio:g}" for name, (modulus, ratio) in STANDARD.items())
+    + "; with both keys below any other name"
 )
+OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
 def with_material(table: Any) -> Any:
-    """A raw table of a material, the values that it leaves out filled in by its name."""
-    if not isinstance(table, dict) or table.get("name") not in MATERIALS:
+    """A raw table of a material, the values that it leaves out filled in by its name. Another name that stands with both
+    values is a word for the reader of the file, and goes."""
+    if not isinstance(table, dict) or not isinstance(name := table.get("name"), str):
         return table
-    modulus, ratio = MATERIALS[table["name"]]
-    return {"youngs_modulus": modulus, "poissons_ratio": ratio} | table
+    if name in MATERIALS:
+        modulus, ratio = MATERIALS[name]
+        return {"youngs_modulus": modulus, "poissons_ratio": ratio} | table
+    both = {"youngs_modulus", "poissons_ratio"} <= table.keys()
+    return {key: value for key, value in table.items() if key != "name"} if both else table
 
 
 def with_radius(table: Any, radius: str, diameter: str) -> Any:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollbench.comparison.scenes.catalogue_input import MATERIAL_NAMES, with_material
+from rollbench.comparison.scenes.catalogue_input import MATERIAL_NAMES, OTHER_NAME, with_material
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 
 MAX_BALLS = 100_000
@@ -49,6 +49,7 @@ Sentences = Annotated[list[Sentence], Field(max_length=100)]
 MaterialName = Literal[
     "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
 ]
+StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NAME})]
 Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
 #: Young's moduli [Pa] of solids that parts of machines are made of.
 SOLIDS = (1e9, 1e12)
@@ -63,7 +64,7 @@ class Table(BaseModel):
 class MaterialKeys(Table):
     """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
 
-    name: MaterialName | None = key(MATERIAL_NAMES, None, "bearing steel")
+    name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
     unusual: bool = key("the modulus is meant as it stands, although no solid of a machine has it", False, True)
     youngs_modulus: Modulus | None = key("Young's modulus", None)
     poissons_ratio: Poisson | None = key("Poisson's ratio", None)

@@ -71,5 +71,7 @@ def json_schema() -> dict[str, Any]:
     tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in kinds()} | {AXIS: AxisKeys}
     every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
     schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
+    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
+    name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
     draft = "https://json-schema.org/draft/2020-12/schema"
     return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema

@@ -36,8 +36,7 @@ SPACER = 0.1
 def scene_like(size: str) -> str:
     """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
     values = values_like(size)
-    holding = f"held by a flange of {RIM:g} by {THICK:g} of its diameter"
-    return _tidy(_text("screw", values, rigid=", between rigid bodies", nuts="the nut", holding=holding), values)
+    return _tidy(_text("screw", values), values)
 
 
 def double_nut_like(size: str) -> str:
@@ -49,21 +48,17 @@ def double_nut_like(size: str) -> str:
         _text("nut", values, number=k + 1, thrust=thrust, at=at)
         for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
     ]
-    head = _text("double-nut", values, rigid=" of each nut", nuts="the nuts", holding="no flanges, held at the left faces")
-    return _tidy("".join((head, *nuts)), values)
+    return _tidy("".join((_text("double-nut", values), *nuts)), values)
 
 
 def _text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """A text of the folder ``like_texts``, filled; ``{assumed}`` in it is what every size assumes."""
-    text = data.text(f"scenes/like_texts/{name}.txt")
-    return text.replace("{assumed}", data.text("scenes/like_texts/assumed.txt")).format(**values, **words)
+    """A text of the folder ``like_texts``, filled; title and assumptions in it name nothing that is edited later."""
+    return data.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:
     """The text without gaps where there is one circuit."""
-    if values["circuits"] > 1:
-        return text
-    return re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")
+    return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 
 def values_like(size: str) -> dict[str, Any]:
@@ -88,17 +83,17 @@ def values_like(size: str) -> dict[str, Any]:
         "circuits": circuits,
         "each": each,
         "gap": gap,
-        "turns": circuits * each,
         "length": length,
         "middle": length / 2.0,
         "nut": nut,
         "outside": outside,
         "rim": ceil(RIM * outside),
+        "rim_of": RIM,
+        "thick_of": THICK,
         "thick": thick,
         "fit": max(1, floor(0.5 * (nut - thick))),
         "bore": floor(0.4 * outer),
         "filling": FILLING,
-        "percent": 100.0 * FILLING,
         "preload": PRELOAD,
         "sigma": SIGMA,
         "force": force,

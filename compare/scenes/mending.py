@@ -160,7 +160,7 @@ def _allowed(node: Mapping[str, Any]) -> str:
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:
-        return ", ".join(show(v) for v in node["enum"])
+        return ", ".join([*(show(v) for v in node["enum"]), *([node["x-or"]] if "x-or" in node else [])])
     if node.get("type") == "boolean":
         return "true, false"
     if node.get("type") == "integer":

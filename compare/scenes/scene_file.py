@@ -5,14 +5,18 @@ from __future__ import annotations
 
 import hashlib
 import re
+import shlex
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.errors import SceneError
+from rollbench.comparison.reading import ENCODING, NoText, like_path, text_of
+from rollbench.comparison.registration import data_files
 from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
 from rollbench.comparison.scenes.names import WHOLE
+from rollbench.comparison.scenes.units import COMMA, has_comma
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
@@ -62,7 +66,7 @@ def whole(scene: Described, origin: str) -> Scene:
     if isinstance(scene, Assembly):
         advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
         raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
-    advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
+    advice = f"only friction solves this kind: rollbench friction {shlex.quote(origin)}"
     raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 
 
@@ -94,7 +98,7 @@ def kind_of(scene: Described) -> str:
 
 
 def read_text(path: str | Path) -> str:
-    """Text of a file, as UTF-8. Raises SceneError if it cannot be read or is not text."""
+    """Text of a file. Raises SceneError if it cannot be read or is not text."""
     allowed = "a readable TOML file"
     try:
         if Path(path).is_dir():
@@ -105,21 +109,17 @@ def read_text(path: str | Path) -> str:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        advice = "check the path, or see the shipped scenes with: rollbench list"
+        near = like_path(Path(path), data_files("scenes")) if isinstance(error, FileNotFoundError) else ""
+        advice = near or "check the path, or see the shipped scenes with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
         value = f"more than {MAX_BYTES // 1_000_000} MB"
         allowed = f"up to {MAX_BYTES // 1_000_000} MB"
         raise SceneError(str(path), "file", value, allowed, "is this a scene file?")
     try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        text, place = "\0", f"byte {error.start} is not UTF-8"
-    else:
-        place = "it contains NUL bytes"
-    if "\0" in text:
-        advice = f"{place}: save the scene as plain UTF-8 text"
-        raise SceneError(str(path), "file", "a binary file", "UTF-8 text", advice)
+        text = text_of(data)
+    except NoText as error:
+        raise SceneError(str(path), "file", error.value, ENCODING, error.advice) from None
     longest = max(map(len, text.splitlines()), default=0)
     if longest > MAX_LINE:
         raise SceneError(str(path), "file", f"a line of {longest} characters", f"up to {MAX_LINE}", "is this a scene file?")
@@ -149,4 +149,6 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
     numbered = re.match(r"line (\d+)", place)
     line = text.splitlines()[int(numbered[1]) - 1].strip() if numbered else "text that is not TOML"
     advice = f'{reason[:1].lower()}{reason[1:]}; texts need double quotes, e.g. length = "800 mm"'
+    if has_comma(line.partition("=")[2]):
+        advice = COMMA
     raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)

@@ -51,7 +51,10 @@ _BASE = {  # pint's base units of each dimension
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?")
 _FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
+_COMMA = re.compile(r"\s*[+-]?[0-9.]*[0-9],[0-9]")
 _LONGEST = 64
+#: Advice on a number with a comma.
+COMMA = "is it a decimal comma? write a point, and nothing between thousands"
 
 
 class UnitError(ValueError):
@@ -135,7 +138,8 @@ def _scaled(number: Decimal, factor: str) -> float:
 
 def _plain(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UnitError(value, "number", "is not a plain number", "write a number without quotes or unit")
+        advice = COMMA if isinstance(value, str) and has_comma(value) else "write a number without quotes or unit"
+        raise UnitError(value, "number", "is not a plain number", advice)
     try:
         number = float(value)
     except OverflowError:
@@ -152,8 +156,15 @@ def number_and_unit(text: str) -> tuple[str, str] | None:
     return None if match is None else (match[1], match[2] or "")
 
 
+def has_comma(text: str) -> bool:
+    """Whether a text begins with a number that has a comma: of decimals, or between thousands."""
+    return _COMMA.match(text) is not None
+
+
 def _split(value: str, dimension: str) -> tuple[Decimal, str]:
     """Number and tidied unit; raises UnitError if the text does not begin with a plain finite number."""
+    if has_comma(value):
+        raise UnitError(value, dimension, "has a comma in its number", COMMA)
     parts = number_and_unit(value)
     if parts is None:
         if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from rollbench.comparison.gate.verdict import LIMIT
 from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import RULE
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Section, Text
 
-#: Scene and model of the worked row, and the limit that it is judged by [%].
-SCENE, MODEL, LIMIT = "lin-case1", "lin", 7.0
+#: Scene and model of the worked row.
+SCENE, MODEL = "lin-case1", "lin"
 TERMS = (
     (
         "Error: 100 (value - reference) / |reference|. Contact loads are compared in per cent of the mean load "
         "over the contacts that the nominal screw loads, so that an error of one newton on a nearly unloaded "
         "ball does not count as 100 %. The error relative to the contact's own load is given beside it as \"own "
         'load".'
+    ),
+    (
+        f"Line of {LIMIT:g} %: that of the gate (rollbench check), on the largest error of a contact load {RULE}. An error "
+        "of the mean load has no such line."
     ),
     (
         "Uncertainty of the 3D reference: 95 %, from its mesh (contact cells, body cells and sockets, added as "
@@ -27,9 +33,9 @@ TERMS = (
     (
         "Class of a printed number. hard: the text determines it, so it must come out to the digits printed. "
         "as-printed: it comes out only when a fault of the source is repeated; the right value stands beside "
-        "it. band: under-specified or random, compared with a range whose origin is stated. open: the text does "
-        "not determine it; it is shown but never gated. input: given by the source, or used to infer something; "
-        "never counted as reproduced."
+        "it. band: under-specified or random, compared with a range whose origin is stated and that is at most a "
+        "quarter of its middle wide to either side. open: the text does not determine it; it is shown but never gated. "
+        "input: given by the source, or used to infer something; never counted as reproduced."
     ),
     (
         "Verdict of a printed number: reproduced, only as printed, within its band, contradicted, not "

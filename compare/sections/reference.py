@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison.gate.verdict import LIMIT
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.comparison import (
     PRINTED,
@@ -197,10 +198,6 @@ def line_figure(study: Study, found: References) -> Figure:
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "station / mm", "displacement / µm", tuple(series)))
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
-
-
-#: Line [%] of the gate that the contacts of the source's model are held against.
-LIMIT = 7.0
 
 
 def gate_text(found: References, study: Study) -> str:

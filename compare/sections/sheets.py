@@ -6,25 +6,26 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rollbench.comparison.models.comparison import REFERENCED, from_result, from_run
+from rollbench.comparison.gate.verdict import LIMIT, Limits, Verdict
+from rollbench.comparison.gate.verdict import judge as by_gate
+from rollbench.comparison.models.comparison import REFERENCED, RULE, from_result, from_run
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import CONTACTS, QUANTITIES, Validated, validated
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.sections.sketch import sketch_of
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Table, Text
 
-#: Limit [%] of the verdict, that of the gate.
-LIMIT = 7.0
 #: Models on a sheet, the one that the verdict is on first.
 MODELS = (DEFAULT, "lin")
 
 LEGEND = (
     "Sketches are to scale near the nut. Hatched: surface held in the 3D reference; pale: balls behind the "
-    f"axis. Verdicts are for {DEFAULT} and the inputs as stated, which model and reference share. u_val: how closely the "
-    "error against a real screw would be known, input tolerances included, with 95 % confidence (section u-val)."
+    f"axis. Verdicts are the gate's at {LIMIT:g} %, {RULE}, for the inputs as stated, which model and reference share. "
+    "u_val: how closely the error against a real screw would be known, input tolerances included, with 95 % confidence "
+    "(section u-val)."
 )
 
 Judged = Mapping[tuple[str, str], Validated]
@@ -77,25 +78,35 @@ def _largest(judged: Mapping[str, Judged], model: str) -> str:
 def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
     """One sheet: heading and verdict, sketch with its inputs, results."""
     scene = study.scene(name)
-    words = (verdict(study, name, reference, judged), trust(reference, judged[DEFAULT, CONTACTS]))
+    gate = verdicts(study, name, reference)
+    words = (verdict(gate), trust(reference, judged[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
         sketch_of(scene, f"sketch-{name}", name),
-        results(study, scene, reference, judged),
+        results(study, scene, reference, judged, gate),
     )
 
 
-def verdict(study: Study, name: str, reference: Reference, judged: Judged) -> str:
-    """Which contact of each model is off most, and whether that is within the limit."""
-    sentences = []
-    for model in MODELS:
-        error = judged[model, CONTACTS].error
-        load = study.solve(name, model).load
-        ball, side = np.unravel_index(int(np.abs(load - reference.load).argmax()), load.shape)
-        fit = "fit" if abs(error) <= LIMIT else "not fit"
-        off = f"{error:+.2f}".replace("-", "−")
-        sentences.append(f"{model} is {fit} for {LIMIT:g} %: {off} % of the mean load on ball {ball + 1} {SIDES[side]}")
+#: What the gate says of a model, in words.
+WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
+
+
+def verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
+    """The gate's verdict on the loads of each model."""
+    return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
+
+
+def verdict(found: Mapping[str, Verdict]) -> str:
+    """What the gate says of each model, by which contact."""
+    sentences = [
+        f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed(v.error or 0.0)} % on ball {v.ball} {v.flank}"
+        for model, v in found.items()
+    ]
     return f"Verdict: {'; '.join(sentences)}."
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.2f}".replace("-", "−")
 
 
 def trust(reference: Reference, bounds: Validated) -> str:
@@ -103,28 +114,29 @@ def trust(reference: Reference, bounds: Validated) -> str:
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
-    whole = f"u_val {bounds.combined:.2f} %" if np.isfinite(bounds.combined) else "u_val unknown, of one mesh level"
     also = f" {reference.unsettled[:1].upper()}{reference.unsettled[1:]}." if reference.unsettled else ""
-    return f"How far to trust it: mesh levels {levels} of the 3D reference; {whole} there, of which {known}.{also}"
+    return f"How far to trust it: mesh levels {levels} of the 3D reference; {bounds.bar} there, of which {known}.{also}"
 
 
-def results(study: Study, scene: Scene, reference: Reference, judged: Judged) -> Table:
-    """The quantities of a sheet: reference, models, their errors, verdict on the default model. Of all contact loads it
-    has only the errors, as the worst contact is another one in each model."""
+def results(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
+    """The quantities of a sheet: reference, models, their errors. Of all contact loads it has only the errors, by the
+    gate's rule and of the mean load, as the worst contact is another one in each model."""
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
-    rows: list[Row] = []
-    for quantity in QUANTITIES:
-        first, *_ = of_models = [judged[model, quantity.name] for model in MODELS]
-        single = quantity.name != CONTACTS
-        values = {key: float(quantity.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
-        rows.append(
-            {
-                "quantity": f"{quantity.name} [{quantity.unit}]" if single else f"{quantity.name}, the worst",
-                **{Quantity(key, key): value for key, value in values.items()},
-                **{Quantity(f"error-{v.model}", f"error of {v.model}", "%", "+.2f"): v.error for v in of_models},
-                Quantity("u_val", "u_val", "%", ".2f"): first.combined if np.isfinite(first.combined) else None,
-                "verdict": f"{'within' if abs(first.error) <= LIMIT else 'not within'} {LIMIT:g} %",
-            }
-        )
+
+    def row(quantity: str, errors: Mapping[str, float | None], u_val: float, values: Mapping[str, float | None]) -> Row:
+        return {
+            "quantity": quantity,
+            **{Quantity(key, key): values.get(key) for key in answers},
+            **{Quantity(f"error-{model}", f"error of {model}", "%", "+.2f"): error for model, error in errors.items()},
+            Quantity("u_val", "u_val", "%", ".2f"): u_val if np.isfinite(u_val) else None,
+        }
+
+    rows = [row("the worst contact load, by the gate's rule", {m: v.error for m, v in gate.items()}, np.nan, {})]
+    for q in QUANTITIES:
+        single = q.name != CONTACTS
+        errors = {model: judged[model, q.name].error for model in MODELS}
+        values = {key: float(q.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
+        words = f"{q.name} [{q.unit}]" if single else "the worst contact load, of the mean load"
+        rows.append(row(words, errors, judged[DEFAULT, q.name].combined, values))
     return Table.of(f"sheet-{scene.name}", f"{scene.name}, results", rows)

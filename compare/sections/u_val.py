@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 from rollbench.comparison.models.comparison import from_result
 from rollbench.comparison.models.ladder import RUNGS, Rung, ladder, left_out_one
+from rollbench.comparison.models.model_form import SHARE
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import (
@@ -126,7 +127,10 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
         }
         for words, held, total in counts
     ]
-    note = "A bound of 95 % should hold 19 times in 20."
+    note = (
+        f"Expected errors are set so that each holds {SHARE:.0%} of the other scenes, which promises nothing for a new "
+        "one: the count is what is known. A bar of discretisation is one of 95 % and should hold 19 times in 20."
+    )
     return Table.of("bounds-held", "Stated bounds, and how many held", cells, note)
 
 

@@ -123,7 +123,7 @@ def of_order(mesh: Mesh, kind: str) -> Mesh:
 
 def assemble(
     mesh: Mesh, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float, poisson: float
-) -> sp.csc_matrix:
+) -> sp.csc_array:
     """Stiffness of a coarse body with every patch in its socket, ``(3 n, 3 n)``."""
     K = assembly.assemble(elasticity(young, poisson), mesh)
     rows, columns, values = [], [], []
@@ -137,12 +137,12 @@ def assemble(
         columns.append(np.tile(dof, 3 * k))
         values.append(turned.ravel())
     if values:
-        added = sp.coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=K.shape)
+        added = sp.coo_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=K.shape)
         K = (K + added.tocsc()).tocsc()
     return K
 
 
-def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_matrix:
+def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
     """Q of all sockets on the body's freedoms, ``(r, size)``: local motion is R^T times the global one."""
     data, row, column = [], [], []
     start = 0
@@ -154,7 +154,7 @@ def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> s
         row.append(np.repeat(start + np.arange(len(Q)), 3 * k))
         column.append(np.tile(freedoms(socket.nodes), len(Q)))
         start += len(Q)
-    matrix = sp.coo_matrix((np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, size))
+    matrix = sp.coo_array((np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, size))
     return matrix.tocsr()
 
 
@@ -178,13 +178,13 @@ def rigid_loads(mesh: Mesh) -> Array:
     return np.asarray(loads.reshape(-1, 6).T)
 
 
-def free_transform(mesh: Mesh, held: Index) -> sp.csc_matrix:
+def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
     """C of a body whose freedoms ``held`` are: its freedoms from the free ones."""
     size = mesh.doflocs.size
-    return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
+    return sp.eye_array(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 
 
-def end_transform(mesh: Mesh, high: float) -> sp.csc_matrix:
+def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
     """C of a body held at its "low end", its "high end" a rigid section whose six freedoms about z = high [m] come last.
 
     C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes only the equations of the free freedoms.
@@ -192,5 +192,5 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_matrix:
     upper = nodes_on(mesh, "high end")
     slaves = freedoms(upper)
     free = free_transform(mesh, np.concatenate([freedoms_on(mesh, "low end"), slaves]))
-    section = sp.csc_matrix(rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high])))
-    return sp.hstack([free, sp.identity(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
+    section = sp.csc_array(rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high])))
+    return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()

@@ -56,8 +56,8 @@ class PatchMesh(Meshed):
     contact_shape: tuple[int, int] | None
     rim: Flags
     interface: Index
-    tie: sp.csr_matrix
-    weights: sp.csr_matrix
+    tie: sp.csr_array
+    weights: sp.csr_array
     socket: Array
 
     @property
@@ -86,7 +86,7 @@ class CondensedPatch:
     areas: Array
     rim: Flags
     shape: tuple[int, int] | None
-    weights: sp.csr_matrix
+    weights: sp.csr_array
     socket: Array
     unknowns: int
 
@@ -161,7 +161,7 @@ def _patch(
     shape: tuple[int, int] | None,
     rim: Flags,
     interface: Index,
-    tie: sp.csr_matrix,
+    tie: sp.csr_array,
     socket: Array,
 ) -> PatchMesh:
     """The record, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
@@ -178,7 +178,7 @@ def _patch(
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 
-def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_matrix:
+def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
     """Mean motion along the ``normals`` ``(c, 3)`` over every hat from the patch's freedoms, ``(c, 3 n)``.
 
     carrier: another patch in the same socket whose freedoms these are; its displacements at the contact nodes count. Raises
@@ -187,14 +187,14 @@ def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) 
     c = mesh.contact.size
     if carrier is None:
         carrier = mesh
-        place = sp.csr_matrix((np.ones(c), (np.arange(c), mesh.contact)), (c, mesh.mesh.doflocs.shape[1]))
+        place = sp.csr_array((np.ones(c), (np.arange(c), mesh.contact)), (c, mesh.mesh.doflocs.shape[1]))
     else:
         place = _at(carrier, mesh.xi[mesh.contact])
-    nodal = sp.csr_matrix((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
-    return sp.csr_matrix(mean_weights(mesh.weights) @ nodal @ sp.kron(place, sp.identity(3), format="csr"))
+    nodal = sp.csr_array((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
+    return sp.csr_array(mean_weights(mesh.weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr"))
 
 
-def _at(mesh: PatchMesh, xi: Array) -> sp.csr_matrix:
+def _at(mesh: PatchMesh, xi: Array) -> sp.csr_array:
     """Displacements at surface points, local coordinates ``(p, 3)``, from those of the nodes of a grid, ``(p, n)``."""
     if mesh.contact_shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
@@ -209,7 +209,7 @@ def _at(mesh: PatchMesh, xi: Array) -> sp.csr_matrix:
         columns.append(number[i, k])
         values.append(u * v)
     parts = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return sp.csr_matrix(parts, (len(xi), mesh.mesh.doflocs.shape[1]))
+    return sp.csr_array(parts, (len(xi), mesh.mesh.doflocs.shape[1]))
 
 
 def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
@@ -222,7 +222,7 @@ def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
 
 def _placed(
     xi: Array, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
-) -> tuple[Array, Index, sp.csr_matrix, Array]:
+) -> tuple[Array, Index, sp.csr_array, Array]:
     """Points of local coordinates, those of the interface on the socket's triangles; the interface, its tie, the socket's
     nodes."""
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
@@ -233,7 +233,7 @@ def _placed(
     return points, interface, tie, nodes
 
 
-def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_matrix:
+def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
     """Interpolation of points on the socket's inner faces from its nodes, ``(n, k)``.
 
     On second-order triangles or, linear, on the four first-order ones that the nodes of each make.
@@ -259,7 +259,7 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
         done[points[found]] = True
     if not done.all():
         raise ValueError("a patch node lies on no triangle of its socket")
-    matrix = sp.coo_matrix(
+    matrix = sp.coo_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (len(xi), len(socket.xi))
     )
     return matrix.tocsr()
@@ -281,11 +281,11 @@ class _Partition:
     """Stiffness of the inner freedoms, between them and the socket's, and of the interface; unit contact forces on the
     inner freedoms, interface from the socket; inner freedoms ``(i,)``."""
 
-    inner_stiffness: sp.csc_matrix
-    coupling: sp.csc_matrix
-    outer_stiffness: sp.csc_matrix
-    forces: sp.csc_matrix
-    tie: sp.csc_matrix
+    inner_stiffness: sp.csc_array
+    coupling: sp.csc_array
+    outer_stiffness: sp.csc_array
+    forces: sp.csc_array
+    tie: sp.csc_array
     inner: Index
 
 
@@ -298,7 +298,7 @@ def _partition(
         raise ValueError("the contact zone of a patch reaches its rim: make the zone smaller than the socket")
     inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(base.mesh, "interface"))
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
-    T = sp.kron(base.tie, sp.identity(3), format="csc")
+    T = sp.kron(base.tie, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
     forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
     return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)

@@ -58,7 +58,7 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     return piece_compliance(piece, patch, hat_rows(patch, normals), young, poisson)
 
 
-def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
+def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a piece with a patch in its socket to loads ``rows`` ``(m, 3 n)`` on the patch.
 
     The patch is not condensed: its inner freedoms and the piece's are solved as one. Raises
@@ -73,15 +73,15 @@ def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_matrix, young:
     place = np.full(K_body.shape[0], -1, dtype=np.int64)
     place[free] = inner.size + np.arange(free.size)
     # the interface follows the socket's nodes: patch's frame = R^T times the body's
-    turn = sp.block_diag([piece.rotation.T] * piece.socket.size)
-    tie = (sp.kron(patch.tie, sp.identity(3)) @ turn).tocoo()
+    turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.socket.size)
+    tie = (sp.kron(patch.tie, sp.eye_array(3)) @ turn).tocoo()
     lines = np.concatenate([inner, outer[tie.row]])
     columns = np.concatenate([np.arange(inner.size), place[freedoms(piece.socket)][tie.col]])
-    T = sp.csr_matrix((np.concatenate([np.ones(inner.size), tie.data]), (lines, columns)), (size, inner.size + free.size))
+    T = sp.csr_array((np.concatenate([np.ones(inner.size), tie.data]), (lines, columns)), (size, inner.size + free.size))
     body = K_body[free][:, free].tocoo()
     shape = (T.shape[1], T.shape[1])
-    K = (T.T @ K_patch @ T + sp.coo_matrix((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
-    relief = sp.hstack([sp.csr_matrix((loads.shape[0], inner.size)), loads[:, free]])
+    K = (T.T @ K_patch @ T + sp.coo_array((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
+    relief = sp.hstack([sp.csr_array((loads.shape[0], inner.size)), loads[:, free]])
     F = compliance(K, sp.vstack([rows @ T, relief]).tocsr())
     return _relieved(F, rows.shape[0], rows @ _turned_rigid(patch, piece), loads, piece)
 
@@ -103,13 +103,13 @@ def own_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> A
     return np.asarray(0.5 * (A + A.T))
 
 
-def _supports(piece: Piece) -> tuple[Index, sp.csr_matrix]:
+def _supports(piece: Piece) -> tuple[Index, sp.csr_array]:
     """Free freedoms of a piece, and rigid fields of body forces ``(6, 3 n)`` that balance loads (none where it is held)."""
     size = piece.mesh.doflocs.size
     if piece.held:
-        return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_matrix((0, size))
+        return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_array((0, size))
     held = isostatic(points_of(piece.mesh), piece.socket)
-    return np.setdiff1d(np.arange(size), held), sp.csr_matrix(rigid_loads(piece.mesh))
+    return np.setdiff1d(np.arange(size), held), sp.csr_array(rigid_loads(piece.mesh))
 
 
 def _turned_rigid(patch: PatchMesh, piece: Piece) -> Array:
@@ -118,7 +118,7 @@ def _turned_rigid(patch: PatchMesh, piece: Piece) -> Array:
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
-def _relieved(F: Array, count: int, rigid: Array, loads: sp.csr_matrix, piece: Piece) -> Array:
+def _relieved(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: Piece) -> Array:
     """F of ``count`` loads, balanced by the rigid fields that follow them; rigid ``(count, 6)``: their work on motions."""
     if loads.shape[0] == 0:
         return F

@@ -112,7 +112,7 @@ def with_modes(
     patches: dict[int, CondensedPatch],
     count: int,
     settings: Settings,
-) -> tuple[sp.csc_matrix, sp.csr_matrix, dict[int, tuple[Array, Array]]]:
+) -> tuple[sp.csc_array, sp.csr_array, dict[int, tuple[Array, Array]]]:
     """Stiffness of a body with its patches, rows of the ``count`` modes of every socket; modes V and their rows by side."""
     K = assemble(of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio)
     kept = {s: patch_modes(p, count) for s, p in patches.items()}
@@ -160,7 +160,7 @@ def screw_response(
         ports = (high, *inside)
         half = nut.length / 2.0
         observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
-        end = sp.identity(T.shape[1], format="csr")[-6:]
+        end = sp.eye_array(T.shape[1], format="csr")[-6:]
         follow = [section_motion(mesh.mesh, z) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
@@ -176,7 +176,7 @@ def screw_response(
     return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
-def section_motion(mesh: Mesh, z: float) -> sp.csr_matrix:
+def section_motion(mesh: Mesh, z: float) -> sp.csr_array:
     """Rows ``(6, freedoms)`` of the mean rigid motion at z [m] of the material in a thin slice there, by least squares over
     its volume; turned about, a load on the section is shared out over the slice in proportion to rigid motions."""
     points, corners = points_of(mesh), mesh.p[2, mesh.t]
@@ -189,10 +189,10 @@ def section_motion(mesh: Mesh, z: float) -> sp.csr_matrix:
     carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)
     motion = np.linalg.solve(rigid.T @ carried, carried.T)
     place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms(nodes), 6))
-    return sp.csr_matrix((motion.ravel(), place), (6, 3 * len(points)))
+    return sp.csr_array((motion.ravel(), place), (6, 3 * len(points)))
 
 
-def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_matrix:
+def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
     """C of the screw's 3D stretch: its bore held, or its low end, the high end at ``high`` [m] then a rigid section."""
     if dims.screw_held == "bore":
         return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
@@ -206,7 +206,7 @@ def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array
     return np.asarray((np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (seat[1] - seat[0]) + 1e-7).any(axis=1))
 
 
-def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
+def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
     """C of the nut, held where ``dims`` says."""
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))

@@ -11,10 +11,9 @@ from threading import Lock
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from threadpoolctl import threadpool_limits
-
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.memory import peak_MB, reset_peak
+from rollbench.meshes.threads import for_one_thread
 from rollbench.meshes.workers import end_with_parent
 
 
@@ -45,21 +44,21 @@ class Made:
 def make(
     jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made], None] = lambda *_: None
 ) -> list[Made]:
-    """Records of independent jobs, in their order, by so many processes at once, this one among them, one thread each (a
-    second thread mostly waits where fronts are small); for one process, by this one. report: hears of each record
+    """Records of independent jobs, in their order, by so many processes at once, this one among them; for one process, by
+    this one. The others have one thread each, unless the user's own variables give more. report: hears of each record
     when it is made, one at a time. Raises what a job raises, and MemoryError where a process was ended from outside."""
     if processes == 1 or len(jobs) < 2:
         alone = []
-        with threadpool_limits(1):
-            for k, job in enumerate(jobs):
-                alone.append(_make(job, cache))
-                report(k, alone[-1])
+        for k, job in enumerate(jobs):
+            alone.append(_make(job, cache))
+            report(k, alone[-1])
         return alone
     from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(jobs)) - 1
-    others = get_memmapping_executor(helpers, initializer=end_with_parent, initargs=(os.getpid(),), max_nbytes=None)
+    of_worker = {"initializer": end_with_parent, "initargs": (os.getpid(),), "env": for_one_thread()}
+    others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, Made](), Lock()
 
     def take(maker: Callable[[Job], Made]) -> None:
@@ -77,7 +76,7 @@ def make(
         found: Made = others.submit(_elsewhere, job, cache).result()
         return found
 
-    with ThreadPoolExecutor(helpers) as threads, threadpool_limits(1):
+    with ThreadPoolExecutor(helpers) as threads:
         helping = [threads.submit(take, helped) for _ in range(helpers)]
         try:
             take(lambda job: _make(job, cache))
@@ -102,8 +101,7 @@ def _elsewhere(job: Job, cache: Cache) -> Made:
     """In another process, whose record of memory starts at zero."""
     reset_peak()
     cache.quiet = True
-    with threadpool_limits(1):
-        return _make(job, cache)
+    return _make(job, cache)
 
 
 def _make(job: Job, cache: Cache) -> Made:

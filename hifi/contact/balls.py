@@ -165,7 +165,7 @@ class State:
 class _System:
     """Evaluations of Phi and its Newton step."""
 
-    def __init__(self, C: Compliance, gap: Array, N: sp.csr_matrix, f: Array, balls: list[Ball] | None) -> None:
+    def __init__(self, C: Compliance, gap: Array, N: sp.csr_array, f: Array, balls: list[Ball] | None) -> None:
         self.C, self.f = C, f
         self.gaps = [gap[pairs] for pairs in C.pairs]
         self.rows = []
@@ -247,7 +247,7 @@ class _System:
 def solve_balls(
     C: Compliance,
     gap: Array,
-    N: sp.csr_matrix,
+    N: sp.csr_array,
     f: Array,
     *,
     start: State | None = None,

@@ -101,14 +101,14 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         hifi.linear_algebra.solvers.FactorError: the mesh does not hold together.
     """
     start = perf_counter()
-    matrix = sp.csr_matrix(assemble(elasticity(young, poisson), mesh.mesh))
+    matrix = sp.csr_array(assemble(elasticity(young, poisson), mesh.mesh))
     areas = carried_areas(mesh)
     near = ((mesh.points[:, :2] / np.array(reach)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)
     cut = freedoms_on(mesh.mesh, "cut")
     symmetry = np.concatenate([3 * nodes_on(mesh.mesh, "x = 0"), 3 * nodes_on(mesh.mesh, "y = 0") + 1])
     free = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([cut, symmetry]))
-    unit = sp.csr_matrix((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
+    unit = sp.csr_array((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
     unit = unit[free].tocsc()
     assembled = perf_counter()
     solve = factor(matrix[free][:, free].tocsc())
@@ -255,7 +255,7 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     x, y = surface.places.T
     gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
     matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
-    closing = sp.csr_matrix(np.ones((len(gap), 1)))
+    closing = sp.csr_array(np.ones((len(gap), 1)))
     result, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
     if not result.converged:
         raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {result.status}")

@@ -155,13 +155,13 @@ def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> Face
     return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**defaults, **options})
 
 
-def products(u: FacetBasis, v: FacetBasis) -> sp.csr_matrix:
+def products(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
     """int v_i u_j dA of the functions of two scalar spaces on the same faces, (rows i, columns j)."""
     left, right = (np.stack([np.asarray(phi[0]) for phi in space.basis], axis=1) for space in (v, u))  # (face, function, q)
     local = (left * v.dx[:, None]) @ right.transpose(0, 2, 1)
     rows, columns = (space.element_dofs.T.astype(np.int64) for space in (v, u))
     at = (np.repeat(rows, right.shape[1], axis=1).ravel(), np.tile(columns, left.shape[1]).ravel())
-    return sp.csr_matrix((local.ravel(), at), (v.N, u.N))
+    return sp.csr_array((local.ravel(), at), (v.N, u.N))
 
 
 def nodal_areas(mesh: Mesh, name: str) -> Array:
@@ -182,7 +182,7 @@ def tensor(form: Any) -> Array:
     return values
 
 
-def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_matrix:
+def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
     """Sparse matrix ``(3n, 3n)`` of a form in the gradients alone, of constant coefficients; sorted indices.
 
     mapping: of the cells (None: `CurvedMap`). Freedoms are 3 * node + component of `mesh.doflocs`. Raises ValueError for
@@ -209,14 +209,14 @@ def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_matrix:
         for block, added in zip(blocks, c @ product.reshape(9, -1), strict=True):
             np.add.at(block, at, added)
     blocks = blocks.T.reshape(-1, 3, 3)
-    rows = sp.bsr_matrix((blocks, graph.indices, graph.indptr), shape=(3 * count, 3 * count)).tocsr()
-    return sp.csc_matrix((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned
+    rows = sp.bsr_array((blocks, graph.indices, graph.indptr), shape=(3 * count, 3 * count)).tocsr()
+    return sp.csc_array((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned
 
 
-def _graph(nodes: Index, count: int) -> sp.csr_matrix:
+def _graph(nodes: Index, count: int) -> sp.csr_array:
     """Graph of nodes that share a cell, its entries numbered row by row in ascending columns."""
     n = nodes.shape[1]
-    incidence = sp.csr_matrix(
+    incidence = sp.csr_array(
         (np.ones(nodes.size, dtype=np.int32), nodes.ravel(), np.arange(0, nodes.size + 1, n)), shape=(len(nodes), count)
     )
     graph = (incidence.T @ incidence).tocsr()

@@ -40,7 +40,7 @@ def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
     return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
 
 
-def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
+def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
     """W ``(c, c)`` [m2] on the boundary "contact" of a patch, rows and columns in the order of its nodes ``contact``.
 
     W 1 are the areas of the hats, 1^T W those of the displacements' functions, both over the contact zone. 27-node
@@ -48,14 +48,14 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
     nodal forces: W is diagonal (the hats' consistent mass would make so coarse a contact stiffer still).
     """
     if mesh.elem is not ElementHex2:
-        return sp.csr_matrix(sp.diags(share().assemble(faces(mesh, "contact"))[contact]))
+        return sp.csr_array(sp.diags_array(share().assemble(faces(mesh, "contact"))[contact]))
     rule = halves(mesh.brefdom, 7)
     u = faces(mesh, "contact", quadrature=rule)
     p = faces(mesh, "contact", element=ElementHexHats(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
     W = products(u, p)
-    return sp.csr_matrix(W[contact][:, contact])
+    return sp.csr_array(W[contact][:, contact])
 
 
-def mean_weights(weights: sp.csr_matrix) -> sp.csr_matrix:
+def mean_weights(weights: sp.csr_array) -> sp.csr_array:
     """Weights with rows of sum one: means over hats instead of integrals."""
-    return sp.csr_matrix(sp.diags(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)
+    return sp.csr_array(sp.diags_array(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)

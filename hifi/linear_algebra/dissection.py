@@ -33,7 +33,7 @@ class Supernodes(NamedTuple):
     rows: Index
 
 
-def supernodes(K: sp.csc_matrix) -> Supernodes:
+def supernodes(K: sp.csc_array) -> Supernodes:
     """Supernodes of a matrix of symmetric pattern, shape (n, n)."""
     graph, group = vertices(K)
     dissected = _dissected(graph, group)
@@ -55,26 +55,26 @@ def supernodes(K: sp.csc_matrix) -> Supernodes:
     )
 
 
-def vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
+def vertices(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
     """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,).
 
     The graph is symmetric, as elimination needs it, also where round-off left an entry on only one side of the diagonal.
     """
     size, pointers = K.shape[0], K.indptr
     weights = np.random.default_rng(0).random(size)
-    pattern = sp.csr_matrix((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
+    pattern = sp.csr_array((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
     _, first, group = np.unique(pattern @ weights, return_index=True, return_inverse=True)  # equal columns, equal sums
     count = len(first)
     compressed = pattern[first]  # one row for each vertex
     rows = np.repeat(np.arange(count), np.diff(compressed.indptr))
-    one_sided = sp.csr_matrix((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
+    one_sided = sp.csr_array((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
     graph = (one_sided + one_sided.T).tocsr()
     graph.setdiag(0)
     graph.eliminate_zeros()
     return graph, group
 
 
-def _dissected(graph: sp.csr_matrix, group: Index) -> Index:
+def _dissected(graph: sp.csr_array, group: Index) -> Index:
     """Order of the vertices of a compressed graph by nested dissection.
 
     METIS takes SIGTERM for an error of its own, and leaves it blocked. So it is asked a second time after an error: what
@@ -95,15 +95,15 @@ def _dissected(graph: sp.csr_matrix, group: Index) -> Index:
     return np.asarray(order, dtype=np.int64)
 
 
-def _elimination_tree(graph: sp.csr_matrix) -> Index:
+def _elimination_tree(graph: sp.csr_array) -> Index:
     """Parents of vertices that are eliminated in their order, ``(n,)``; n for a root.
 
-    >>> _elimination_tree(sp.csr_matrix(np.array([[0, 0, 1, 0], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 0, 0]])))
+    >>> _elimination_tree(sp.csr_array(np.array([[0, 0, 1, 0], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 0, 0]])))
     array([2, 2, 3, 4])
     """
     n = graph.shape[0]
     edges = sp.tril(graph, -1).tocoo()
-    spanning = minimum_spanning_tree(sp.csr_matrix((edges.row.astype(float), (edges.row, edges.col)), (n, n))).tocoo()
+    spanning = minimum_spanning_tree(sp.csr_array((edges.row.astype(float), (edges.row, edges.col)), (n, n))).tocoo()
     parent, top = [n] * n, list(range(n))  # top: on the way to the highest vertex that is connected so far
     ascending = np.argsort(spanning.row, kind="stable")
     for i, j in zip(spanning.row[ascending].tolist(), spanning.col[ascending].tolist(), strict=True):
@@ -117,7 +117,7 @@ def _elimination_tree(graph: sp.csr_matrix) -> Index:
 def _postorder(parent: Index) -> Index:
     """Order of the vertices in which every subtree stands together, its root last."""
     n = parent.size
-    down = sp.csr_matrix((np.ones(n), (parent, np.arange(n))), (n + 1, n + 1))
+    down = sp.csr_array((np.ones(n), (parent, np.arange(n))), (n + 1, n + 1))
     return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
 
 
@@ -143,7 +143,7 @@ def _first_columns(parent: Index) -> Index:
     return np.concatenate([[0], 1 + np.flatnonzero(~(inside | chained)), [n]])
 
 
-def _rows(graph: sp.csr_matrix, first: Index) -> list[Index]:
+def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
     """Rows of every supernode: its own, those of its graph's edges, and what its children leave."""
     owner = np.repeat(np.arange(first.size - 1), np.diff(first))
     left: list[list[Index]] = [[] for _ in first[1:]]

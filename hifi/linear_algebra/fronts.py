@@ -45,7 +45,7 @@ class Eliminated(NamedTuple):
     share: Array
 
 
-def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Array:
+def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
     """B^T K^-1 B ``(m, m)`` for symmetric positive definite K ``(n, n)``, stored whole, and sparse B ``(n, m)``.
 
     Raises ArithmeticError where K is not positive definite.
@@ -57,13 +57,13 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
     return total
 
 
-def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], Array]:
+def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Array]:
     """Solutions K^-1 rhs, ``(n,)`` or ``(n, k)``, for symmetric positive definite K ``(n, n)``, stored whole; L is held.
 
     Raises ArithmeticError where K is not positive definite.
     """
     size = K.shape[0]
-    fronts = list(_eliminated(K, sp.csr_matrix((size, 0)), nodes))
+    fronts = list(_eliminated(K, sp.csr_array((size, 0)), nodes))
 
     def solve(rhs: Array) -> Array:
         x = rhs[nodes.order].reshape(size, -1)
@@ -81,7 +81,7 @@ def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], A
     return solve
 
 
-def _eliminated(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Iterator[Eliminated]:
+def _eliminated(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[Eliminated]:
     """Fronts of K with columns of B as borders, one after another. Raises ArithmeticError as `gram_by_fronts` does."""
     place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
     place[nodes.order] = np.arange(K.shape[0])
@@ -118,7 +118,7 @@ def _eliminated(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Iterat
         yield done
 
 
-def _entries(A: sp.csc_matrix | sp.csr_matrix, lines: Index) -> tuple[Index, Index, Array]:
+def _entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
     """Entries of columns ``lines`` of a csc matrix, or of rows of a csr one: row or column, place in ``lines``, value."""
     begin = A.indptr[lines]
     count = A.indptr[lines + 1] - begin

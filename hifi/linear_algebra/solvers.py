@@ -34,13 +34,13 @@ class FactorError(ArithmeticError):
     """The matrix cannot be factored: not positive definite, or singular to working precision."""
 
 
-def factor(K: sp.spmatrix) -> Solve:
+def factor(K: sp.sparray) -> Solve:
     """Solution of K x = rhs, rhs (n,) or (n, k), for symmetric positive definite K, shape (n, n); only symmetry is taken on
     trust.
 
     Raises FactorError for a matrix that is not positive definite or singular (a body that nothing holds).
     """
-    matrix = sp.csc_matrix(K)
+    matrix = sp.csc_array(K)
     diagonal = _diagonal(matrix)
     by_fronts = matrix.shape[0] > SMALL
     solve = _positive(lambda: factor_by_fronts(matrix, supernodes(matrix))) if by_fronts else _splu(matrix)
@@ -48,16 +48,16 @@ def factor(K: sp.spmatrix) -> Solve:
     return solve
 
 
-def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
+def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
     """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` of loads on the held stiffness K ``(n, n)``.
 
     Raises FactorError for a body that is not held, and where the factorisation fails for another reason.
     """
-    F = gram(K, sp.csr_matrix(rows).T) if rows.shape[0] else np.zeros((0, 0))
+    F = gram(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
     return np.asarray(0.5 * (F + F.T))
 
 
-def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
+def gram(K: sp.sparray, B: sp.sparray) -> Array:
     """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.linear_algebra.fronts`), without holding the
     factor.
 
@@ -65,11 +65,11 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
     is held whole is solved with, column by column: it says what is wrong with the matrix. So it does, without a warning, up
     to `SMALL` freedoms and `FEW` entries of B. Raises FactorError as `factor` does.
     """
-    inner, columns = sp.csc_matrix(K), sp.csc_matrix(B)
+    inner, columns = sp.csc_array(K), sp.csc_array(B)
     diagonal = _diagonal(inner)
     if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
-        loads = sp.hstack([columns, sp.csc_matrix((inner @ known)[:, None])]).tocsr()
+        loads = sp.hstack([columns, sp.csc_array((inner @ known)[:, None])]).tocsr()
         solved = _positive(lambda: gram_by_fronts(inner, loads, supernodes(inner)))
         answer = columns.T @ known
         off = np.linalg.norm(solved[:-1, -1] - answer)
@@ -81,7 +81,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
     return np.asarray(columns.T @ factor(inner)(columns.toarray()))
 
 
-def _diagonal(matrix: sp.csc_matrix) -> Array:
+def _diagonal(matrix: sp.csc_array) -> Array:
     """Diagonal of the matrix; raises FactorError unless all of it is positive."""
     diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
@@ -109,7 +109,7 @@ def _positive(eliminate: Callable[[], T]) -> T:
         raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
 
 
-def _splu(matrix: sp.csc_matrix) -> Solve:
+def _splu(matrix: sp.csc_array) -> Solve:
     try:
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:

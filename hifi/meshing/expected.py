@@ -84,9 +84,9 @@ class _Model:
     typical stiffness [N/m]; soft springs that K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch
     radius of rotations)."""
 
-    K: sp.csc_matrix
+    K: sp.csc_array
     P: Array
-    A: sp.csr_matrix
+    A: sp.csr_array
     arms: Array
     touch: Array
     constant: Array
@@ -189,20 +189,20 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
     mean = 0.5 * (thread.screw.outer_diameter / 2.0 + thread.track.pitch_radius - thread.balls.radius)  # of land and groove
     section = round_section(mean, e.youngs_modulus, e.poissons_ratio)
     shaft = 6 * len(nodes)
-    K = sp.lil_matrix((shaft + 6 * count,) * 2)
+    K = sp.lil_array((shaft + 6 * count,) * 2)
     for k, (a, b) in enumerate(pairwise(nodes)):
         K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)
     for spring, stiff in frame.springs():
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
-    def motion(body: int, z: float) -> sp.csr_matrix:
+    def motion(body: int, z: float) -> sp.csr_array:
         """Motion ``(6, size)`` of a station of the screw (body 0), or of a nut in a housing, by the freedoms."""
         if body:
             first, at = shaft + 6 * (body - 1), frame.housings[body - 1].at
         else:
             k = 0 if rigid else nodes.index(round(z, 9))
             first, at = 6 * k, nodes[k]
-        out = sp.lil_matrix((6, K.shape[0]))
+        out = sp.lil_array((6, K.shape[0]))
         out[:, first : first + 6] = transport(z - at)
         return out.tocsr()
 
@@ -213,11 +213,11 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
         constants[~np.array(s.sides)] = 0.0
     constant = np.concatenate([np.tile(k, (x.z.size, 1)) for k, x in zip(hertz_constants, layouts, strict=True)])
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
-    P, held = np.zeros(K.shape[0]), sp.csr_matrix(K.shape)
+    P, held = np.zeros(K.shape[0]), sp.csr_array(K.shape)
     for body, at, wrench in wrenches:
         P += motion(body, at).T @ wrench
     for body, at, k, value in frame.holds():
-        row, spring = motion(body, at)[k], HELD * n * stiffness * frame.lengths[k] ** 2
+        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths[k] ** 2
         held = held + spring * (row.T @ row)
         P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
@@ -227,8 +227,8 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
             section_frame = np.stack([layout.radial[i], layout.binormal[i]])
             arm = layout.centre[i] - np.array([0.0, 0.0, z])
             turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
-            rows = -sp.csr_matrix(np.hstack([section_frame, section_frame @ turn]))
-            screw, nut = rows @ motion(0, z), sp.csr_matrix((4, K.shape[0]))
+            rows = -sp.csr_array(np.hstack([section_frame, section_frame @ turn]))
+            screw, nut = rows @ motion(0, z), sp.csr_array((4, K.shape[0]))
             if s.housing is not None:
                 nut = sp.vstack([rows @ motion(1 + s.housing, z)] * 2)
             blocks.append(sp.vstack([screw, screw, nut]))
@@ -236,10 +236,10 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
         arms.append(-drawn.centre)
         arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
         touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
-    A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
+    A = sp.hstack([sp.vstack(blocks), sp.kron(sp.eye_array(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
     arm = np.concatenate([np.tile(frame.lengths, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
-    K_all = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
+    K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
     P = np.append(P, np.zeros(2 * n))
     return _Model(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
 
@@ -269,7 +269,7 @@ def _equilibrium(model: _Model) -> tuple[Array, Array]:
         normal = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))
         turned = (load / length)[..., None, None] * np.eye(2)
         blocks = turned + (normal - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
-        H = model.K + model.A.T @ sp.block_diag(list(blocks.reshape(-1, 2, 2)), format="csr") @ model.A
+        H = model.K + model.A.T @ sp.block_diag([sp.csr_array(b) for b in blocks.reshape(-1, 2, 2)], format="csr") @ model.A
         move = spsolve(H.tocsc(), wrong)
         descent, size = float(wrong @ move), 1.0
         while size > 1e-9:

@@ -58,7 +58,7 @@ def in_frame(body: ContactBody, frame: Frame) -> Array:
 
 def tractions(
     body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: Frame | None = None
-) -> sp.csr_matrix:
+) -> sp.csr_array:
     """Loads ``(3 k, 3 n)``: nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
     Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area. bends:
@@ -69,7 +69,7 @@ def tractions(
     at = in_frame(body, frame)
     c = len(at)
     hats = contact_weights(body.mesh, body.contact)
-    root = np.sqrt(np.asarray(hats.sum(axis=1)))
+    root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
     fit = np.linalg.pinv(root * monomials(at, zone.half, degree)) @ (root * mean_weights(hats).toarray())
     tilt = -body.sense * at * np.array(bends)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
@@ -79,41 +79,41 @@ def tractions(
     k = len(fit)
     nodal = np.einsum("kc,cdx->dkcx", fit, frames @ frame.axes).reshape(3 * k, 3 * c)
     columns = (3 * body.contact[:, None] + np.arange(3)).ravel()
-    spread = sp.csr_matrix((np.ones(3 * c), (np.arange(3 * c), columns)), (3 * c, body.mesh.doflocs.size))
-    return sp.csr_matrix(sp.csr_matrix(nodal) @ spread)
+    spread = sp.csr_array((np.ones(3 * c), (np.arange(3 * c), columns)), (3 * c, body.mesh.doflocs.size))
+    return sp.csr_array(sp.csr_array(nodal) @ spread)
 
 
-def free_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
+def free_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a free body, loads and motions freed of what moves it as a whole."""
     K, points = assembly.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_matrix(relief)]))
+    F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
 
-def _held(K: sp.csr_matrix, held: Index, rows: sp.spmatrix) -> Array:
+def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
     """Answers ``(m, m)`` [m/N] of a body whose freedoms ``held`` stand."""
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     return compliance(K[free][:, free], rows.tocsr()[:, free])
 
 
-def held_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
+def held_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a body held at its boundary "held"."""
     return _held(assembly.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
-def half_space_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
+def half_space_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut
     (`hifi.contact.block`)."""
     K, cut = assembly.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
-    by_cut = sp.csr_matrix(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
+    by_cut = sp.csr_array(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
     F, m = _held(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
 
-def _far_field(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
+def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Motion ``(3 cut nodes, m)`` [m/N] of the cut under the loads ``rows`` on the zone's nodes."""
     points = points_of(body.mesh)
     cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]

@@ -14,7 +14,6 @@ from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import kinematics
@@ -227,11 +226,10 @@ def solve_rolling(
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError("a ball without a loaded contact has no steady motion")
-    with threadpool_limits(1):  # many small matrices: the threads of two BLAS libraries only wait for one another
-        contacts = contacts_of(scene, choices)
-        balance = balance_of(scene, contacts)
-        y = start_of(scene) if near is None else near.friction.motions
-        solution = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
+    contacts = contacts_of(scene, choices)
+    balance = balance_of(scene, contacts)
+    y = start_of(scene) if near is None else near.friction.motions
+    solution = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
     return _result(scene, choices, contacts, solution, process_time() - begin)
 
 
@@ -317,11 +315,10 @@ def solve_rigid_rolling(
     bodies: finite ones, by the half spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None: half spaces.
     """
     y = start_of(scene)
-    with threadpool_limits(1):  # as `solve_rolling`
-        for count in (FIRST, points):
-            contacts = _rigid_contacts(scene, count, curved, bodies)
-            path = PATH if count == FIRST else PATH[-2:]
-            y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
+    for count in (FIRST, points):
+        contacts = _rigid_contacts(scene, count, curved, bodies)
+        path = PATH if count == FIRST else PATH[-2:]
+        y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
     loss = np.array([-float(full_slip(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
     return RigidResult(*moving(scene, y), loss, meeting_losses(scene, y), remainder)
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from time import process_time
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.friction import Contact, solve_friction
@@ -73,8 +72,7 @@ def run_from_rest(
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError("need a duration > 0, at least one step and no negative gap")
-    with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
-        return _run(scene, duration / steps, steps, gap, choices or balls.Choices())
+    return _run(scene, duration / steps, steps, gap, choices or balls.Choices())
 
 
 def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: balls.Choices) -> TransientResult:

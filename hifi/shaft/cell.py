@@ -94,4 +94,4 @@ def meshed_shaft(
     mesh = build_body(m, spec)
     K = assemble(elasticity(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
     T = end_transform(mesh.mesh, spec.z_high)
-    return length, compliance((T.T @ K @ T).tocsc(), sp.identity(T.shape[1], format="csr")[-6:])
+    return length, compliance((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])

@@ -100,7 +100,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in means])
     nodes, size = basis.element_dofs.T, basis.N
     lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
-    K = sp.csr_matrix(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
+    K = sp.csr_array(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
     F = np.zeros((size, len(means)), dtype=B.dtype)
     np.add.at(F, nodes, B.conj() @ stress(mean))
     prescribed = (mean @ stress(mean)).sum(axis=0)
@@ -115,7 +115,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     return np.asarray((prescribed - np.conj(T.T @ F).T @ answer).real)
 
 
-def _periodic(basis: Basis, period: float) -> sp.csr_matrix:
+def _periodic(basis: Basis, period: float) -> sp.csr_array:
     """Freedoms ``(n, m)`` from those that are left where the two ends of the period are one."""
     x = basis.doflocs
     low, high = (np.flatnonzero(np.abs(x[1] - s * 0.5 * period) < 1e-9 * period) for s in (-1.0, 1.0))
@@ -123,4 +123,4 @@ def _periodic(basis: Basis, period: float) -> sp.csr_matrix:
     master = np.arange(x.shape[1])
     master[high] = low
     left, place = np.unique(master, return_inverse=True)
-    return sp.csr_matrix((np.ones(place.size), (np.arange(place.size), place)), (place.size, left.size))
+    return sp.csr_array((np.ones(place.size), (np.arange(place.size), place)), (place.size, left.size))

@@ -43,7 +43,6 @@ from rollbench.lowfi.compliance.tube import (
     spring_compliance,
     tube_compliance,
 )
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
 from rollbench.meshes.kept import kept
@@ -86,7 +85,6 @@ def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
     return ring_compliance(flank_of(geometry, screw), held_at(geometry, screw))
 
 
-@one_thread()
 def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     """e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
     flank = flank_of(geometry, screw)
@@ -181,7 +179,6 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
     return G.reshape(2 * side.size, -1)
 
 
-@one_thread()
 def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
     """`lowfi.compliance.bodies.whole_body` of a body that is not rigid, for contacts wherever they are."""
     held = held_at(scene, screw)
@@ -198,7 +195,6 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
     return G
 
 
-@one_thread()
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float]:
     """The fields of `lowfi.compliance.ends.EndResponse` of a screw that is held by its section."""
     geometry = geometry_only(scene)

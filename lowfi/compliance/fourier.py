@@ -21,7 +21,7 @@ from scipy.linalg.lapack import dtbtrs
 from rollbench.meshes.arrays import Array, Index
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import csr_array
 
 #: Share of a unit load that reaches a line, below which it is none, and change of an element's stiffness over the largest,
 #: below which two are alike: both less than round-off.
@@ -221,15 +221,15 @@ class Body:
         return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
 
     @cached_property
-    def parts(self) -> tuple[csr_matrix, ...]:
+    def parts(self) -> tuple[csr_array, ...]:
         """K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, which hold the same entries."""
-        from scipy.sparse import coo_matrix
+        from scipy.sparse import coo_array
 
         dof = self.freedoms()
         row = np.repeat(dof, 27, axis=1).ravel()
         column = np.tile(dof, (1, 27)).ravel()
         size = 3 * self.grid.r.size
-        return tuple(coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
+        return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def rows(self, chosen: slice | Index = slice(None)) -> Array:
         """The parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
@@ -260,7 +260,7 @@ class Body:
         found = [np.bincount(at, values, width * count) for values in parts]
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
-    def stiffness(self, n: int) -> csr_matrix:
+    def stiffness(self, n: int) -> csr_array:
         """K_n ``(3 nodes, 3 nodes)``."""
         return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 

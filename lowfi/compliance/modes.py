@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 
 #: Largest compliance whose modes are all found at once, in time that grows as its cube; of a larger one only those wanted.
@@ -28,20 +27,19 @@ def _smallest(G: Array) -> tuple[Array, Array]:
     from scipy.linalg import cho_factor, cho_solve
 
     diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
-    with one_thread():  # scipy has a library of its own
-        while True:
-            shifted = G.copy()
-            shifted[diagonal, diagonal] += shift
-            try:
-                factor = cho_factor(shifted, lower=True, overwrite_a=True)  # raises ValueError where G is not finite
-                break
-            except np.linalg.LinAlgError:
-                shift *= 3.0
-        while count * INVERSES < len(G):
-            values, vectors = _ritz(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count)
-            if 2 * (values < 0.0).sum() < count:
-                return values, vectors
-            count *= 2
+    while True:
+        shifted = G.copy()
+        shifted[diagonal, diagonal] += shift
+        try:
+            factor = cho_factor(shifted, lower=True, overwrite_a=True)  # raises ValueError where G is not finite
+            break
+        except np.linalg.LinAlgError:
+            shift *= 3.0
+    while count * INVERSES < len(G):
+        values, vectors = _ritz(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count)
+        if 2 * (values < 0.0).sum() < count:
+            return values, vectors
+        count *= 2
     return np.linalg.eigh(G)
 
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from rollbench.lowfi.compliance.flank import Flank
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -162,8 +161,7 @@ def section_of(flank: Flank) -> BeamSection:
 
     if flank.map.rg == 0.0:
         return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
-    with one_thread():
-        return cell_section(flank.map, flank.land, flank.far, flank.screw, flank.material).section
+    return cell_section(flank.map, flank.land, flank.far, flank.screw, flank.material).section
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:

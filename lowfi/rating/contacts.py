@@ -37,11 +37,13 @@ class Contact:
 
 @dataclass(frozen=True)
 class StaticSafety:
-    """Of the contact of highest pressure. factor: force at 4200 MPa over its force, (4200 MPa / p)^3; permanent: its
-    lasting indentation over the ball's diameter, of which ISO 76 allows 1e-4."""
+    """Of the contact of highest pressure. factor: force at the allowed pressure [Pa] over its force, (4200 MPa / p)^3 of
+    balls, (4000 MPa / p)^2 of rollers; permanent: of balls, its lasting indentation over the ball's diameter, of which ISO
+    76 allows 1e-4."""
 
     factor: float
-    permanent: float
+    allowed: float
+    permanent: float | None = None
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def static_safety(scene: Scene, worst: Contact) -> StaticSafety:
     across, along = nominal_curvatures(scene)[SIDES.index(worst.side)]
     diameter = 2.0 * scene.balls.radius
     permanent = PALMGREN * worst.force**2 / diameter * float(across * along)
-    return StaticSafety((DENT_PRESSURE / worst.pressure) ** 3, permanent / diameter)
+    return StaticSafety((DENT_PRESSURE / worst.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
 
 
 def truncation(scene: Scene, load: Array, angle: Array) -> Truncation | None:

@@ -18,7 +18,9 @@ Screw: load ratings of one turn of z balls, screw and nut,
     C = 93.2 (1 - sin(alpha)/3) (2f/(2f - 1))^0.41 gamma^0.3 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3)
         cos(alpha)^0.86 tan(alpha) cos(phi)^1.3 z^(2/3) D^1.8,  times i^0.86 for i turns,                              (3)
 
-shared by i z contacts: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Equal loads then give L = (C_a/F_a)^3 with
+shared by i z contacts: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Turns without balls, between circuits or within one, add
+nothing to i: a start of n balls, at the median d of the angles between neighbours, fills i = n d/2 pi turns
+(`filled_turns`). Equal loads then give L = (C_a/F_a)^3 with
 C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
 
 Several load cases, the nut at one position: damage belongs to a place of a raceway and adds up there by the share n_j of
@@ -61,13 +63,19 @@ RADIAL = (0.407, 0.389)
 class Life:
     """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
     basic dynamic load rating as computed [N], axial for screws and thrust bearings, else radial; equivalent: the load [N]
-    under which the rating would give the same life; standard: whose formulas."""
+    under which the rating would give the same life; standard: whose formulas; lead: of the screw [m], 0 of a ring."""
 
     revolutions: float
     raceways: dict[str, float]
     rating: float
     equivalent: float
     standard: str
+    lead: float = 0.0
+
+    @property
+    def distance(self) -> float | None:
+        """Life as the distance [m] that the nut travels; None for rings."""
+        return 1e6 * self.revolutions * self.lead if self.lead else None
 
     def hours(self, speed: float) -> float:
         """Life in hours at a speed of the turning part [rad/s]."""
@@ -79,12 +87,16 @@ def is_thrust(scene: Scene) -> bool:
     return scene.track.lead == 0.0 and degrees(scene.track.contact_angle) > RADIAL_UP_TO + 1e-9
 
 
-def turns_of(scene: Scene) -> tuple[float, float]:
-    """Balls per turn of one start, and turns of all starts that they fill at the spacing of the scene's azimuths."""
-    azimuth = np.asarray(scene.balls.azimuths)
-    n = azimuth.size
-    turns = 1.0 if n == 1 else float(azimuth.max() - azimuth.min()) / (n - 1) * n / (2.0 * pi)
-    return n / turns, turns * scene.track.starts
+def filled_turns(scene: Scene) -> float:
+    """Turns that the balls of all starts fill, without those between circuits: every ball takes the median angle between
+    neighbours, one ball a whole turn.
+
+    Exact for equal distances within circuits of two balls or more, whatever their gaps; continuous in every azimuth. Where
+    distances are unequal, a longer one counts as if it were the median.
+    """
+    azimuths = np.sort(scene.balls.azimuths)
+    angle = float(np.median(np.diff(azimuths))) if azimuths.size > 1 else 2.0 * pi
+    return scene.ball_count * angle / (2.0 * pi)
 
 
 def _shape(scene: Scene) -> tuple[Array, float]:
@@ -117,7 +129,7 @@ def _slope(scene: Scene) -> float:
 
 
 def _turns_share(scene: Scene) -> float:
-    return float(turns_of(scene)[1] ** 0.86)
+    return float(filled_turns(scene) ** 0.86)
 
 
 def _turn_rating(scene: Scene) -> Array:
@@ -125,7 +137,8 @@ def _turn_rating(scene: Scene) -> Array:
     alpha = scene.track.contact_angle
     shape, D = _shape(scene)
     angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _slope(scene) ** 1.3
-    return np.asarray(CONTACT * SINGLE_ROW * shape * angle * turns_of(scene)[0] ** (2.0 / 3.0) * D**1.8)
+    per_turn = scene.ball_count / filled_turns(scene)
+    return np.asarray(CONTACT * SINGLE_ROW * shape * angle * per_turn ** (2.0 / 3.0) * D**1.8)
 
 
 def rating(scene: Scene) -> float:
@@ -153,7 +166,7 @@ def life(scene: Scene, load: Array) -> Life | None:
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), rating(scene)
-    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene))
+    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene), scene.track.lead)
 
 
 def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:

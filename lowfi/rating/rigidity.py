@@ -9,11 +9,16 @@ closed by c_1, c_2 at zero load (preload by large balls or errors; the two halve
 own, the sum over both); without preload u = C (F/(N s))^(2/3)/s.
 
 With the bodies (R_nu): the radial part F/tan(alpha) of the contact forces widens the nut and squeezes the screw, as thick
-tubes under even pressure over the loaded length i P_h (Lame), which ISO 3408-4 takes too:
+tubes under even pressure over the loaded length i P_h of each start (Lame), which ISO 3408-4 takes too:
 
     u = F/(2 pi i P_h tan^2(alpha)) (((D_1^2 + D_c^2)/(D_1^2 - D_c^2) + nu_n)/E_n
                                       + ((d_c^2 + d_b^2)/(d_c^2 - d_b^2) - nu_s)/E_s).
                                                                                                                        (2)
+
+i counts the filled turns only (`life.filled_turns`): where no ball presses there is no pressure, so that gaps between
+circuits do not change (2). In truth the wall without balls, between circuits and beyond the outer ones, carries a share
+along about sqrt(R t)/1.3 (R its mean radius, t its thickness); that is left out, here as in ISO 3408-4, and makes (2) too
+soft, most where short circuits stand apart.
 
 With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
 nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Its contact angles are those under load, so that it
@@ -28,7 +33,7 @@ from math import cos, pi, sin, tan
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
-from rollbench.lowfi.rating.life import turns_of
+from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -97,7 +102,7 @@ def body_compliance(scene: Scene) -> float | None:
     inner, outer = 2.0 * (track.pitch_radius - reach), 2.0 * (track.pitch_radius + reach)
     if scene.nut.outer_diameter <= outer or scene.screw.bore >= inner:
         raise ValueError("nut or screw has no wall behind its contacts")
-    length = turns_of(scene)[1] / track.starts * track.lead
+    length = filled_turns(scene) / track.starts * track.lead
     nut, screw = scene.nut.material, scene.screw.material
     widen = (scene.nut.outer_diameter**2 + outer**2) / (scene.nut.outer_diameter**2 - outer**2) + nut.poissons_ratio
     squeeze = (inner**2 + scene.screw.bore**2) / (inner**2 - scene.screw.bore**2) - screw.poissons_ratio

@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import lambertw
 
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.meshes.arrays import Array
@@ -58,6 +57,8 @@ class LineLaw:
 
         Raises ValueError beyond the greatest approach S exp(g/S - 1) of the law.
         """
+        from scipy.special import lambertw  # loads slowly; pressures and `solve` do without
+
         delta = np.asarray(approach, dtype=float)
         inside = delta > 0.0
         argument = -np.where(inside, delta, self.s) / self.s * np.exp(-self.g / self.s)

@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rollbench.lowfi.rollers.line_contact import LineLaw
+from rollbench.lowfi.hertz import contact_modulus
+from rollbench.lowfi.rollers.line_contact import LineLaw, half_width, pressure
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
@@ -56,6 +57,21 @@ def sliced(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Arra
     x = middles(bearing.length, slices)
     drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
     return SlicedRoller(bearing.law(), x, bearing.length, drop)
+
+
+def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
+    """Half-widths b and largest pressures p ``(..., n, 2)`` [m, Pa] at cone and cup, of line loads q ``(..., n)`` [N/m] in
+    equal slices from the small end of the roller to the large one.
+
+    Hertz's line contact (Johnson 1985, 4.43 and 4.45) at each slice's own curvature 1/R = 1/R_roller +- 1/R_race:
+    b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)). Valid for b small against the roller's radius; without what the
+    sharp end of a straight roller adds. Both are zero without load.
+    """
+    roller, cone, cup = bearing.radii(middles(bearing.length, line_loads.shape[-1]))
+    curvature = np.stack([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup], axis=-1)
+    q = np.asarray(line_loads, dtype=float)[..., None]
+    b = half_width(q, curvature, contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson))
+    return b, pressure(q, np.where(q == 0.0, 1.0, b))
 
 
 def slice_state(roller: SlicedRoller, approach: float) -> SliceState:

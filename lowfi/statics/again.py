@@ -13,7 +13,6 @@ from rollbench.lowfi.statics.problem import distances
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.static import Build, Engine, Solution, Unheld, pick_engine, solve_sides
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
@@ -53,8 +52,7 @@ def elastic_loads(
     """The same with elastic bodies, ``solve_elastic``; whole: see `body_compliance`."""
     use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
-    with one_thread():
-        return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
+    return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
 
 
 def _loads(solved: Solution | Unheld) -> ContactLoads:

@@ -26,7 +26,6 @@ from rollbench.lowfi.statics.settle import SetFlanks, least_residual
 from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.static import Build, Engine, OneSet, Words, options_of, pick_engine, scale_of, solve_built
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -201,7 +200,6 @@ class ElasticBuild(Build):
         return "two of the four sides may touch in the solution without them: solved again with all four"
 
 
-@one_thread()
 def solve_elastic(
     scene: Scene,
     *,

@@ -19,7 +19,6 @@ from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shaft import node_motions, rigid_nodes, rows_of
 from rollbench.lowfi.statics.static import Solution, scale_of, solve_sides
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
 from rollbench.meshes.helix import ball_layout
@@ -46,15 +45,14 @@ class ElasticMembers:
         C = hertz_C(self.scene, nominal, drawn.ball_radius)
         loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)
         self._states.clear()
-        with one_thread():
-            for k in range(count):
-                dims = drawn.ball_radius[k], offset[k], closure[k], C[k]
-                use = choose_sides(self.scene, nominal, dims[1:3])
-                solved = self._member(first + k, use, dims)
-                if solved is None and not np.array_equal(use, all_sides(self.scene)):
-                    solved = self._member(first + k, all_sides(self.scene), dims)
-                if solved is not None:
-                    loads[k], numbers[:, k] = solved[0], solved[1:]
+        for k in range(count):
+            dims = drawn.ball_radius[k], offset[k], closure[k], C[k]
+            use = choose_sides(self.scene, nominal, dims[1:3])
+            solved = self._member(first + k, use, dims)
+            if solved is None and not np.array_equal(use, all_sides(self.scene)):
+                solved = self._member(first + k, all_sides(self.scene), dims)
+            if solved is not None:
+                loads[k], numbers[:, k] = solved[0], solved[1:]
         return loads, *numbers
 
     def _member(self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:

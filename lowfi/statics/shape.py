@@ -75,7 +75,7 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     ]
 
     def at(*coefficients: Array | float) -> Array:
-        return sum((c * p for c, p in zip(coefficients, powers, strict=False)), start=zero)
+        return sum((c * p for c, p in zip(coefficients, powers[: len(coefficients)], strict=True)), start=zero)
 
     n = np.zeros((xi.size, 6, 12))
     u = (

@@ -25,7 +25,6 @@ from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.static import Unheld, pick_engine, solve_sides
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -76,17 +75,16 @@ def tangent_stiffness(
         raise ValueError(f"the screw reaches from 0 to {1e3 * scene.screw.length:g} mm")
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
-    with one_thread():
-        every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
-        use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
-        parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
-        solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
-        status = solved.status if isinstance(solved, Unheld) else solved.verdict()
-        if isinstance(solved, Unheld) or status != "converged":
-            return Tangent(station, np.full((6, 6), np.nan), status)
-        clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
-        held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
-        return Tangent(station, _condensed(solved.system, held.ready(held.problem()), station), status)
+    every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
+    use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
+    parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
+    solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
+    status = solved.status if isinstance(solved, Unheld) else solved.verdict()
+    if isinstance(solved, Unheld) or status != "converged":
+        return Tangent(station, np.full((6, 6), np.nan), status)
+    clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
+    held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
+    return Tangent(station, _condensed(solved.system, held.ready(held.problem()), station), status)
 
 
 def _condensed(solved: Any, clamped: Any, station: float) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
@@ -14,14 +16,16 @@ from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.section import groove_section, nut_groove_range
 
+Element = Literal["ball", "roller"]
+
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
 #: largest contact approach that they neglect.
 SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
 #: Rotation of any section of the shaft [rad] beyond which a linear beam is left: half its square is a per mille.
 SMALL_ROTATION = 0.045
-#: Pole pressure [Pa] above which contacts of hardened bearing steel keep a dent of more than 1e-4 ball diameters
-#: (ISO 76, static load rating of ball bearings).
-DENT_PRESSURE = 4.2e9
+#: Largest pressure [Pa] that ISO 76 rates contacts of hardened bearing steel at, of ball and of roller bearings: beyond it
+#: they keep a dent of more than about 1e-4 of the element's diameter.
+DENT_PRESSURE, ROLLER_DENT_PRESSURE = 4.2e9, 4.0e9
 #: Semi-axis over ball radius up to which Hertz's half space holds: there the ball leaves its paraboloid by a quarter of the
 #: square, 2 %.
 LARGE = 0.3
@@ -45,7 +49,7 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
         *_wedged(problem, shift),
         *profile_warning(solved),
         *tilt_warning(problem, force, z, motion),
-        *_rotation(z, motion),
+        *rotation_warning(z, motion),
     )
 
 
@@ -107,25 +111,29 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]
     return [Warned("two flanks", text)]
 
 
-def size_warnings(semi_axis: Array, radius: float) -> list[Warned]:
-    """Contacts that are large against their ball; semi_axis: of the ellipses, any shape [m], radius: of the ball [m]."""
+def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
+    """Contacts that are large against their ball or roller; semi_axis: of the ellipses, half-width of the strips, any shape
+    [m], radius: of the ball or roller [m]."""
     most = float(semi_axis.max(initial=0.0)) / radius
     if most <= LARGE:
         return []
-    words = f"a semi-axis is {most:.2g} of the ball's radius; Hertz's half space does not hold beyond {LARGE:g}"
-    return [Warned("size", f"contact ellipse too large: {words}", f"contact ellipse of {most:.2g} of the ball's radius")]
+    shape, half = ("contact ellipse", "semi-axis") if element == "ball" else ("line contact", "half-width")
+    words = f"a {half} is {most:.2g} of the {element}'s radius; Hertz's half space does not hold beyond {LARGE:g}"
+    return [Warned("size", f"{shape} too large: {words}", f"{shape} of {most:.2g} of the {element}'s radius")]
 
 
-def contact_warnings(pressure: Array, semi_axis: Array, radius: float) -> list[Warned]:
-    """Contacts that are too large for Hertz's half space or leave a dent; pressure [Pa], semi_axis [m]: ``(N, 4)``."""
-    notes, beyond = size_warnings(semi_axis, radius), pressure > DENT_PRESSURE
+def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
+    """Contacts that are too large for Hertz's half space or leave a dent; pressure [Pa], semi_axis [m]: of the contacts of
+    each ball ``(N, 4)``, or of each roller with its races ``(N, 2)``; radius: of the element [m]."""
+    allow = DENT_PRESSURE if element == "ball" else ROLLER_DENT_PRESSURE
+    notes, beyond = size_warnings(semi_axis, radius, element), pressure > allow
     if beyond.any():
-        ball = int(pressure.argmax()) // pressure.shape[1] + 1
-        allowed, most = f"{1e-9 * DENT_PRESSURE:g} GPa", f"{1e-9 * float(pressure.max()):.3g} GPa"
+        worst = int(pressure.argmax()) // pressure.shape[1] + 1
+        allowed, most = f"{1e-9 * allow:g} GPa", f"{1e-9 * float(pressure.max()):.3g} GPa"
         text = (
-            f"contact pressure too high: {int(beyond.sum())} contact(s) above {allowed}, up to {most} on ball {ball}; "
-            "hardened steel keeps a dent of more than 1e-4 of the ball's diameter there (ISO 76), and the computed loads "
-            "assume elastic bodies"
+            f"contact pressure too high: {int(beyond.sum())} contact(s) above {allowed}, up to {most} on {element} "
+            f"{worst}; hardened steel keeps a dent of more than 1e-4 of the {element}'s diameter there (ISO 76), and the "
+            "computed loads assume elastic bodies"
         )
         notes.append(Warned("pressure", text, f"contact pressure {most}, above {allowed}"))
     return notes
@@ -199,18 +207,25 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)
     inside = (z >= low) & (z <= high)
     tilt = max(tilt, float(np.hypot(motion[inside, 3], motion[inside, 4]).max(initial=0.0)))
-    beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
+    return tilted(tilt, problem.scene.track.pitch_radius, approach)
+
+
+def tilted(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[Warned]:
+    """`tilt_warning` of a tilt [rad] of the shaft at elements on a pitch radius [m], largest contact approach [m]."""
+    beyond = 0.5 * radius * tilt**2
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
     share = f"{100.0 * beyond / approach:.2g} % of" if beyond < approach else "more than"
     text = (
-        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations neglect {1e6 * beyond:.2g} um "
-        f"of a groove's motion, {share} the largest contact approach"
+        f"the screw tilts by {1e3 * tilt:.2g} mrad at the {element}s: small rotations neglect {1e6 * beyond:.2g} um "
+        f"of a {'groove' if element == 'ball' else 'race'}'s motion, {share} the largest contact approach"
     )
     return [Warned("tilt", text)]
 
 
-def _rotation(z: Array, motion: Array) -> list[Warned]:
+def rotation_warning(z: Array, motion: Array) -> list[Warned]:
+    """Whether a section of the shaft turns beyond what a linear beam holds for; z ``(k,)`` [m] and motion ``(k, 6)`` of the
+    centreline."""
     size = np.abs(motion[:, 3:]).max(axis=1)
     if not size.size or not float(size.max()) > SMALL_ROTATION:
         return []

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.exchange.deck import element_faces, lines, number, rows
 from rollbench.meshes.leftovers import temporary
+from rollbench.meshes.libraries import pip
 from rollbench.meshes.node_order import VTK
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def need(form: str) -> None:
         try:
             import_module(package)
         except ImportError as error:
-            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: pip install {package}") from error
+            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: {pip(package)}") from error
 
 
 def reduced(mesh: Mesh, form: str) -> bool:

@@ -53,36 +53,4 @@
   document.querySelectorAll(".scroll").forEach((box) => box.addEventListener("scroll", clip, { passive: true }));
   addEventListener("resize", clip);
   clip();
-
-  // values under the pointer: those of the nearest point of a drawing
-  const tip = document.body.appendChild(Object.assign(document.createElement("div"), { className: "tip", hidden: true }));
-  tip.setAttribute("role", "status");
-  document.querySelectorAll("svg .values").forEach((group) => {
-    const points = [...group.children].map((circle) => {
-      const title = circle.firstElementChild, [name, x, y] = title.textContent.split("\n");
-      const text = `${name}\n${group.dataset.x}: ${x}\n${group.dataset.y}: ${y}`;
-      title.remove(); // the browser would show it too, later
-      return { x: +circle.getAttribute("cx"), y: +circle.getAttribute("cy"), text, circle };
-    });
-    const svg = group.ownerSVGElement;
-    let last = null;
-    const leave = () => { tip.hidden = true; last?.classList.remove("on"); last = null; };
-    svg.addEventListener("pointermove", (event) => {
-      const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-      let best = null, least = 14 ** 2;
-      for (const point of points) {
-        const away = (point.x - at.x) ** 2 + (point.y - at.y) ** 2;
-        if (away < least) [best, least] = [point, away];
-      }
-      leave();
-      if (!best) return;
-      last = best.circle;
-      last.classList.add("on");
-      tip.textContent = best.text;
-      tip.hidden = false;
-      tip.style.left = `${Math.max(4, Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8))}px`;
-      tip.style.top = `${Math.max(4, event.clientY - tip.offsetHeight - 12)}px`;
-    });
-    svg.addEventListener("pointerleave", leave);
-  });
 })();

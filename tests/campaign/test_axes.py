@@ -1,4 +1,4 @@
-"""Random axes, judged from their numbers alone; the long campaign is ``rollbench stability --axes 300 --keep FILE``."""
+"""Random axes, judged from their numbers alone; the long one is ``python -m tests.campaign --axes 300 --keep FILE``."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 from tests.axes import fixed_axis, solved
 from tests.axes import one_set as as_assembly
+from tests.campaign import check_axes, scenes
+from tests.campaign.draw_axes import axis_text
 
 from rollbench.comparison.wings.extremes import static
-from rollbench.comparison.wings.extremes.campaign import check_axes, scenes
-from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 

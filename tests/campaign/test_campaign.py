@@ -1,23 +1,19 @@
-"""The quick campaign; the long one is ``rollbench stability --random 10000 --files 500 --kills 50 --keep FILE``."""
+"""The quick campaign; the long one is ``python -m tests.campaign --random 10000 --files 500 --kills 50 --keep FILE``."""
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
+from tests.campaign import check, files, record, scenes
+from tests.campaign.__main__ import command_line, main
+from tests.campaign.draw import scene_text
+from tests.campaign.scenes import Campaign, Part, judge_scenes
 from tests.helpers import small_screw
 
-from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.campaign import check, files, record, scenes
-from rollbench.comparison.wings.extremes.campaign.draw import scene_text
-from rollbench.comparison.wings.extremes.campaign.scenes import Campaign, Part, judge_scenes
-from rollbench.comparison.wings.extremes.command import captured
+from rollbench.comparison.wings.extremes import campaign
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, Support
 
@@ -107,11 +103,6 @@ def test_kills_leave_whole_files():
     assert not [o for o in files.kills(7, 2) if not o.good]
 
 
-def command_line():
-    """What runs a command in this process, and gives its exit code and text."""
-    return partial(captured, partial(commands(), exit_on_error=False, print_error=False, result_action="return_value"))
-
-
 def loaded():
     scene = small_screw(9, 1.5, oversize=2e-6, force=(30.0, 10.0, 200.0), screw="rigid")
     return scene, solve_static(scene)
@@ -184,11 +175,11 @@ def test_a_record_is_kept_and_replaced_by_its_command(tmp_path):
     path.write_text(record.text(found, path))
     path.write_text(record.text(found | {"command": "b"}, path))
     path.write_text(record.text(found | {"scenes": none | {"right": 4, "wrong": 1}}, path))
-    assert [(r["command"], r["scenes"]["right"]) for r in record.read(path)] == [("b", 3), ("a", 4)]
-    rows = record.rows(record.read(path))
+    assert [(r["command"], r["scenes"]["right"]) for r in campaign.read(path)] == [("b", 3), ("a", 4)]
+    rows = campaign.rows(campaign.read(path))
     assert [(row["right"], row["wrong or unproven"], row["killed processes"]) for row in rows] == [(3, 0, 2), (4, 1, 2)]
     path.write_text("[[1]]")
-    assert record.read(path) == []
+    assert campaign.read(path) == []
 
 
 def test_scenes_do_not_depend_on_what_was_drawn_before():
@@ -220,9 +211,10 @@ def test_scenes_go_through_the_command_line_too():
     assert "exit codes 1" in scenes.judge(7, right, "lin", lambda tokens: (1, command(tokens)[1])).words
 
 
-def test_the_command_itself_solves_its_scenes_through_the_command_line():
-    """In a process of its own, which loads the options of no command but the one that is asked for."""
-    words = [sys.executable, "-m", "rollbench", "stability", "--random", "2", "--seed", "808", "--json"]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert json.loads(done.stdout)["scenes"]["right"] >= 1
+def test_a_campaign_is_run_and_kept_by_its_command(tmp_path, capsys):
+    path = tmp_path / "campaign.json"
+    assert main(["--random", "2", "--seed", "808", "--keep", str(path)]) == 0
+    (kept,) = campaign.read(path)
+    assert kept["scenes"]["right"] >= 1
+    assert f"scenes right: {kept['scenes']['right']}" in capsys.readouterr().out
+    assert [p.name for p in tmp_path.iterdir()] == ["campaign.json"]

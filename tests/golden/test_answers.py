@@ -64,10 +64,10 @@ ANSWERS = (
     "mesh-study lin-screw-pair-a",
     "check lin-case3-offset --no-compute",
 )
-#: What machines, engines and round-off decide, which of equal balls is named, and the friction that `solve` has only where
-#: kernels are compiled or it was kept.
+#: What machines, engines and round-off decide, which of equal balls or rollers is named, and the friction that `solve`
+#: has only where kernels are compiled or it was kept.
 LEFT_OUT = re.compile(
-    r"second|residual|iteration|memory|version|balance|equilibrium|round_off|evaluations|ball$|^\.summary\.friction$"
+    r"second|residual|iteration|memory|version|balance|equilibrium|round_off|evaluations|ball$|roller$|^\.summary\.friction$"
 )
 
 

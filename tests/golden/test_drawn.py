@@ -13,47 +13,23 @@ import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy import sparse
+from tests.campaign import draw as extreme
+from tests.campaign.draw_axes import axis_text
 from tests.golden.means import leaves
-from tests.rolling_scenes import linear_pair, screw_pair
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate import further, judged, verdict
 from rollbench.comparison.models.answers import gather, gather_axis
-from rollbench.comparison.models.comparison import REFERENCED, from_result
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference import tasks
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.campaign import draw as extreme
-from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
 from rollbench.comparison.wings.extremes.survey import draw as survey
-from rollbench.hifi.contact.balls import solve_balls
-from rollbench.hifi.contact.compliance import coupled
-from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
-from rollbench.hifi.meshing.fit import socket_size
-from rollbench.hifi.meshing.part_meshes import mesh_recipes
-from rollbench.hifi.rolling.balls import Choices, solve_rolling
-from rollbench.hifi.several_sets import bodies_of
-from rollbench.hifi.shaft.beam import round_section
-from rollbench.hifi.shaft.frame import Frame
-from rollbench.hifi.shaft.mounting import Stretch, mount_all
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.section import groove_section, screw_section, volume_ratio
-from rollbench.meshes.solid import dimensions
-from rollbench.meshes.surface import principal_curvatures
 
 RECORD = Path(__file__).parent / "drawn_scenes.json"
 SEED = 1719
@@ -184,88 +160,6 @@ def solved(text: str, model: str) -> Any:
     return (result, gather(scene, result, model, COMPILED)) if result.converged else result
 
 
-def parts(number: int, shift: float) -> Any:
-    """What meshes and contacts of a screw are made from: no mesh is."""
-    scene = scene_file.loads(usual(number, shift), "drawn.toml")
-    layout, m = ball_layout(scene), GrooveMap.of(scene)
-    drawn, dims, sides = specimen(scene, layout, number), dimensions(scene), tasks.needed_sides(scene)
-    settings = tasks.settings_of([scene], 1 + number % 3)
-    found = [scene, layout, m, drawn, dims, sides, settings, groove_section(scene), screw_section(scene)]
-    found += [volume_ratio(scene), expected_contacts(scene), hertz_units(scene)]
-    found += [socket_size(scene, m, layout, sides, dims, settings)]
-    found += [[recipe[1][1:] for recipe in mesh_recipes(scene, m, layout, dims, sides, settings)[0]]]
-    return [*found, [principal_curvatures(scene, drawn, side, np.full(layout.z.size, 0.7)) for side in range(4)]]
-
-
-def shafts(number: int, shift: float) -> Any:
-    """A shaft of several sets as the 3D reference takes it: set-ups, and beams alone under its frame."""
-    found, rng = scene_file.read(axis(number, shift), "drawn.toml"), np.random.default_rng([SEED, 8, number])
-    if isinstance(found, Assembly) and not any(isinstance(one.parts, Scene) for one in found.sets):
-        return bodies_of(found)
-    frame = Frame.of(found)
-    screw = found.screw
-    section = round_section(screw.outer_diameter / 2.0, screw.material.youngs_modulus, screw.material.poissons_ratio)
-    at, length = sorted(rng.uniform(0.3, 0.6, 2) * screw.length), screw.length
-    stretch = replace(STRETCH, base=at[0], ports=(at[1],), observers=(sum(at) / 2.0,), ends=tuple(at))
-    frame = replace(frame, loads=tuple(replace(x, at=length * (x.at > 0.5 * length)) for x in frame.loads))
-    mounted = mount_all((stretch,), frame, lambda _: section)
-    level = 1 + number % 3
-    if isinstance(found, Assembly):
-        return (mounted, tasks.recorded(tasks.set_ups([found], level))) if number % 2 else mounted
-    return mounted, tasks.settings_of([found], level)
-
-
-def stretch_of(modes: int = 3) -> Stretch:
-    """A random stretch of screw with one port and one observer."""
-    rng = np.random.default_rng(SEED)
-    a = rng.normal(size=(modes + 12,) * 2)
-    return Stretch(a @ a.T * 1e-9, rng.normal(size=(modes + 12, 6)), 0.0, (0.1,), (0.05,), (0.0, 0.1), modes)
-
-
-STRETCH = stretch_of()
-
-
-def pressed(number: int, shift: float) -> Any:
-    """Random elastic bodies in contact."""
-    rng = np.random.default_rng([SEED, 9, number])
-    sizes, modes = rng.integers(4, 9, int(rng.integers(1, 4))), 3
-    blocks, shapes = [], []
-    for n in sizes:
-        a = rng.normal(size=(n, n))
-        blocks.append((a @ a.T + n * np.eye(n)) * 1e-8 * (1.0 + shift))
-        shapes.append(rng.normal(size=(n, modes)))
-    a = rng.normal(size=(modes * len(sizes),) * 2)
-    C = coupled(blocks, shapes, a @ a.T * 1e-9)
-    gap, rows = rng.normal(size=sizes.sum()) * 1e-6, np.abs(rng.normal(size=(sizes.sum(), 2)))
-    loads = rows[rng.integers(len(rows), size=3)].sum(axis=0) * 100.0
-    return solve_balls(C, gap, sparse.csr_matrix(rows), loads)[0]
-
-
-def rolled(number: int, shift: float) -> Any:
-    """Two balls that roll on coarse grids, elastic."""
-    rng = np.random.default_rng([SEED, 11, number])
-    if number % 2:
-        scene = linear_pair(rng.uniform(-4, 4), rng.uniform(-0.9, 0.9), mated=rng.random() < 0.3)
-    else:
-        scene = screw_pair(rng.choice([-1, 1]) * rng.uniform(5e-3, 40e-3), 1.0)
-    scene = replace(scene, young=scene.young * (1.0 + shift), mu=rng.uniform(0.02, 0.3), mu_balls=rng.uniform(0.0, 0.3))
-    return solve_rolling(scene, Choices((int(rng.integers(4, 7)), int(rng.integers(5, 8))), curved=rng.random() < 0.7))
-
-
-def judged_loads(number: int, shift: float) -> Any:
-    """Verdicts on loads, beside those of a stored reference, that are off by a random share."""
-    rng = np.random.default_rng([SEED, 13, number])
-    name = REFERENCED[number % len(REFERENCED)]
-    scene, found, answer = STUDY.scene(name), STUDY.reference(name), from_result(STUDY.solve(name, "lin"))
-    off = replace(answer, load=answer.load * (1.0 + rng.normal(size=answer.load.shape) * rng.choice([0.01, 0.1]) + shift))
-    others = rng.permutation(sorted(judged.QUANTITIES))[:4]
-    limits = verdict.Limits(*rng.uniform(0.5, 12.0, 2), dict.fromkeys(others, float(rng.uniform(0.5, 9.0))))
-    out = verdict.judge("lin", off.load, found, limits, ("SL", "NR") if number % 3 == 0 else SIDES)
-    out += further.contact_verdicts("lin", further.contacts_by(scene, off, limits.others), scene, found, limits)
-    out += [further.value_verdict("lin", v, scene, found, limits) for v in further.values_by(scene, off, limits.others)]
-    return out, [one.as_json() for one in out], [list(map(ord, one.line())) for one in out]
-
-
 def of_kind(number: int, shift: float) -> str:
     """A shipped scene of a kind that only friction solves, its sizes changed by some per cent each."""
     rng, names = np.random.default_rng([SEED, 15, number]), sorted(n for n in catalogue.scene_names() if of_a_kind(n))
@@ -283,7 +177,6 @@ def of_a_kind(name: str) -> bool:
     return catalogue.heading(name).get("kind") in kinds() and not name.startswith("lin-screw-run")
 
 
-STUDY = Study()
 Item = Callable[[int, float], Found]
 #: Of each kind what makes an item of its number and the shift of the moduli, and how many items there are.
 MAKERS: dict[str, tuple[Item, int]] = {
@@ -301,11 +194,6 @@ MAKERS: dict[str, tuple[Item, int]] = {
     "friction of axes": (lambda n, e: answered(axis(3000 + n, e), "friction", "--model", "lin", "--mu", "0.1"), 12),
     "friction in time": (lambda n, e: answered(in_time(n, e), "friction", "--model", "lin"), 6),
     "friction of kinds": (lambda n, e: answered(of_kind(n, e), "friction"), 32),
-    "parts": (lambda n, e: tried(lambda: parts(200 + n, e)), 40),
-    "shafts": (lambda n, e: tried(lambda: shafts(4000 + n, e)), 40),
-    "pressed": (lambda n, e: tried(lambda: pressed(n, e)), 60),
-    "rolled": (lambda n, e: tried(lambda: rolled(n, e)), 20),
-    "judged": (lambda n, e: tried(lambda: judged_loads(n, e)), 24),
 }
 
 

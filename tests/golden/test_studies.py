@@ -98,7 +98,7 @@ def validation():
 def expectations():
     points = model_form.shipped_points()
     return {
-        "features": [model_form.features(STUDY().scene(name), STUDY().solve(name, "lin").load) for name in NAMES],
+        "features": [model_form.features(STUDY().scene(name), STUDY().solve(name, "lin")) for name in NAMES],
         "left out": model_form.left_out(points, "lin")[:12],
         "places": [applicability.places(STUDY().scene(name)) for name in NAMES],
         "points": [

@@ -6,6 +6,8 @@ import re
 from pathlib import Path
 from statistics import median
 
+from tests.copies import of_report
+
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -32,6 +34,7 @@ def _unseen(model: str) -> tuple[float, float]:
     return median(errors), max(errors)
 
 
+@of_report
 def test_table_and_first_sentence_are_the_report_s() -> None:
     refined, lin = _percentiles("refined"), _percentiles("lin")
     for model, found in (("refined", refined), ("lin", lin), ("condensed", _unseen("condensed"))):
@@ -45,6 +48,7 @@ def test_table_and_first_sentence_are_the_report_s() -> None:
     assert "the reference's mesh leaves 0.1 %," in first
 
 
+@of_report
 def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) -> None:
     from rollbench.comparison.cli import main
 
@@ -59,6 +63,7 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) ->
         assert " ".join(line.split()) in printed
 
 
+@of_report
 def test_report_s_tables_are_what_the_models_give_now() -> None:
     from rollbench.comparison.models.study import Study
     from rollbench.comparison.sections.reference import case_studies, error_table
@@ -77,6 +82,7 @@ def test_report_s_tables_are_what_the_models_give_now() -> None:
             assert abs(float(row["max"]) - float(old["largest error [% of mean]"])) < 1e-4
 
 
+@of_report
 def test_one_page_with_exactly_two_set_up_commands_whose_linked_files_exist() -> None:
     assert len(README.splitlines()) <= 80
     assert len(README.split()) <= 900
@@ -88,6 +94,7 @@ def test_one_page_with_exactly_two_set_up_commands_whose_linked_files_exist() ->
     assert commands[1].endswith("pytest")
 
 
+@of_report
 def test_paths_that_contributing_names_exist() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     named = {m for m in re.findall(r"`([\w.-]+(?:/[\w.-]+)+/?)`", text) if not m.startswith(".venv")}

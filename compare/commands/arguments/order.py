@@ -12,7 +12,7 @@ ORDER = {
     "Start here": ("new", "solve", "friction", "report", "verify", "doctor"),
     "How far to trust it": ("compare", "check", "mesh-study"),
     "Many scenes": ("sweep",),
-    "To and from other programs": ("export", "condense", "crosscheck", "benchmark", "schema"),
+    "To and from other programs": ("export", "condense", "crosscheck", "schema"),
     "This program and its sources": ("list", "audit", "stability", "bench", "completion"),
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -72,7 +73,7 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     schema_line = f"#:schema {(ROOT / 'scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
     write_new(file, schema_line + (sized[kind](like) if like else template(kind)))
     command = "solve" if kind in (*WHOLE, *AXES, *BEARINGS) else "friction"
-    print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {file}"]))
+    print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
 
 
 @app.command

@@ -123,8 +123,9 @@ def report(
     """
     if scene is not None:
         from rollbench.comparison.system import need_packages
+        from rollbench.meshes.libraries import PAGES
 
-        need_packages("matplotlib")  # which the next line imports
+        need_packages(*PAGES)  # some of which the next line imports
         from rollbench.comparison.commands.reporting.verify import run_page
 
         given = {
@@ -159,8 +160,9 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
         Folder of the reference's runs, besides those shipped.
     """
     from rollbench.comparison.system import need_packages
+    from rollbench.meshes.libraries import PAGES
 
-    need_packages("matplotlib")  # which the next line imports
+    need_packages(*PAGES)  # some of which the next line imports
     from rollbench.comparison.commands.reporting.verify import run_verify
 
     return print_answer(run_verify(report, store))

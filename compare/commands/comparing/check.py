@@ -13,8 +13,8 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.baseline import Change, changes
 from rollbench.comparison.gate.further import not_judged
 from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
-from rollbench.comparison.gate.user import Asked, check_scenes
-from rollbench.comparison.gate.verdict import CODES, LIMIT, Verdict, Word, worst_of
+from rollbench.comparison.gate.user import Asked, as_shares, check_scenes
+from rollbench.comparison.gate.verdict import CODES, LIMIT, Limits, Verdict, Word, worst_of
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.duty_cycle import Described, cases_by_name
@@ -60,7 +60,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
     for one, name in zip(described, names, strict=True):
         for scene in each_case(one, name):
             if scene.name in taken:
-                advice = "verdicts and stored runs are told apart by the name of file and case: rename one"
+                advice = "verdicts differ by the name of file and case: rename one"
                 raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
             taken[scene.name] = name
     warnings: list[str] = []
@@ -123,12 +123,14 @@ def run_shipped(max_error: float | None, files: Files) -> Answer:
     outcomes = [of_row(row) for row in rows]
     changed = files.changed(outcomes)
     written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
-    data = {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows]}
+    warnings = [*as_shares(Limits(limit))]
+    data = {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     words = [row.verdict for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
     line = f"{words.count('ok')} passed, {len(bad)} failed{others}"
-    return Answer(data, [gate_table(rows), line, *written], 1 if bad else 0)
+    above = [f"WARNING: {warning}" for warning in warnings]
+    return Answer(data, [*above, gate_table(rows), line, *written], 1 if bad else 0)
 
 
 def gate_table(rows: Sequence[GateRow]) -> Table:

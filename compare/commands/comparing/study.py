@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -159,7 +160,8 @@ def run_compare(
             bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
             if bodies is not None:
                 name = next(name for scene, name in origins if scene is one.scene)
-                yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}"
+                command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
+                yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: {command}"
             yield write_files(one.scene, whole.models, one.found, store)
         yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(comparisons)))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 
@@ -17,7 +16,7 @@ from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.registration import Part
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import cores, gmsh_fault
-from rollbench.meshes.libraries import EXTRAS, MESHING, PICTURES, install
+from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Section
 from rollbench.reports.offscreen import fault as drawing_fault
@@ -61,13 +60,11 @@ def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple
 
 
 def lacking(sections: Iterable[Section]) -> list[LeftOut]:
-    """What a report leaves out because a package that nothing else needs is not installed, and the 3D pictures of its
-    sections where this machine cannot draw them."""
-    left = [
-        LeftOut((what,), f"{name} is not installed", remedy)
-        for name, (what, remedy) in EXTRAS.items()
-        if find_spec(name) is None
-    ]
+    """What a report leaves out because a package of the extra report is not installed, and the 3D pictures of its sections
+    where this machine cannot draw them."""
+    left = []
+    if version("trimesh") is None:
+        left.append(LeftOut(("the view that can be turned",), "trimesh is not installed", pip("trimesh")))
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
     ):

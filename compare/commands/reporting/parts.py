@@ -32,7 +32,6 @@ WORDS = {
     "band": "lie in their band",
     "contradicted": "are contradicted",
     "not identifiable": "are not identifiable",
-    "inferred": "are inferred",
 }
 #: Sections of the core; wings and sources register theirs.
 CORE = (

@@ -23,6 +23,7 @@ from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.comparison.writing import need_writable
+from rollbench.meshes.libraries import PAGES
 from rollbench.reports.content import Report, Section
 
 Step = Callable[[str], None]
@@ -161,7 +162,7 @@ def make_report(
     the measuring run that is kept; with ``fresh``, and where the section of run times is named, of a new one.
     Raises InputError for a bad section name or folder.
     """
-    need_packages("matplotlib", "scikit-fem")
+    need_packages(*PAGES, "scikit-fem")
     before = None if against is None else tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:

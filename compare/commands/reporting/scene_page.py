@@ -193,8 +193,7 @@ def verdict(
         return f"{text}; {given.stated}, {given.words}."
     if judged and reference is not None:
         v = judged[0]
-        bar = f"u_val {v.combined:.2f} %" if np.isfinite(v.combined) else "one mesh level, so without its uncertainty"
-        bar += f"; {reference.unsettled}" if reference.unsettled else ""
+        bar = v.bar + (f"; {reference.unsettled}" if reference.unsettled else "")
         return (
             f"{text}; measured against the 3D reference, loads are off by up to {abs(v.error):.2f} % of their mean ({bar})."
         )

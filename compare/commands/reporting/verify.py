@@ -38,6 +38,10 @@ def tables(report: Path) -> Tables:
     for path in sorted((report / "tables").glob("*.csv")):
         with open(path, encoding="utf-8", newline="") as stream:
             by_name[path.stem] = list(csv.DictReader(stream))
+        damaged = next((k for k, row in enumerate(by_name[path.stem]) if None in (*row, *row.values())), None)
+        if damaged is not None:
+            allowed = "a cell for each heading"
+            raise InputError(str(path), f"row {damaged + 1}", "another number", allowed, "write the report again")
     return by_name
 
 

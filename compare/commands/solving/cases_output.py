@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rollbench.comparison.commands.printing import text_width
-from rollbench.comparison.commands.solving.entries import entry
+from rollbench.comparison.commands.solving.entries import entry, life_words
 from rollbench.comparison.commands.solving.output import case_json, case_table, stiffness_lines
-from rollbench.comparison.commands.solving.summary import LIFE
+from rollbench.comparison.commands.solving.summary import life_json
 from rollbench.comparison.commands.tables import aligned
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.models.together import Lives, Together
@@ -72,11 +72,9 @@ def together_json(whole: Together) -> dict[str, Any]:
 
 
 def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
-    rated, off = record(LIFE, lives.life), lives.difference_percent
-    if rated is not None and lives.life is not None and speed:
-        rated["L10_hours"] = number(lives.life.hours(speed))
+    off = lives.difference_percent
     return {
-        "life": rated,
+        "life": life_json(lives.life, speed),
         "life_words": lives.life_words or None,
         "standard_life": record(STANDARD_LIFE, lives.standard),
         "standard_life_words": lives.standard_words or None,
@@ -137,9 +135,8 @@ def _life(lives: Lives, speed: float | None) -> str:
     rated, of = lives.life, f"{lives.set}: " if lives.set else ""
     if rated is None:
         return of + lives.life_words
-    hours = f" ({rated.hours(speed):.3g} h)" if speed else ""
     return (
-        f"{of}L10 {rated.revolutions:.4g} million revolutions{hours} of the duty cycle, by the contact loads, the nut at "
+        f"{of}L10 {life_words(life_json(rated, speed) or {})} of the duty cycle, by the contact loads, the nut at "
         f"one position; rating {rated.rating:.0f} N as computed by {rated.standard}"
     )
 

@@ -9,6 +9,7 @@ from rollbench.comparison.commands.solving.summary import answers_json, starting
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import shown
+from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
     from rollbench.comparison.models.answers import AxisAnswers
@@ -64,23 +65,26 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         if lost is not None:
             lines.append(("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity only"))
     if "worst_set" in data:
-        name = one.scene.sets[data["worst_set"] - 1].name
-        of_contacts = (_loads, _contact, _ellipse, _static, _life, _ratings)
-        labels = ("loads", "contact", "ellipse", "static", "life", "ratings")
-        lines += [(label, f"{name}: {text(data)}") for label, text in zip(labels, of_contacts, strict=True)]
-    sets = [(s, x) for s, x in zip(result.sets, answers.sets, strict=True) if x is not None]
-    preloads = [
-        f"{x.name} {x.preload.mean:.1f} N a contact, {x.preload.axial:.0f} N along the axis"
-        for _, x in sets
-        if x.preload is not None and x.preload.loaded
-    ]
-    lines.append(("preload", "; ".join(preloads) or "no contact of balls carries load when the loads are away"))
+        worst = one.scene.sets[data["worst_set"] - 1]
+        of_contacts = OF_ROLLERS if isinstance(worst.parts, RollerRow) else OF_BALLS
+        lines += [(label, f"{worst.name}: {text(data)}") for label, text in of_contacts]
+    lines.append(("preload", _preloads(answers)))
+    sets = zip(result.sets, answers.sets, strict=True)
     torques = {x.name: found["torque_Nmm"] for s, x in sets if (found := starting_torque(s, x)) is not None}
     if torques:
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
         words = "in all by Palmgren's load formula (Smith 2.33), without lubricant and seals"
         lines.append(("starting", f"torque {sum(torques.values()):.3g} N mm {words}: {each}"))
     return lines
+
+
+def _preloads(answers: AxisAnswers) -> str:
+    """Of every set, without the loads of the scene."""
+    if any(x.preload is None for x in answers.sets):
+        return "not known: the scene does not solve without its loads"
+    held = [(x.name, "roller" if isinstance(x.parts, RollerRow) else "contact", x.preload) for x in answers.sets]
+    each = [f"{name} {p.mean:.1f} N a {one}, {p.axial:.0f} N along the axis" for name, one, p in held if p and p.loaded]
+    return "; ".join(each) or "none: no contact carries load when the scene's loads are away"
 
 
 def model_form_text(m: ModelForm) -> str:
@@ -180,14 +184,34 @@ def _ellipse(data: dict[str, Any]) -> str:
     return f"inside all grooves; nearest to an edge on {where}: {ends} {d['edge_angle_deg']:.1f} deg"
 
 
+def _roller_loads(data: dict[str, Any]) -> str:
+    d = data["loads"]
+    lost = f"; {d['rollers_without_load']} rollers without load" if d["rollers_without_load"] else ""
+    most, mean, least = (shown(d[key]) for key in ("max_N", "mean_N", "min_N"))
+    return (
+        f"roller {d['worst_roller']} carries most, {most} N; mean {mean} N, least {least} N of {d['loaded_contacts']} "
+        f"loaded rollers{lost}"
+    )
+
+
+def _line_contact(data: dict[str, Any]) -> str:
+    d = data["worst_contact"]
+    return (
+        f"worst on roller {d['roller']}, {d['race']} race: {d['pressure_MPa']:.0f} MPa {d['place_mm']:+.2g} mm from its "
+        f"middle (+: to its large end), where {shown(d['line_load_N_mm'])} N/mm press a strip of half-width "
+        f"{d['half_width_mm']:.3g} mm; {d['middle_pressure_MPa']:.0f} MPa with its load evenly spread; "
+        f"{d['other_race_pressure_MPa']:.0f} MPa on the other race; without what straight ends add"
+    )
+
+
 def _static(data: dict[str, Any]) -> str:
     d = data["static_safety"]
     if d is None:
         return "none"
-    return (
-        f"safety {d['factor']:.3g} on the worst contact's load against {d['allowed_pressure_MPa']:.0f} MPa (ISO 76); "
-        f"lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
-    )
+    text = f"safety {d['factor']:.3g} on the worst contact's load against {d['allowed_pressure_MPa']:.0f} MPa (ISO 76)"
+    if "permanent_over_diameter" not in d:  # of rollers
+        return text
+    return f"{text}; lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
 
 
 def _preload(data: dict[str, Any]) -> str:
@@ -229,12 +253,17 @@ def _life(data: dict[str, Any]) -> str:
     d = data["life"]
     if d is None:
         return f"not rated: {data['rating_refused'] or 'no load'}"
-    hours = f" ({d['L10_hours']:.3g} h)" if "L10_hours" in d else ""
     return (
-        f"L10 {shown(d['L10_million_revolutions'])} million revolutions{hours} of this load distribution, equivalent load "
+        f"L10 {life_words(d)} of this load distribution, equivalent load "
         f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
         f"{d['standard']}, not a maker's"
     )
+
+
+def life_words(d: dict[str, Any]) -> str:
+    """A life in revolutions and, where they are known, hours and kilometres."""
+    also = [f"{shown(d[key])} {unit}" for key, unit in (("L10_hours", "h"), ("L10_km", "km")) if d.get(key)]
+    return f"{shown(d['L10_million_revolutions'])} million revolutions" + (f" ({', '.join(also)})" if also else "")
 
 
 def _ratings(data: dict[str, Any]) -> str:
@@ -245,3 +274,15 @@ def _ratings(data: dict[str, Any]) -> str:
         f"C {shown(d['dynamic_N'])} N ({d['dynamic_standard']}), C0 {shown(d['static_N'])} N ({d['static_standard']}), "
         f"both {d['direction']}, as computed of these parts, not a maker's"
     )
+
+
+#: Entries on the worst set of several, of balls and of rollers.
+OF_BALLS = (
+    ("loads", _loads),
+    ("contact", _contact),
+    ("ellipse", _ellipse),
+    ("static", _static),
+    ("life", _life),
+    ("ratings", _ratings),
+)
+OF_ROLLERS = (("loads", _roller_loads), ("contact", _line_contact), ("static", _static), ("life", _life))

@@ -24,18 +24,19 @@ from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number, quantity, record, shown
+from rollbench.lowfi.rating.roller_contacts import RACES, race_pressures
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SetResult, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.comparison.models.answers import SetAnswers
 
 #: Units of the six motions in results, and factors to them.
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
@@ -132,7 +133,8 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
     if isinstance(one, SolvedAxis):
         of_sets = [None] * len(one.result.sets) if one.answers is None else one.answers.sets
         head["kind"] = one.scene.kind
-        sets = [_set(k, s, x) for k, (s, x) in enumerate(zip(one.result.sets, of_sets, strict=True), 1)]
+        pairs = enumerate(zip(one.result.sets, of_sets, strict=True), 1)
+        sets = [{"set": k, **(record(SET, s) or {}), "summary": set_json(s, x, scene.motion)} for k, (s, x) in pairs]
         answers = {
             "sets": sets,
             "balls": set_balls(one.result),
@@ -165,10 +167,6 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         "warning": above(result.warnings) or None,
         "warnings": list(result.warnings),
     }
-
-
-def _set(place: int, s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
-    return {"set": place, **(record(SET, s) or {}), "summary": set_json(s, answers)}
 
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
@@ -214,18 +212,24 @@ def set_balls(result: AxisResult) -> list[dict[str, Any]]:
 
 def rollers(result: AxisResult) -> list[dict[str, Any]]:
     """One row per roller, numbered from 1 in each set."""
-    return [
-        {
-            "set": k,
-            "index": i + 1,
-            "azimuth_deg": number(math.degrees(azimuth)),
-            "load_N": number(load),
-            "largest_line_load_N_mm": number(1e-3 * s.line_loads[i].max()),
-        }
-        for k, s in enumerate(result.sets, 1)
-        if s.roller_azimuth is not None and s.roller_load is not None and s.line_loads is not None
-        for i, (azimuth, load) in enumerate(zip(s.roller_azimuth, s.roller_load, strict=True))
-    ]
+    rows = []
+    for k, s in enumerate(result.sets, 1):
+        if not isinstance(s.of.parts, RollerRow) or s.roller_azimuth is None or s.line_loads is None:
+            continue
+        pressures = race_pressures(s.of.parts, s.line_loads)
+        for i, (azimuth, load) in enumerate(zip(s.roller_azimuth, s.loads, strict=True)):
+            of_races = {race: number(1e-6 * p) for race, p in zip(RACES, pressures[i], strict=True)}
+            rows.append(
+                {
+                    "set": k,
+                    "index": i + 1,
+                    "azimuth_deg": number(math.degrees(azimuth)),
+                    "load_N": number(load),
+                    "largest_line_load_N_mm": number(1e-3 * s.line_loads[i].max()),
+                    "pressure_MPa": of_races,
+                }
+            )
+    return rows
 
 
 def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
@@ -362,7 +366,9 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
     if found:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
-        out.append(listed("rollers", (*names, *loads), found))
+        races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
+        flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
+        out.append(listed("rollers", (*names, *loads, *races), flat))
     return out
 
 

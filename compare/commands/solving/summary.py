@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.models.answers import LoadAnswers
+from rollbench.comparison.models.answers import LoadAnswers, RollerAnswers
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
+from rollbench.lowfi.rating.life import Life
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult
-from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import counted, mean_load
-from rollbench.meshes.parts import FREEDOMS, SIDES
+from rollbench.meshes.parts import FREEDOMS, SIDES, Motion
 
 if TYPE_CHECKING:
     from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
@@ -30,6 +30,17 @@ CONTACT = (
     quantity("semi_axis_a_mm", "a", "larger semi-axis", ".4f"),
     quantity("semi_axis_b_mm", "b"),
     quantity("pressure_MPa", heading="peak pressure", form=".0f"),
+)
+ROLLER_CONTACT = (
+    quantity("roller"),
+    quantity("race"),
+    quantity("force_N"),
+    quantity("line_load_N_mm"),
+    quantity("place_mm"),
+    quantity("half_width_mm"),
+    quantity("pressure_MPa", heading="peak pressure", form=".0f"),
+    quantity("other_race_pressure_MPa", "other"),
+    quantity("middle_pressure_MPa", "middle"),
 )
 TRUNCATION = (
     quantity("ball"),
@@ -45,10 +56,12 @@ STATIC_SAFETY = (
     quantity("factor", heading="static safety", form=".2f"),
     quantity("permanent_over_diameter", "permanent"),
     quantity("allowed_over_diameter", lambda _: ALLOWED),
-    quantity("allowed_pressure_MPa", lambda _: DENT_PRESSURE),
+    quantity("allowed_pressure_MPa", "allowed"),
 )
+ROLLER_SAFETY = (STATIC_SAFETY[0], STATIC_SAFETY[-1])
 LIFE = (
     quantity("L10_million_revolutions", "revolutions", "life L10", ".1f"),
+    quantity("L10_km", "distance"),
     quantity("raceways_million_revolutions", "raceways"),
     quantity("rating_as_computed_N", "rating"),
     quantity("equivalent_load_N", "equivalent"),
@@ -118,6 +131,21 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     }
 
 
+def roller_loads(load: Array) -> dict[str, Any] | None:
+    """Worst roller, mean and extremes of the loaded ones of a row ``(count,)`` [N]; None without load."""
+    carried = load[load > 0.0]
+    if not carried.size:
+        return None
+    return {
+        "worst_roller": int(load.argmax()) + 1,
+        "max_N": number(carried.max()),
+        "mean_N": number(carried.mean()),
+        "min_N": number(carried.min()),
+        "loaded_contacts": int(carried.size),
+        "rollers_without_load": int(load.size - carried.size),
+    }
+
+
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any]:
     """A stiffness (6, 6) at a station [m]: N/m, N/rad, N m/rad; null where a freedom is held."""
     rows = [[number(x) for x in row] for row in matrix]
@@ -125,13 +153,26 @@ def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[st
     return {"station_mm": at, "status": status, "freedoms": list(FREEDOMS), "matrix": rows}
 
 
-def contacts_json(answers: LoadAnswers) -> dict[str, Any]:
-    """Worst contact, truncation, static safety, life and ratings; null where there is none."""
+def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
+    """A life, in hours too where a speed [rad/s] is known."""
+    hours = {"L10_hours": number(life.hours(speed))} if life is not None and speed else {}
+    data = record(LIFE, life)
+    return None if data is None else data | hours
+
+
+def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
+    """Worst contact, truncation (of balls), static safety, life and ratings; null where there is none."""
+    if isinstance(answers, RollerAnswers):
+        data = {
+            "worst_contact": record(ROLLER_CONTACT, answers.worst),
+            "static_safety": record(ROLLER_SAFETY, answers.safety),
+        }
+        return data | {"life": None, "ratings": None, "rating_refused": "life and ratings of rollers are not computed"}
     return {
         "worst_contact": record(CONTACT, answers.worst),
         "truncation": record(TRUNCATION, answers.reach),
         "static_safety": record(STATIC_SAFETY, answers.safety),
-        "life": record(LIFE, answers.life),
+        "life": life_json(answers.life, None if motion is None else motion.speed),
         "ratings": record(RATINGS, answers.ratings),
         "rating_refused": answers.words or None,
     }
@@ -142,10 +183,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
     scene, answers = one.scene, one.answers
     if answers is None:
         return {}
-    three, life = answers.rigidities, answers.loads.life
-    data = contacts_json(answers.loads)
-    if life is not None and scene.motion is not None and scene.motion.speed:
-        data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
+    three = answers.rigidities
     return {
         "loads": loads_json(one.result.load, nominal_contacts(scene, one.result)),
         "axial": {
@@ -156,7 +194,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
             "tangent_words": answers.tangent_words or None,
         },
         "rigidities_N_per_um": record(RIGIDITIES, three),
-        **data,
+        **contacts_json(answers.loads, scene.motion),
         "preload": record(PRELOAD, answers.preload),
         "contact_lost": record(CONTACT_LOST, answers.lift),
         "friction": answers.friction,
@@ -165,22 +203,23 @@ def answers_json(one: Solved) -> dict[str, Any]:
 
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
-    """Starting torque of a bearing that carries thrust one way, under its preload; None without one, and for nuts."""
+    """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
     ways, preload = offered("starting torque"), answers.preload
     if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
         return None
     return record(STARTING, ways[0](answers.parts, preload.axial))
 
 
-def set_json(s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
-    """Summary of one set of several; empty for rollers."""
-    if s.balls is None or not np.isfinite(s.balls.load).all():
+def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
+    """Summary of one set of several, of balls or of rollers, on a shaft in motion."""
+    if not np.isfinite(s.loads).all():
         return {}
-    data: dict[str, Any] = {"sides": sides_json(s.balls.load)}
+    data: dict[str, Any] = {} if s.balls is None else {"sides": sides_json(s.balls.load)}
     if answers is None:
         return data
-    data |= {"loads": loads_json(s.balls.load), **contacts_json(answers.loads), "preload": record(PRELOAD, answers.preload)}
-    return data | {"starting_torque": starting_torque(s, answers)}
+    loads = roller_loads(s.loads) if s.balls is None else loads_json(s.balls.load)
+    data |= {"loads": loads, **contacts_json(answers.loads, motion), "preload": record(PRELOAD, answers.preload)}
+    return data if s.balls is None else data | {"starting_torque": starting_torque(s, answers)}
 
 
 def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
@@ -191,12 +230,13 @@ def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
 
 
 def whole_json(one: SolvedAxis) -> dict[str, Any]:
-    """Summary of several sets: sides over all, what the set of the worst contact says with its number, axial answers."""
+    """Summary of several sets: sides of all balls, what the set of the worst contact says, with its number, axial
+    answers."""
     result, answers = one.result, one.answers
-    loads = [balls.load for balls in result.of_balls()]
-    if not loads or not result.converged:
+    if not result.converged:
         return {}
-    data: dict[str, Any] = {"sides": sides_json(np.concatenate(loads))}
+    loads = [balls.load for balls in result.of_balls()]
+    data: dict[str, Any] = {"sides": sides_json(np.concatenate(loads))} if loads else {}
     if answers is None:
         return data
     K = None if result.stiffness is None else result.stiffness[2, 2]
@@ -204,19 +244,20 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
     data["axial"] = {
         "force_N": number(answers.force),
         "displacement_um": None if moved is None else number(1e6 * moved),
-        "rigidity_N_per_um": number(1e-6 * answers.force / moved) if moved else None,
+        "rigidity_N_per_um": number(1e-6 * answers.force / moved) if moved and answers.force else None,
         "tangent_N_per_um": None if K is None else number(1e-6 * K),
         "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * 2.0 * 100.0 / K),
     }
     data["stiffness"] = whole_stiffness(result)
     i = worst(answers)
     if i is not None:
-        of_set = set_json(result.sets[i], answers.sets[i])
+        of_set = set_json(result.sets[i], answers.sets[i], one.scene.motion)
         data |= {"worst_set": i + 1} | {k: of_set[k] for k in of_set if k not in ("sides", "preload", "starting_torque")}
     return data
 
 
 def worst(answers: AxisAnswers) -> int | None:
-    """Number (from 0) of the set of balls with the highest pressure."""
-    pressures = [-1.0 if s is None or s.loads.worst is None else s.loads.worst.pressure for s in answers.sets]
-    return int(np.argmax(pressures)) if max(pressures, default=-1.0) > 0.0 else None
+    """Number (from 0) of the set whose highest pressure is the largest share of what its contacts are allowed."""
+    found = [x.loads for x in answers.sets]
+    shares = [x.worst.pressure / x.safety.allowed if x.worst and x.safety else -1.0 for x in found]
+    return int(np.argmax(shares)) if max(shares, default=-1.0) > 0.0 else None

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.printed.printed_data import entry, value_of
@@ -94,8 +93,7 @@ class Proof:
 def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
     """All known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
     parts = (_elements, _carter, _mindlin, _full_slip, _rubbing, _kalker, _contact)
-    with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
-        return tuple(proof for proof_of in ((_at_rest,) if meshing else ()) + parts for proof in proof_of())
+    return tuple(proof for proof_of in ((_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:

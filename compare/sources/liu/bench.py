@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from threadpoolctl import threadpool_limits
-
 from rollbench.comparison.sources.liu.evidence import case
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.lowfi.random_errors.chain import LAWS, Chain
@@ -38,8 +36,7 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
         def ensemble(chain: Chain = chain) -> None:
             solve_ensemble(chain, HALF_RANGE, [LOAD], count)
 
-        with threadpool_limits(1, "blas"):
-            slow = timed(eliminate, repeats) / FEW
+        slow = timed(eliminate, repeats) / FEW
         fast = timed(ensemble, repeats) / count
         note = (
             f"per screw of {count}, {case.balls()} balls, ±2 um, {LOAD:g} N, drawing included: {1.0 / fast:,.0f} a second "

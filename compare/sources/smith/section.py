@@ -69,7 +69,7 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
             values = axis_stiffness(a, a.length * places, case.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
-        series.append(Series(f"{kind}, sum in series", [0.5], [total.as_printed or 0.0], "markers"))
+        series.append(Series(f"{kind}, sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
     return Panel("axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.scenes.catalogue import shipped
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
@@ -55,11 +54,10 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
         raise AssertionError("the set is a nut")
     whole = replace(nut, nut=replace(nut.nut, position=0.2, length=0.1), supports=pair.supports, loads=pair.loads)
     one = replace(whole, balls=replace(nut.balls, azimuths=tuple(float(x) for x in np.linspace(-27.0, 27.0, 136))))
-    with threadpool_limits(1, "blas"):
-        single = timed(lambda: solve_static(one, engine="compiled"), repeats, forget_nominal)
-        double = timed(lambda: solve_assembly(pair, engine="compiled"), repeats, forget_nominal)
-        rows = [row_of_nuts(count) for count in SETS]
-        times = [timed(partial(solve_assembly, row, engine="compiled"), repeats) for row in rows]
+    single = timed(lambda: solve_static(one, engine="compiled"), repeats, forget_nominal)
+    double = timed(lambda: solve_assembly(pair, engine="compiled"), repeats, forget_nominal)
+    rows = [row_of_nuts(count) for count in SETS]
+    times = [timed(partial(solve_assembly, row, engine="compiled"), repeats) for row in rows]
     note = f"136 balls, set-up and stiffness included (aim {1e3 * AIM:g} ms); one nut of 136 balls takes "
     yield Job("double nut, lin", double, None, None, peak_MB(), f"{note}{single / double:.2f} of it")
     slope = float(np.polyfit(np.log(SETS), np.log(times), 1)[0])

@@ -16,7 +16,6 @@ from functools import partial
 from statistics import median
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
@@ -30,6 +29,7 @@ from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.kept import made_anew
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.threads import one_thread
 
 MEMBERS = 1000
 #: Time of a member [s] and of a set-up [s], and ratio of a cold solve, that are aimed at.
@@ -138,11 +138,6 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
 
 
 def _refined_jobs(repeats: int) -> Iterator[Job]:
-    with threadpool_limits(1, "blas"):  # as solve_elastic does
-        yield from _refined(repeats)
-
-
-def _refined(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
     slow = _source_seconds(Source(scene), repeats)
     note = "cell, kernels, flanks, beam, arrays"
@@ -224,6 +219,7 @@ GROUPS: tuple[Callable[[int], Iterator[Job]], ...] = (
 
 def _child(group: int, repeats: int) -> None:
     """Print one JSON object per job of a group (the child process of ``run_bench``)."""
+    one_thread()
     solve_static(shipped("lin-case1"), engine="compiled")
     reset_peak()
     for job in GROUPS[group](repeats):

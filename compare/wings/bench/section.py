@@ -11,7 +11,6 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study, with_balls
@@ -65,7 +64,7 @@ def by_balls(counts: Sequence[int] = BALLS) -> dict[str, Points]:
     longer = {n: replace(case.screw, length=case.screw.length + 1e-6 * n) for n in counts}  # a geometry for every count
     scenes = {n: replace(with_balls(case, n), screw=screw) for n, screw in longer.items()}
     found = {}
-    with threadpool_limits(1, "blas"), made_anew():
+    with made_anew():
         for model, most in {"lin": max(counts), "refined": LARGEST}.items():
             for count in (8, 64):  # compiles both ways to solve
                 run_model(with_balls(case, count), model, options)

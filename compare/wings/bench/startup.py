@@ -30,6 +30,7 @@ def startup_jobs() -> Iterator[Job]:
     """Import time, and the time to compile the kernels into an empty cache, each in a process of its own."""
     code = (
         "from time import perf_counter as t; a = t()\n"
+        "from rollbench.meshes.threads import one_thread; one_thread()\n"
         "from rollbench.comparison.scenes.catalogue import scene\n"
         "from rollbench.lowfi.statics.static import solve_static; b = t()\n"
         "s = scene('lin-case1'); solve_static(s, engine={engine!r}); c = t(); solve_static(s, engine={engine!r})\n"

@@ -22,7 +22,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.system import machine
 from rollbench.comparison.wings.bench.costs.kept import first_kept, save_rows, today
-from rollbench.comparison.wings.bench.costs.timing import Job, launch, single_threaded
+from rollbench.comparison.wings.bench.costs.timing import Job, as_a_users, launch
 from rollbench.reports.content import Quantity, Row, Table
 
 BASE = "import numpy, cyclopts, rich.console"
@@ -192,7 +192,7 @@ def _until_answer(arguments: list[str], extra: dict[str, str], folder: Path) -> 
     words = [sys.executable, "-u", "-P", *arguments]
     with (
         (folder / "errors").open("w") as errors,
-        subprocess.Popen(words, stdout=subprocess.PIPE, stderr=errors, env=single_threaded(extra), text=True) as process,
+        subprocess.Popen(words, stdout=subprocess.PIPE, stderr=errors, env=as_a_users(extra), text=True) as process,
     ):
         assert process.stdout is not None
         first = process.stdout.readline()

@@ -91,13 +91,7 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
     before = os.times()
     try:
         done = subprocess.run(
-            [program, "-i", NAME],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=LONGEST,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
+            [program, "-i", NAME], cwd=folder, capture_output=True, text=True, check=False, timeout=LONGEST
         )
     except subprocess.TimeoutExpired:
         raise ValueError(f"CalculiX took longer than {LONGEST:.0f} s") from None

@@ -4,6 +4,7 @@ with short pieces of screw and nut, as a deck for CalculiX and Abaqus."""
 from __future__ import annotations
 
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -50,9 +51,10 @@ def run(
     out = out or Path(f"{scene.name}.inp")
     deck = build_deck(scene, DeckOptions(b_over_h, growth, 1e9 * stiffness)).deck
     replace_file(out, write(deck, unit))
+    name = shlex.quote(str(out.with_suffix("")))
     line = (
         f"wrote {out}: {deck.node_count} nodes, {sum(len(b.cells) for b in deck.bodies)} 10-node tetrahedra, "
-        f"{len(deck.contacts)} contacts; units {UNITS[unit].words}; run it with: ccx -i {out.with_suffix('')}"
+        f"{len(deck.contacts)} contacts; units {UNITS[unit].words}; run it with: ccx -i {name}"
     )
     return Answer(parts=[line])
 

@@ -109,16 +109,16 @@ def linear_motions(decks: list[Deck]) -> Array:
 
 def _transform(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
-) -> sp.csc_matrix:
+) -> sp.csc_array:
     """The body's freedoms from its free ones and the sections' six each, which come last."""
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.nodes for s in sections)):
         free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
-    parts = [sp.identity(free.size, format="csc")[:, np.flatnonzero(free)]]
+    parts = [sp.eye_array(free.size, format="csc")[:, np.flatnonzero(free)]]
     for s in sections:
         freedoms = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
-        modes = sp.coo_matrix(rigid_modes(body.points[body.nodes[s.nodes]], s.point))
-        parts.append(sp.csc_matrix((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
+        modes = sp.coo_array(rigid_modes(body.points[body.nodes[s.nodes]], s.point))
+        parts.append(sp.csc_array((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
     return sp.hstack(parts, format="csc")
 
 

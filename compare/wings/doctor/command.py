@@ -16,7 +16,7 @@ from rollbench.comparison import __version__
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.system import available_GB, cores, gmsh_fault, gmsh_remedy
 from rollbench.comparison.writing import need_writable
-from rollbench.meshes.libraries import EXTRAS, ONLY_FOR, PICTURES, fault, install, version
+from rollbench.meshes.libraries import EXTRA, ONLY_FOR, PICTURES, fault, install, pip, version
 
 State = Literal["ok", "missing", "optional"]
 #: Least version of Python.
@@ -54,7 +54,7 @@ class Check:
 
 def run_doctor(store: Path) -> Answer:
     """Look at the machine; exit code 1 where something is missing that is not optional."""
-    checks = [*_python(), *_packages(), *_extras(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
+    checks = [*_python(), *_packages(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
     lacking = [check for check in checks if check.state == "missing"]
     rows = [asdict(check) for check in checks]
     data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
@@ -76,13 +76,13 @@ def _python() -> Iterator[Check]:
 
 
 def requirements() -> dict[str, str]:
-    """Least versions of the packages that are needed, by name; empty where rollbench is not installed."""
+    """Least versions of the packages of rollbench and its extras, by name; empty where rollbench is not installed."""
     try:
         lines = metadata.requires("rollbench") or []
     except metadata.PackageNotFoundError:
         return {}
-    lower_bounds = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)", line.strip()) for line in lines if ";" not in line)
-    return {bound[1]: bound[2] for bound in lower_bounds if bound}
+    bounds = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)(?:; extra == .(\w+).)?", line.strip()) for line in lines)
+    return {bound[1]: bound[2] for bound in bounds if bound and (bound[3] is None or EXTRA.get(bound[1]) == bound[3])}
 
 
 def _packages() -> Iterator[Check]:
@@ -93,22 +93,18 @@ def _packages() -> Iterator[Check]:
         )
     for name, least in needed.items():
         present, wanted, lack = version(name), f"'{name}>={least}'", ""
+        state: State = "missing"
         advice, licence = f"pip install {wanted}", f" ({STRICT[name]})" if name in STRICT else ""
         if present is None:
             lack = "not installed"
+            if name in EXTRA:
+                advice, state = pip(name), "optional"
         elif _numbers(present) < _numbers(least):
             lack = f"{present}, older than {least}"
         elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_graphics`
             lack, advice = f"{present}, {broken}", f"pip install --force-reinstall {wanted}"
         cost = ONLY_FOR.get(name, "rollbench does not run")
-        yield _looked(name, f"{present}, at least {least}{licence}", lack, cost, advice)
-
-
-def _extras() -> Iterator[Check]:
-    for name, (what, remedy) in EXTRAS.items():
-        present = version(name) or ""
-        lack = "" if present else "not installed"
-        yield _looked(name, present, lack, f"the report is without {what}", remedy, "optional")
+        yield _looked(name, f"{present}, at least {least}{licence}", lack, cost, advice, state)
 
 
 def _numbers(version: str) -> tuple[int, ...]:
@@ -123,9 +119,11 @@ def _numbers(version: str) -> tuple[int, ...]:
 def _graphics() -> Iterator[Check]:
     from rollbench.reports import offscreen
 
-    remedy = install(PICTURES) if version("pyvista") else "pip install pyvista"
-    yield _looked("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
-    yield _looked("off-screen rendering", "a picture was drawn", offscreen.fault(), ONLY_FOR["pyvista"], remedy)
+    if version("gmsh"):
+        yield _looked("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
+    if version("pyvista"):
+        lack, cost = offscreen.fault(), ONLY_FOR["pyvista"]
+        yield _looked("off-screen rendering", "a picture was drawn", lack, cost, install(PICTURES))
 
 
 def _programs() -> Iterator[Check]:

@@ -20,17 +20,15 @@ from rollbench.comparison.registration import ROOT, registered, source_files
 from rollbench.comparison.wings.evidence.record import Evidence, sentences
 from rollbench.comparison.wings.evidence.registry import by_table, evidence, not_computed
 
-Verdict = Literal[
-    "reproduced", "only as printed", "band", "inferred", "contradicted", "not identifiable", "input", "identity"
-]
+Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
 #: Verdicts, those that say something of the source's models first; in words.
 VERDICTS: dict[Verdict, str] = {
     "reproduced": "the text determines it, and it comes out to the digits printed",
     "only as printed": "it comes out only when a fault of the source is repeated",
     "band": "under-specified or random, and within a range of stated origin",
-    "inferred": "the text leaves it open; it comes out under readings that were inferred from another printed number",
     "contradicted": "computation, or the source itself, says otherwise",
-    "not identifiable": "the text does not determine it: measured, of another program, or resting on what is not printed",
+    "not identifiable": "the text does not determine it: measured, of another program, resting on what is not printed, "
+    "or within a range too wide for a wrong number to fall outside",
     "input": "given by the source and taken over",
     "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
 }
@@ -121,7 +119,7 @@ def judge(entry: Evidence) -> tuple[Verdict, str]:
     if p.cls == "open":
         for why in _contradictions(p).values():
             return "contradicted", sentences(why[:1].upper() + why[1:], words)
-        return ("inferred" if entry.reading is not None and entry.holds else "not identifiable"), words
+        return "not identifiable", words
     if p.kind == "input":
         return ("input" if entry.agrees is not False else "contradicted"), words
     if entry.agrees is None:
@@ -190,8 +188,7 @@ def trust(row: Mapping[str, Any]) -> str:
     return (
         f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as "
         f"printed, {share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
-        f"{share['inferred']} under inferred readings that another printed number bears out, {share['contradicted']} "
-        f"are contradicted and {share['not identifiable']} cannot be identified from the text."
+        f"{share['contradicted']} are contradicted and {share['not identifiable']} cannot be identified from the text."
     )
 
 

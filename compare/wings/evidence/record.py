@@ -17,7 +17,7 @@ class Evidence:
 
     value: the right value in the printed unit; as_printed: the value with the source's faults repeated; reading: the
     value under an assumption that was inferred from the printed results, which confirms nothing; holds: whether a claim
-    is borne out, or a number comes out under such a reading; words: the figures behind it.
+    is borne out; words: the figures behind it.
     """
 
     printed: Printed
@@ -89,11 +89,9 @@ class Sheet:
         *,
         as_printed: float | None = None,
         reading: float | None = None,
-        holds: bool | None = None,
     ) -> None:
-        """File a number in the printed unit; holds: whether the printed one comes out under the inferred reading. Raises
-        KeyError for an unknown key."""
-        self._file(key, value=value, as_printed=as_printed, reading=reading, holds=holds, words=words)
+        """File a number in the printed unit. Raises KeyError for an unknown key."""
+        self._file(key, value=value, as_printed=as_printed, reading=reading, words=words)
 
     def numbers(self, values: Mapping[str, float]) -> None:
         """File right values by key. Raises KeyError for an unknown key."""

@@ -29,8 +29,8 @@ def export(
     growth: float = 0.4,
     stiffness: float = 2e8,
 ) -> int:
-    """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), or a
-    small scene as one deck that CalculiX runs (--deck ccx).
+    """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
+    as CAD (STEP, lengths in mm), or a small scene as one deck that CalculiX runs (--deck ccx).
 
     Parameters
     ----------
@@ -38,11 +38,12 @@ def export(
         Name of a shipped scene, or a scene file.
     part
         screw, nut or ball, whole; screw-with-sockets (nut, ball): as the reference condenses it, a hole at every contact,
-        which patch-SL (the groove's fine patch; SR, NL, NR) and ball-patch-SL fill; or block-source; none with --deck.
+        which patch-SL (the groove's fine patch; SR, NL, NR) and ball-patch-SL fill; or block-source; none with --deck
+        and --format step.
     out
-        File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.inp with --deck.
+        File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.step or, with --deck, <scene>.inp.
     format
-        vtu, msh, med or inp; by the file's name unless given.
+        vtu, msh, med, inp or step; by the file's name unless given.
     level
         Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
     ball
@@ -60,8 +61,8 @@ def export(
     stiffness
         Contact pressure per overclosure of the deck, in N/mm3.
     """
-    from rollbench.comparison.scenes import catalogue
-    from rollbench.comparison.wings.export.command import run_export
+    from rollbench.comparison.scenes import catalogue, scene_file
+    from rollbench.comparison.wings.export.command import run_export, run_step
 
     if deck:
         if part or format or level != 1 or ball is not None:
@@ -74,4 +75,8 @@ def export(
         raise InputError(
             "command line", "--unit, --balls, --b-over-h, --growth, --stiffness", "given", "with --deck", "add --deck ccx"
         )
+    if format == "step" or (not format and out is not None and out.suffix == ".step"):
+        if part or level != 1 or ball is not None:
+            raise InputError("command line", "--format", "step", "no part, --level or --ball with it", "leave them out")
+        return print_answer(run_step(scene_file.solvable(catalogue.any_scene(scene), scene), out))
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.reference.tasks import needed_sides, settings_of
+from rollbench.comparison.reference.tasks import Solvable, needed_sides, settings_of
 from rollbench.comparison.system import need_gmsh, need_packages
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, only, reduced, write_mesh
@@ -18,6 +18,8 @@ from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
     from skfem import Mesh
+
+    from rollbench.meshes.exchange.step_files import PlacedSet
 
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
 BLOCK = "block-source"
@@ -103,6 +105,49 @@ def run_export(
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
+
+
+def run_step(described: Solvable, out: Path | None) -> Answer:
+    """Write the parts of a scene as STEP files, lengths in mm (`rollbench.meshes.exchange.step_files`).
+
+    out: the file of the bodies, replaced if it exists; ``<scene>.step`` unless given. Raises InputError where gmsh is
+    missing or a file cannot be written, Refusal for sets of rollers, which have no groove, and for parts without a wall.
+    """
+    need_gmsh()
+    from rollbench.meshes.exchange.step_files import write_step
+
+    out = Path(f"{described.name}.step") if out is None else out
+    out = out.with_name(f"{out.name}.step") if out.suffix == "" else out
+    try:
+        files = write_step(out, placed_sets(described))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+    except ValueError as error:
+        raise Refusal(described.name, "step", str(error), "see solid.* and the nut's length in the scene") from error
+    bodies, *grooves = files
+    lines = [f"wrote {bodies}: shaft, nuts and balls{' without their grooves' if grooves else ''}; lengths in mm"]
+    for path in grooves:
+        off = f"up to {1e6 * files[path]:.2g} um from the exact ones"
+        lines.append(f"wrote {path}: flanks of the grooves as surfaces, {off}; lengths in mm")
+    return Answer({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)
+
+
+def placed_sets(described: Solvable) -> list[PlacedSet]:
+    """Each set of a scene in its place, and its stretch of shaft in the reference. Raises ValueError for rollers."""
+    from rollbench.hifi.several_sets import bodies_of
+    from rollbench.meshes.exchange.step_files import PlacedSet
+    from rollbench.meshes.solid import dimensions
+
+    if isinstance(described, Scene):
+        return [PlacedSet(described, 0.0, dimensions(described).ends(described))]
+    out = []
+    for s, bodies in zip(described.sets, bodies_of(described), strict=True):
+        if not isinstance(s.parts, Scene):
+            raise ValueError(f"{s.name} has rollers: only balls and their grooves are written")
+        low, high = dimensions(bodies.bodies).ends(bodies.bodies)
+        out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
+    return out
 
 
 def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> Mesh:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import redirect_stdout
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from rollbench.comparison.commands.printing import Answer, cell
 from rollbench.comparison.commands.tables import aligned, ruled
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.extremes.campaign.scenes import Campaign, Part
 from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table, tally, wide_rows
 
 if TYPE_CHECKING:
@@ -49,48 +46,6 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
         yield f"{name}: {solved} of {tried} tried ({total} cases)"
     for row in bad:
         yield f"FAILED: {row.case}: {row.status}; expected: {row.expected}"
-
-
-def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
-    """Exit code of a command and what it prints on standard output; 2 and its line where it refuses its input."""
-    out = io.StringIO()
-    try:
-        with redirect_stdout(out):
-            code = int(run(tokens))
-    except InputError as error:
-        return 2, str(error)
-    return code, out.getvalue()
-
-
-def run_campaign(what: Campaign, keep: Path | None) -> Answer:
-    """Run a campaign: its counts and every bad outcome; exit code 1 where there is any. With ``keep``, an interrupted
-    one goes on from the lines beside that file.
-
-    Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
-    """
-    from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
-    from rollbench.comparison.wings.extremes.campaign import record
-    from rollbench.comparison.writing import need_writable, replace_file
-
-    whole = ((what.option, what.count, 1, 1_000_000), ("--seed", what.seed, 0, 2**31), ("--files", what.files, 0, 100_000))
-    for name, value, low, high in (*whole, ("--kills", what.kills, 0, 10_000)):
-        if not low <= value <= high:
-            raise InputError("command line", name, str(value), f"{low} to {high}", "choose a number in that range")
-    known = AXIS_MODELS if what.axes else tuple(name for name in MODELS if name != "condensed")
-    if what.model not in known:
-        raise InputError("command line", "--model", what.model, ", ".join(known), "see: rollbench list")
-    kept = None
-    if keep is not None:
-        need_writable(keep)
-        kept = Part(keep.with_name(f"{keep.name}{what.option}.{what.model}-{what.seed}.part"), what.seed, what.model)
-        if kept.outcomes:
-            sys.stderr.write(f"{len(kept.outcomes)} scenes of an interrupted campaign are known\n")
-    found = record.run_campaign(what, _progress, kept)
-    _progress(0, 0, "")
-    if keep is not None and kept is not None:
-        replace_file(keep, record.text(found, keep))
-        kept.path.unlink(missing_ok=True)
-    return Answer(found, record.lines(found), 1 if found["bad"] else 0)
 
 
 def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:

@@ -9,8 +9,8 @@ from typing import Any
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.fit import WORDS
-from rollbench.comparison.wings.extremes.campaign.record import rows as campaign_rows
-from rollbench.comparison.wings.extremes.campaign.record import shipped
+from rollbench.comparison.wings.extremes.campaign import rows as campaign_rows
+from rollbench.comparison.wings.extremes.campaign import shipped
 from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
 from rollbench.comparison.wings.extremes.survey import run as survey
 from rollbench.comparison.wings.extremes.survey.record import MODELS

@@ -103,7 +103,9 @@ def _answer(
     failed = next((x for x in solved if not x[2].settled), None)
     torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
-    warnings = output.static_only(result.warnings)
+    of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
+    warnings = [w for w in result.warnings if w.startswith(of_rollers)]
+    warnings += output.static_only([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             warnings += [w.of(s.of.name) for w in output.warnings_of(s.of.parts, friction, state, ())]

@@ -28,6 +28,7 @@ from rollbench.lowfi.friction.whole.heathcote import WIDE
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.friction.whole.torque import ScrewTorque
+from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.lowfi.warned import Warned
@@ -174,6 +175,7 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
     at = state.at
     loaded = at.force > 0.0
     notes = static_only(static)
+    notes += overall_warnings(scene.track, friction)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append(Warned("jam", jam_words(state)))

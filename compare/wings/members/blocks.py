@@ -1,6 +1,6 @@
 """Specimens of a scene with random errors solved in blocks, and what is kept of each.
 
-Several sets draw errors of their own. Of the whole: largest load, tangent stiffness along the axis where it is asked for,
+Several sets draw errors of their own. Of the whole: largest load, tangent rigidity along the axis where it is asked for,
 contacts lost. Of each set: largest and mean load, force along the axis on the shaft, contacts lost, life. Rollers draw no
 errors, but feel those of the balls.
 """
@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
@@ -32,7 +31,7 @@ from rollbench.meshes.parts import Scene
 KEPT = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
-    "stiffness_N_per_um": "stiffness along the load / (N/um)",
+    "load_stiffness_N_per_um": "stiffness at the loads / (N/um)",
     "lost_contacts": "contacts lost against no random errors",
     "relative_life": "life over that without random errors",
     "residual": "relative residual",
@@ -40,7 +39,7 @@ KEPT = {
 #: The same of several sets: of the whole, and of each.
 WHOLE = {
     "largest_load_N": "largest load of a contact or roller / N",
-    "stiffness_N_per_um": "tangent stiffness along the axis / (N/um)",
+    "tangent_N_per_um": "tangent rigidity along the axis / (N/um)",
     "lost_contacts": "contacts lost against no random errors",
     "residual": "relative residual",
 }
@@ -55,7 +54,7 @@ OF_SET = {
 
 #: Exponents of the loads of a raceway that turns under the load and of one that does not, and of raceways together.
 TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
-#: Part of the load by which stiffness is taken.
+#: Part of the load by which the stiffness at the loads is taken.
 STEP = 1e-3
 #: Models with elastic bodies, whose members may share one system.
 ELASTIC = tuple(name for name in LADDER if name != "lin")
@@ -158,14 +157,13 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     """Members ``first`` and on; nominal: loads (N, 4) [N] of all balls without random errors."""
     if isinstance(scene, Assembly):
         return _of_several(scene, model, engine, nominal, first, count)
-    with threadpool_limits(1, "blas"):
-        loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
-        force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
-        stiffness = np.full(count, np.nan)
-        if force > 0.0:
-            heavier = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                stiffness = 1e-6 * force * STEP / (heavier - works)
+    loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
+    force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
+    stiffness = np.full(count, np.nan)
+    if force > 0.0:
+        heavier = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stiffness = 1e-6 * force * STEP / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
     contacts = nominal_contacts(scene)
@@ -178,8 +176,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
 def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
     """`solve_block` of several sets."""
-    with threadpool_limits(1, "blas"):
-        results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
+    results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = places(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
     wide = len(columns(assembly))

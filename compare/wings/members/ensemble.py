@@ -22,7 +22,6 @@ from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.lowfi.statics.static import Beam, Engine, pick_engine, pin, prepare, scale_of, solve_static
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres
@@ -78,13 +77,12 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
     """
     count = scene.members if members is None else members
     batch = _Batch(scene, count, first, threads)
-    with one_thread():
-        all_sides = batch.solve() if one_pass(scene) else 0
-        statuses, left = ["converged"] * count, np.flatnonzero(~batch.solved)
-        for m in left:
-            result = solve_static(scene, engine=ENGINE, member=first + int(m))
-            batch.loads[m], statuses[m] = result.load, result.status
-            batch.residuals[m], batch.works[m] = result.solver.residual, work_of(scene, result)
+    all_sides = batch.solve() if one_pass(scene) else 0
+    statuses, left = ["converged"] * count, np.flatnonzero(~batch.solved)
+    for m in left:
+        result = solve_static(scene, engine=ENGINE, member=first + int(m))
+        batch.loads[m], statuses[m] = result.load, result.status
+        batch.residuals[m], batch.works[m] = result.solver.residual, work_of(scene, result)
     return EnsembleResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
 
 

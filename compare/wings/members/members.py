@@ -152,8 +152,8 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
     if not 2 <= count <= MOST:
         raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
     if not random_errors(scene):
-        where, advice = ("errors", "") if single else ("sets[].errors", " of a set")
-        advice = f"give a sigma to balls, pitch, roundness or profile{advice}"
+        where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
+        advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
         raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from joblib.externals.loky import get_reusable_executor
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
@@ -31,18 +30,17 @@ AGAIN, STEPS, STEPS_TARGET = 1.0, 50, 30.0
 
 def jobs(repeats: int = 3) -> Iterator[Job]:
     """Steady pairs with all set-up, a further load case, steps from rest; one core but for the set-up of finite bodies."""
-    with threadpool_limits(1, "blas"):
-        for name, target in TARGETS.items():
-            yield _steady(name, target, repeats)
-            yield _finite(name, target)
-        linear = _scene("lin-pair-a", PRODUCTION)
-        first = solve_rolling(linear, Choices(PRODUCTION))
-        heavier = _heavier(linear)
-        again = timed(lambda: solve_rolling(heavier, Choices(PRODUCTION), first), repeats)
-        yield Job("rolling: further load case", again, None, _unknowns(linear, PRODUCTION), peak_MB(), _aim(AGAIN))
-        rest = timed(lambda: run_from_rest(linear, DURATION, STEPS, GAP, Choices(REST)), 1)
-        note = f"{REST[0]} x {REST[1]} cells; {_aim(STEPS_TARGET)}"
-        yield Job(f"rolling: {STEPS} steps from rest", rest, None, _unknowns(linear, REST), peak_MB(), note)
+    for name, target in TARGETS.items():
+        yield _steady(name, target, repeats)
+        yield _finite(name, target)
+    linear = _scene("lin-pair-a", PRODUCTION)
+    first = solve_rolling(linear, Choices(PRODUCTION))
+    heavier = _heavier(linear)
+    again = timed(lambda: solve_rolling(heavier, Choices(PRODUCTION), first), repeats)
+    yield Job("rolling: further load case", again, None, _unknowns(linear, PRODUCTION), peak_MB(), _aim(AGAIN))
+    rest = timed(lambda: run_from_rest(linear, DURATION, STEPS, GAP, Choices(REST)), 1)
+    note = f"{REST[0]} x {REST[1]} cells; {_aim(STEPS_TARGET)}"
+    yield Job(f"rolling: {STEPS} steps from rest", rest, None, _unknowns(linear, REST), peak_MB(), note)
 
 
 def _steady(name: str, target: float, repeats: int) -> Job:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import process_time
 
@@ -20,6 +20,7 @@ import numpy as np
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
 from rollbench.comparison.reference.measured import Measured, here
+from rollbench.comparison.reference.store import KEY
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import out_of_memory
 from rollbench.comparison.wings.rolling.cases import Case, case_of
@@ -99,13 +100,18 @@ def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE)
 
 
 def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
-    """The stored run, from the first store that has it."""
+    """The stored run, from the first store that has it, under whatever name the scene had when it was made: its key holds
+    that name, which the file says."""
     for store in stores:
-        try:
-            stored = json.loads(path_in(store, scene, level, bodies).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
-        return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
+        own = path_in(store, scene, level, bodies)
+        for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):
+            try:
+                stored = json.loads(path.read_text(encoding="utf-8"))
+                named = replace(scene, name=stored["scene"])
+            except (OSError, ValueError, KeyError, TypeError):
+                continue
+            if path.name == path_in(store, named, level, bodies).name:
+                return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
     return None
 
 
@@ -192,7 +198,7 @@ def measures(
         else:
             out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
-        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0], strict=False)}
+        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0][:2], strict=True)}
         names = [case.contacts[t] for t in _loaded(case.apart)]
         out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _losses(apart), strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}

@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import count
 
-from threadpoolctl import threadpool_limits
-
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes.catalogue import scene, scene_text
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
@@ -23,14 +21,13 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
     """Samples one after the other, each at a value of its own; compiled, one core."""
     text = scene_text(SCENE)
     options = Options(discretisation=False, engine="compiled")
-    with threadpool_limits(1, "blas"):
-        alone = timed(lambda: run_model(scene(SCENE), MODEL, options), repeats)
-        for what, (varied, aim) in KEYS.items():
-            (vary,) = read_vary([varied])
-            work = partial(_sample, text, vary, count(1))
-            note = f"{varied}: two solutions, their answers, the scene read; one solution of known bodies takes "
-            note += f"{1e3 * alone:.2g} ms, no sample less than two; aim {1e3 * aim:g} ms"
-            yield Job(f"sample of a sweep, {what} changed", timed(work, repeats), None, None, None, note)
+    alone = timed(lambda: run_model(scene(SCENE), MODEL, options), repeats)
+    for what, (varied, aim) in KEYS.items():
+        (vary,) = read_vary([varied])
+        work = partial(_sample, text, vary, count(1))
+        note = f"{varied}: two solutions, their answers, the scene read; one solution of known bodies takes "
+        note += f"{1e3 * alone:.2g} ms, no sample less than two; aim {1e3 * aim:g} ms"
+        yield Job(f"sample of a sweep, {what} changed", timed(work, repeats), None, None, None, note)
 
 
 def _sample(text: str, vary: Vary, numbers: Iterator[int]) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes.units import number_and_unit, show
+from rollbench.comparison.scenes.units import COMMA, has_comma, number_and_unit, show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
@@ -122,6 +122,8 @@ def _read(text: str) -> Vary:
 
 
 def _range(key: str, text: str, values: str) -> Vary:
+    if any(map(has_comma, values.split(":"))):
+        raise _refused(text, "numbers with a point", COMMA)
     try:
         (first, unit), (second, other) = map(_split, values.split(":"))
     except ValueError:

@@ -96,9 +96,10 @@ def cycle_outputs(
 def axis_outputs(
     assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """`OUTPUTS` of several sets of balls together, those that are wanted; ``at`` begins with the name of the set;
-    displacement: along the axis, of what the scene asks about, from the unloaded place of the parts; approaches are those
-    of balls; preload: the largest axial force of a set without loads; life: that of the set that lives shortest.
+    """`OUTPUTS` of several sets together, those that are wanted; loads are of contacts of balls and of rollers; ``at``
+    begins with the name of the set; displacement: along the axis, of what the scene asks about, from the unloaded place of
+    the parts; approaches, life and torque are those of balls, life of the set that lives shortest; preload: the largest
+    axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved = axial_load(assembly), along_axis(assembly, result)
@@ -117,7 +118,8 @@ def axis_outputs(
         "rigidity_N_per_um": lambda: _rigidity(force, moved - along_axis(assembly, bare())) if bare().converged else None,
         "preload_N": preload,
     }
-    return _of_sets(sets, assembly, makers, Options(), wanted, lambda: 0)
+    rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
+    return _of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
 
 
 def _of_sets(
@@ -127,22 +129,24 @@ def _of_sets(
     options: Options,
     wanted: Collection[str],
     contacts: Callable[[], int],
+    rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
     """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: makers of
-    displacement [um], rigidity [N/um] and preload [N]; contacts: see `mean_load`."""
+    displacement [um], rigidity [N/um] and preload [N]; contacts: see `mean_load`; rollers: loads [N] of each row."""
     solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
-    every = np.concatenate([np.zeros(0), *(balls.load[balls.load > 0.0] for _, balls in solved)])
+    named = [*((name, x.load) for name, _, x in sets), *rollers]
+    every = np.concatenate([np.zeros(0), *(load[load > 0.0] for _, load in named)])
     at = ""
     if every.size:
-        name, load = max(((name, x.load) for name, _, x in sets), key=lambda one: float(one[1].max(initial=0.0)))
-        ball, side = np.unravel_index(int(load.argmax()), load.shape)
-        at = f"{name}{ball + 1} {SIDES[side]}"
+        name, load = max(named, key=lambda one: float(one[1].max(initial=0.0)))
+        one, *side = np.unravel_index(int(load.argmax()), load.shape)
+        at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
     makers: Makers = {
         MAIN: lambda: float(every.max(initial=0.0)),
         "mean_load_N": lambda: mean_load(every, contacts()),
         "loaded_contacts": lambda: int(every.size),
         "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
-        "largest_approach_um": lambda: max((_approach(balls) for _, balls in solved), default=0.0),
+        "largest_approach_um": lambda: max((_approach(balls) for _, balls in solved), default=None),
         "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
         "life_million_revolutions": lambda: _life([(parts, balls.load) for parts, balls in solved]),
         **whole,

@@ -9,8 +9,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file, scene_tables
@@ -109,7 +107,7 @@ def solve_batch(
     text, origin, keys, model, engine, wanted = sweep
     here = store.current(run_folder, token)
     found: list[store.Record] = []
-    with threadpool_limits(1, "blas"), store.working(run_folder) if here else nullcontext():
+    with store.working(run_folder) if here else nullcontext():
         try:
             for number, values in batch:
                 solved = solve_sample(text, origin, keys, values, model, engine, wanted)

@@ -44,7 +44,6 @@ from rollbench.lowfi.statics.shaft import (
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
-from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.section import BeamSection
@@ -443,7 +442,6 @@ def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
     return inverse(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)
 
 
-@one_thread()
 def solve_refined(
     assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
 ) -> AxisResult:

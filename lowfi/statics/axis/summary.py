@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from rollbench.lowfi.statics.axis.proof import crossed
+from rollbench.lowfi.statics.axis.roller_warnings import roller_warnings
 from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System
@@ -38,7 +40,10 @@ AXIS_ASSUMPTIONS = (
     "lever arms of contact forces are those of error-free flanks",
 )
 #: And where there are rollers.
-ROLLERS = "rollers: slices of line contacts that do not feel one another, seated on their ribs; rings do not bend"
+ROLLERS = (
+    "rollers: slices of line contacts that do not feel one another, so that pressures leave out what straight ends add; "
+    "seated on their ribs; rings do not bend"
+)
 
 
 #: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
@@ -75,7 +80,8 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     sets = tuple(by_name[s.name] for s in assembly.sets)
     balance = _balance(system, state, end, sets)
     housings = tuple(_housing(system, i, sets, state.q, end) for i in range(r - n))
-    warnings = tuple(w.of(s.of.name) for s in sets if s.balls is not None for w in s.balls.warnings)
+    of_rollers = partial(roller_warnings, z=structure.nodes, motion=state.q[:n])
+    warnings = tuple(w.of(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s)))
     status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
     if status == "converged":
         status = crossed_row(system, sets, end.scale) or status

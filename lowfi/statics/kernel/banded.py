@@ -1,14 +1,13 @@
 """Symmetric positive definite banded systems, A[i, j] = band[j, i - j] for i >= j: the lower band, column by column.
 
 Compiled: the LDL^T below. Interpreted: Cholesky block by block through numpy, as scipy.linalg takes longer to import than a
-scene to be solved; on one thread, as more wait for one another at every block. A test compares them.
+scene to be solved. A test compares them.
 """
 
 import numpy as np
 
 from rollbench.lowfi.jit import is_compiled, kernel
 from rollbench.lowfi.statics.kernel_types import Array
-from rollbench.lowfi.threads import one_thread
 
 
 @kernel
@@ -46,46 +45,54 @@ def ldl_substitute(band: Array, b: Array) -> None:
         b[j] = x
 
 
-def _blocks(band: Array) -> tuple[Array, Array]:
-    """The matrix of a band (n, w) as blocks of w - 1 freedoms: those on the diagonal (m, b, b), lower triangle, and those
-    below them (m, b, b), upper triangle; filled up to m b freedoms by a unit matrix."""
+def _filled(band: Array) -> Array:
+    """A band (n, w) filled up to whole blocks of w - 1 freedoms by a unit matrix, without what lies beyond the matrix."""
     n, width = band.shape
     size = max(width - 1, 1)
     filled = np.zeros((-(-n // size) * size, size + 1))
-    filled[:n, :width] = np.where(np.arange(n)[:, None] + np.arange(width) < n, band, 0.0)
+    filled[:n, :width] = band
+    for j in range(max(n - width + 1, 0), n):
+        filled[j, n - j :] = 0.0
     filled[n:, 0] = 1.0
-    row, column = np.indices((size, size))
-    first = np.arange(0, len(filled), size)[:, None, None] + column
-    return np.tril(filled[first, np.maximum(row - column, 0)]), np.triu(filled[first, size + np.minimum(row - column, 0)])
+    return filled
 
 
-@one_thread()
+def _views(filled: Array) -> tuple[Array, Array]:
+    """Views of the blocks (m, b, b) of a filled band: those on the diagonal, which are lower triangles, and those below
+    them, upper ones. Its columns lie one after the other, A[i, j] at j (b + 1) + i - j = j b + i: a block is b columns b
+    apart, and the other triangle of a view belongs to other blocks."""
+    size = filled.shape[1] - 1
+    flat = filled.reshape(-1, size * (size + 1))
+    on, below = (x.reshape(-1, size, size).transpose(0, 2, 1) for x in (flat[:, : size * size], flat[:, size:]))
+    return on, below
+
+
 def _block_factor(band: Array) -> bool:
-    n, width = band.shape
-    on, below = _blocks(band)
+    """Overwrite ``band`` with the inverses of the factor's blocks on the diagonal and the blocks below them; False where
+    the matrix is not positive definite."""
+    filled = _filled(band)
+    factor = np.zeros_like(filled)
+    (on, below), (inverse, under) = _views(filled), _views(factor)
+    taken = np.zeros(on.shape[1:])
     try:
         for k in range(len(on)):
-            if k:
-                below[k - 1] = np.linalg.solve(on[k - 1], below[k - 1].T).T
-                on[k] -= below[k - 1] @ below[k - 1].T
-            on[k] = np.linalg.cholesky(on[k])
+            inverted = np.tril(np.linalg.inv(np.linalg.cholesky(on[k] - taken)))  # of which it reads the lower triangle
+            row = np.triu(below[k]) @ inverted.T
+            taken = row @ row.T
+            inverse[k] += inverted
+            under[k] += row
     except np.linalg.LinAlgError:
         return False
-    both = np.concatenate([on, below], axis=1)  # a column of the factor down to the end of the next block
-    size = on.shape[1]
-    place = np.arange(n)
-    for k in range(width):
-        band[:, k] = both[place // size, place % size + k, place % size]
+    band[:] = factor[: band.shape[0], : band.shape[1]]
     return True
 
 
 def inverse_blocks(band: Array) -> tuple[Array, Array]:
     """What `substitute_blocks` takes of a factored band: inverses of the blocks on the diagonal, and those below them."""
-    on, below = _blocks(band)
-    return np.linalg.inv(on), below
+    on, below = _views(_filled(band))
+    return np.tril(on), np.triu(below)
 
 
-@one_thread()
 def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
     """Overwrite b, one column (n,) or several (n, k), by the solution, from `inverse_blocks`."""
     inverse, below = blocks

@@ -149,9 +149,7 @@ def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: i
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     fixed, node, B = beam.fixed, contacts.node, contacts.B
-    whole, given = band.ravel(), beam.band.ravel()
-    for i in range(whole.size):
-        whole[i] = given[i]
+    band[:] = beam.band
     m = B.shape[3]
     room = np.empty((2, m))
     for i in range(node.shape[0]):

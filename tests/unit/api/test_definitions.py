@@ -2,6 +2,8 @@
 
 from itertools import chain
 
+from tests.shipped_texts import own_text
+
 from rollbench.comparison.definitions import _known, definition
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.template import template
@@ -39,6 +41,7 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1
         "turning": f'{one}\n[motion]\nspeed = "60 rpm"\n',
         "bearings": template("support-bearings"),
+        "rollers": own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'),
         "sets": f'{two}\n[[cases]]\nname = "one"\nshare = 1\n',
     }
     for name, text in scenes.items():

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import sysconfig
 import tarfile
 import venv
@@ -68,6 +69,64 @@ def test_the_wheel_holds_one_package(wheel: Path) -> None:
     assert {f"rollbench/{file}" for file in files} <= set(names)
     assert not [name for name in names if name.startswith("rollbench/reports/validation")]
     assert len(names) == len(set(names))
+
+
+@pytest.fixture
+def unzipped(tmp_path: Path) -> Path:
+    """The tree as a zip or a clone on Windows has it: links are files with the path as text. Without the old report, which
+    no wheel holds."""
+    folder = tmp_path / "unzipped"
+    left = shutil.ignore_patterns(".git", ".venv*", "__pycache__", "validation", ".*_cache", ".hypothesis")
+    shutil.copytree(ROOT, folder, symlinks=True, ignore=left)
+    for link in [path for path in (folder / ".import/rollbench").iterdir() if path.is_symlink()]:
+        text = os.readlink(link)
+        link.unlink()
+        link.write_text(text)
+    return folder
+
+
+def test_a_wheel_of_a_tree_without_links_is_the_same(wheel: Path, unzipped: Path, tmp_path: Path) -> None:
+    (again,) = WheelBuilder(str(unzipped)).build(directory=str(tmp_path), versions=["standard"])
+    assert contents(again) == contents(wheel)
+
+
+def test_an_editable_install_stops_without_links(unzipped: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    editable = WheelBuilder(str(unzipped)).build(directory=str(tmp_path), versions=["editable"])
+    with pytest.raises(SystemExit) as stop:
+        list(editable)
+    said = capfd.readouterr()
+    assert stop.value.code
+    assert "links" in said.out + said.err
+    assert list(WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["editable"]))
+
+
+@pytest.mark.installs
+def test_what_is_installed_from_a_tree_without_links_solves(unzipped: Path, tmp_path: Path) -> None:
+    venv.create(tmp_path / "new", with_pip=True)
+    bin_, constraints = tmp_path / "new/bin", ROOT / ".ci/constraints.txt"
+    done = ran(bin_ / "pip", "install", "-q", "-c", constraints, unzipped, env=ALONE, timeout=1500)
+    assert done.returncode == 0, done.stderr
+    solved = ran(bin_ / "rollbench", "solve", "lin-case1", env=ALONE, cwd=tmp_path)
+    assert solved.returncode == 0, solved.stderr
+    editable = ran(bin_ / "pip", "install", "-q", "-c", constraints, "-e", unzipped, env=ALONE, timeout=1500)
+    assert editable.returncode != 0
+    assert "links" in editable.stderr + editable.stdout
+
+
+def test_a_source_archive_runs_its_own_tests(tmp_path: Path) -> None:
+    """By the package in it, which its links name, not by that of this environment."""
+    (archive,) = SdistBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
+    with tarfile.open(archive) as opened:
+        assert not [name for name in opened.getnames() if "/reports/validation" in name]
+        opened.extractall(tmp_path, filter="data")
+    (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
+    options = "-p", "no:rollbench", "-p", "no:cacheprovider", "-n", "0"
+    words = "tests/unit/scenes", "tests/unit/commands/test_threads.py::test_a_users_own_variable_wins", "--co"
+    done = here_python("-m", "pytest", *options, *words, cwd=source, env=ALONE)
+    assert done.returncode == 0, done.stdout
+    done = here_python("-m", "pytest", *options, "tests/unit/statics/test_beam.py", cwd=source, env=ALONE)
+    assert done.returncode == 0, done.stdout
+    assert (source / ".import/rollbench/lowfi").is_symlink()
 
 
 def test_a_wheel_by_way_of_the_source_archive_is_the_same(wheel: Path, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,10 +11,10 @@ from rich.console import Console
 
 from rollbench.comparison.commands.comparing import compare_output as output
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.comparison import Loads, compared_models, options_for
+from rollbench.comparison.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.comparison.models.model_form import estimate, shipped_points
 from rollbench.comparison.models.registry import MODELS, run_model
-from rollbench.comparison.models.total_uncertainty import Choices, Total
+from rollbench.comparison.models.total_uncertainty import Choices, Total, total
 from rollbench.comparison.reference import grid_parts, store
 from rollbench.comparison.reference.estimate import Reference, reference
 from rollbench.comparison.scenes import catalogue
@@ -52,7 +53,28 @@ def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case) -> N
     mesh = output.beside(scene, loads(scene, "3D level 2", 1.02), found)
     (line,) = output.others(output.Comparison((*models, mesh), itself, None, TOTAL))
     assert line.startswith("lin-source-partition is off by 10.72 % of the mean load on the worst contact (ball 32")
-    assert line.endswith("and by 10.00 % of a contact's own load")
+    assert f"and by 10.00 %, {RULE}" in line
+
+
+def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
+    """Of 0.01 N in the reference and 0.1 N in the model: 900 % of its own load, 0.04 % of the mean."""
+    scene, _, found, _ = case
+    small = found.load.copy()
+    small[0, 0] = 0.01
+    answer = loads(scene, "refined", 1.01)
+    answer.load[0, 0] = 0.1
+    one = output.beside(scene, answer, replace(found, load=small))
+    text = output.verdict(output.Comparison((one,), one, None, TOTAL), found)
+    assert one.error.own_max_percent > 800.0
+    assert f"and by 1.00 %, {RULE}" in text
+
+
+def test_a_renamed_copy_is_no_other_scene() -> None:
+    """What is measured on a scene is not to be expected of it, and choices varied on it speak for it, whatever its name."""
+    copy = replace(catalogue.scene("lin-case1"), name="my copy")
+    found = reference(copy)
+    assert "lin-case1" not in {point.scene for point in output.others_than(found)}
+    assert total(copy, found, inputs=False).choices.scene == "lin-case1"
 
 
 def shown(table) -> list[str]:

@@ -1,7 +1,7 @@
 """``rollbench doctor``: one line for each thing, what lacks is named with its cost, exit code 0 or 1."""
 
-import re
 import sys
+import tomllib
 from importlib import metadata
 
 import pytest
@@ -49,8 +49,8 @@ def test_packages_that_are_absent_or_old(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(doctor, "requirements", lambda: {"gmsh": "4.13", "rich": "13.7", "scipy": "1.13"})
     monkeypatch.setattr(libraries.metadata, "version", version)
     found = {check.name: check for check in doctor._packages()}
-    assert [check.state for check in found.values()] == ["missing", "missing", "ok"]
-    assert found["gmsh"].advice == "pip install 'gmsh>=4.13'"
+    assert [check.state for check in found.values()] == ["optional", "missing", "ok"]
+    assert found["gmsh"].advice == "pip install 'rollbench[reference]'"
     assert "stored ones are read" in found["gmsh"].cost
     assert found["rich"].found == "1.30, older than 13.7"
 
@@ -68,18 +68,11 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
     assert "compare, mesh-study, sweep and solve --curve write tables without figures" in check.cost
 
 
-def test_the_python_package_is_advised_where_it_is_what_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(offscreen, "fault", lambda: "pyvista cannot be loaded")
-    monkeypatch.setattr(doctor, "gmsh_fault", lambda: "gmsh is not installed")
-    monkeypatch.setattr(doctor, "version", lambda _: None)
-    monkeypatch.setattr(system, "version", lambda _: None)
-    assert [check.advice for check in doctor._graphics()] == ["pip install gmsh", "pip install pyvista"]
-
-
 def test_every_requirement_of_the_package_is_looked_at() -> None:
-    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    listed = text.split("\ndependencies = [")[1].split("\n]")[0]
-    assert set(re.findall(r'"([\w.-]+)>=', listed)) == set(doctor.requirements())
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    listed = [*project["dependencies"], *(line for name in set(libraries.EXTRA.values()) for line in extras[name])]
+    assert {line.partition(">=")[0] for line in listed} == set(doctor.requirements())
 
 
 def test_a_folder_that_cannot_be_written(tmp_path) -> None:

@@ -111,3 +111,14 @@ def test_friction_that_raises_the_torque_much_is_said_and_nothing_of_none():
     lines = answer(mine(), mu=(0.0,)).text
     assert "energy: 0 W are put in and lost" in lines
     assert not re.search("feedback|Heathcote", lines), "nothing is said of them without friction"
+
+
+@pytest.mark.parametrize(("name", "times"), [("lin-case1", 1), ("double-nut", 2)])
+def test_a_coefficient_as_low_as_overall_ones_is_warned_of_by_nut(tmp_path, command, name: str, times: int) -> None:
+    text = re.sub(r"(?m)^coefficient = .*$", "coefficient = 0.005", catalogue.scene_text(name))
+    (tmp_path / "my.toml").write_text(text, encoding="utf-8")
+    data = command.answer("friction", tmp_path / "my.toml", "--model", "lin")
+    assert sum("overall coefficients" in w for w in data["warnings"]) == times
+    assert "overall coefficients" in data["warning"]
+    as_usual = command.answer("friction", name, "--model", "lin")
+    assert not any("overall coefficients" in w for w in as_usual["warnings"])

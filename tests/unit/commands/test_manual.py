@@ -5,7 +5,7 @@ import re
 
 import pytest
 import yaml
-from tests.copies import ROOT, docs_module
+from tests.copies import ROOT, docs_module, of_report
 
 DOCS = ROOT / "docs"
 #: Pages of the manual, and those that a reader opens first.
@@ -22,7 +22,7 @@ def written(tmp_path_factory: pytest.TempPathFactory):
 
 def test_reference_has_every_command_key_and_quantity_with_its_unit(written) -> None:
     commands = (written / "commands.md").read_text(encoding="utf-8")
-    for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
+    for name in ("solve", "compare", "check", "friction", "doctor"):
         assert f"## `rollbench {name}`" in commands
     scene = (written / "scene-file.md").read_text(encoding="utf-8")
     assert [table for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases") if table not in scene] == []
@@ -56,6 +56,7 @@ def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
     assert sum("rollbench check" in step.get("run", "") for step in job["steps"]) == 1
 
 
+@of_report
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_named_files_exist(page) -> None:
     text = page.read_text(encoding="utf-8")
@@ -75,6 +76,7 @@ def test_every_drawing_is_made_and_shown(tmp_path, written) -> None:
     assert [key for key in keys.split() if key not in lengths] == []
 
 
+@of_report
 @pytest.mark.parametrize(("page", "model"), [("refined-model", "refined"), ("beam-model", "lin")])
 def test_errors_of_models_on_their_page_and_the_first_are_the_report_s(page: str, model: str) -> None:
     survey = (ROOT / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8")

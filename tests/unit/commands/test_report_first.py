@@ -72,10 +72,10 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor,
 
 
 def test_what_single_files_and_pictures_lack_is_named_with_what_installs_it(monkeypatch) -> None:
-    monkeypatch.setattr(report_first, "find_spec", lambda name: None if name == "typst" else name)
+    monkeypatch.setattr(report_first, "version", lambda name: None if name == "trimesh" else name)
     (gap,) = report_first.lacking([])
-    assert str(gap) == "the PDF of the first pages: typst is not installed; pip install typst"
-    monkeypatch.setattr(report_first, "find_spec", lambda name: name)
+    assert str(gap) == "the view that can be turned: trimesh is not installed; pip install 'rollbench[report]'"
+    monkeypatch.setattr(report_first, "version", lambda name: name)
     monkeypatch.setattr(report_first, "drawing_fault", lambda: "no off-screen OpenGL on this machine")
     plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw(),))
     assert report_first.lacking([plain]) == []

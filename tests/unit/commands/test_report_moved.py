@@ -35,6 +35,10 @@ def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_p
         "errors: refined (2), error [%]: 0.7 became 0.800001 (+14.3 %)",
         "errors: mei: new row",
     ]
+    damaged = tmp_path / "c" / "tables" / "errors.csv"
+    damaged.write_text(damaged.read_text(encoding="utf-8") + "lin,6,1,7\n", encoding="utf-8")
+    with pytest.raises(InputError, match="a cell for each heading"):
+        tables(tmp_path / "c")
     assert list(moved_tables({"a": []}, {"b": []})) == ["a: no longer there", "b: new table"]
     many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
     assert len(list(moved_tables(first, {"errors": many}))) == MOST + 1

@@ -1,5 +1,6 @@
 """``compare`` and ``mesh-study`` of scenes of rolling balls: rows, store, refusals."""
 
+from dataclasses import replace
 from unittest.mock import Mock
 
 import pytest
@@ -74,6 +75,14 @@ def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
 def row(low, reference, bar):
     error = 100.0 * (low - reference) / reference
     return RollingRow("a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0)
+
+
+def test_a_renamed_copy_has_the_stored_runs(tmp_path):
+    scene = catalogue.shipped("lin-pair-a")
+    run = runs.compute(scene, 1)
+    runs.save(tmp_path, scene, run)
+    assert runs.load(replace(scene, name="my copy"), 1, [tmp_path]) == run
+    assert runs.load(replace(scene, name="my copy", title="another"), 1, [tmp_path]) is None
 
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():

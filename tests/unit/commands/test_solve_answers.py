@@ -214,11 +214,12 @@ OUTSIDE = [
     ((), ()),
     ((('force = "5 % of C"', 'oversize = "60 um"'),), ("contact pressure", "static safety", "above C =")),
     (((', "5.7 kN"]', ', "900 kN"]'),), ("contact pressure", "below 1")),
+    ((("conformity = 0.525  #", "conformity = 1.05  #"),), ("conformity above 0.6 (screw 1.05)",)),
     ((('"800 mm"\nfix = ["ux", "uy"]', '"800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'),), ("rotations of",)),
 ]
 
 
-@pytest.mark.parametrize(("changes", "said"), OUTSIDE, ids=["as written", "oversize", "load", "bent"])
+@pytest.mark.parametrize(("changes", "said"), OUTSIDE, ids=["as written", "oversize", "load", "conformity", "bent"])
 def test_a_line_above_the_answers_says_what_leaves_the_models(tmp_path, command, changes, said) -> None:
     file = changed_40x10(tmp_path, *changes)
     lines = command.said("solve", file, "--model", "lin").splitlines()
@@ -229,6 +230,37 @@ def test_a_line_above_the_answers_says_what_leaves_the_models(tmp_path, command,
     code, data = command.json("solve", file, "--model", "lin", "--strict", "--json")
     assert (code, data["warning"] is not None) == (bool(said), bool(said))
     assert len(data["warnings"]) >= len(said)
+
+
+@pytest.mark.parametrize(("conformity", "warned"), [("0.6", False), ("0.61", True)])
+def test_a_groove_wider_than_any_is_warned_of(tmp_path: Path, command, conformity: str, warned: bool) -> None:
+    file = changed_40x10(tmp_path, ("conformity = 0.525\n", f"conformity = {conformity}\n"))
+    assert ("conformity above 0.6 (nut" in " ".join(command.said("solve", file, "--model", "lin").split())) is warned
+
+
+def test_a_life_is_said_in_hours_and_kilometres_too(tmp_path: Path, command) -> None:
+    """1200 rpm, lead 10 mm; several sets; a screw without a speed; a ring without a lead; a cycle at its mean speed."""
+    moving = '[motion]\nspeed = "1200 rpm"\n'
+    file = changed_40x10(tmp_path, ("[balls]\n", f"{moving}\n[balls]\n"))
+    data = command.answer("solve", file, "--model", "lin")["summary"]["life"]
+    revolutions = 1e6 * data["L10_million_revolutions"]
+    assert (data["L10_hours"], data["L10_km"]) == pytest.approx((revolutions / 72_000.0, revolutions * 1e-5))
+    text = " ".join(command.said("solve", file, "--model", "lin").split())
+    assert re.search(r"million revolutions \(\d+ h, \d+ km\)", text)
+    sets = command.answer("solve", "double-nut", "--model", "lin")
+    speed = catalogue.any_scene("double-nut").motion.speed / (2.0 * np.pi)
+    for life in (sets["summary"]["life"], *(one["summary"]["life"] for one in sets["sets"])):
+        assert life["L10_hours"] == pytest.approx(1e6 * life["L10_million_revolutions"] / speed / 3600.0)
+    file = changed_40x10(tmp_path)
+    still = command.answer("solve", file, "--model", "lin")["summary"]["life"]
+    assert ("L10_hours" in still, still["L10_km"] > 0.0) == (False, True)
+    ring = command.answer("solve", "bearing-9", "--model", "lin")["summary"]["life"]
+    assert ring["L10_km"] is None
+    case = '[[cases]]\nname = "a"\ntime = "1 s"\nspeed = "600 rpm"\n'
+    cycle = changed_40x10(tmp_path, ("# [friction]", f"{case}\n# [friction]"))
+    life = command.answer("solve", cycle, "--model", "lin")["summary"]["life"]
+    assert life["L10_hours"] == pytest.approx(1e6 * life["L10_million_revolutions"] / 36_000.0)
+    assert " km)" in command.said("solve", cycle, "--model", "lin")
 
 
 def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:

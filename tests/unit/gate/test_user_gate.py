@@ -51,6 +51,17 @@ def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path) -> 
     assert (second["scene"], second["word"], second["error_percent"]) == ("mine", "not covered", None)
 
 
+@pytest.mark.parametrize("name", ["two-balls", "double-nut"])
+def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
+    same, copy = (
+        check([replace(catalogue.any_scene(name), name=as_)], asked(model="lin", compute=False))
+        for as_ in (name, "my copy")
+    )
+    assert {v.scene for v in copy} == {"my copy"}
+    assert [(v.word, v.error, v.uncertainty) for v in copy] == [(v.word, v.error, v.uncertainty) for v in same]
+    assert all(v.error is not None for v in copy)
+
+
 def test_a_scene_may_set_its_own_limits() -> None:
     text = catalogue.scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
     scene = scene_file.loads(text, "two-balls.toml")

@@ -1,5 +1,6 @@
 """Verdicts count the reference's uncertainty openly, and name the contact that decides."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -48,6 +49,16 @@ def test_the_contact_that_decides_is_named() -> None:
     assert found.word == "pass"
     assert f"{LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR), {RULE}" in found.line()
     assert found.as_json()["max_percent_of_mean"] == pytest.approx(5.0)
+
+
+def test_flanks_that_are_not_judged_do_not_count_in_the_mean() -> None:
+    """Half of the contacts of 100 N, one of them off by 3 N: 3 % of the mean load, as where all are judged."""
+    nominal, off = replace(reference(1.0), contacts=4), changed({(1, 3): 103.0})
+    for flanks in (("NL", "NR"), ("SL", "SR", "NL", "NR")):
+        (found,) = judge("x", off, nominal, Limits(7.0), flanks)
+        assert found.of_mean.max_percent == pytest.approx(3.0)
+    (found,) = judge("x", off, nominal, Limits(7.0), ("NR",))
+    assert found.of_mean.rms_percent == pytest.approx(3.0 / np.sqrt(2.0))
 
 
 def test_one_clear_failure_outweighs_a_larger_doubtful_error() -> None:

@@ -295,7 +295,7 @@ def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):
         with pytest.raises(ValueError, match=why):
             write_mesh(tmp_path / name, mesh, **options)
     monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(ImportError, match=r"MED files need h5py.*pip install h5py"):
+    with pytest.raises(ImportError, match=r"MED files need h5py.*pip install 'rollbench\[reference\]'"):
         write_mesh(tmp_path / "a.med", mesh)
     assert os.listdir(tmp_path) == ["mesh.dat"]
 

@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.hertz import hertz_constants
 from rollbench.meshes.parts import Solid
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import dimensions, groove_depths
 
 
 def test_what_a_scene_does_not_give_is_assumed_and_said():
@@ -40,6 +42,42 @@ REFUSED = [(Solid(nut_inner_diameter=33e-3), "nut_inner_diameter"), (Solid(hole_
 def test_dimensions_without_groove_or_wall_are_refused(solid, key):
     with pytest.raises(ValueError, match=key):
         dimensions(replace(catalogue.scene("lin-case1"), solid=solid))
+
+
+def wide(radius=20e-3):
+    """Two balls of 4 mm radius in nearly flat grooves on a pitch radius of 20 mm."""
+    ring = catalogue.scene("two-balls")
+    return replace(ring, screw=replace(ring.screw, groove_radius=radius), nut=replace(ring.nut, groove_radius=radius))
+
+
+def test_a_groove_is_as_deep_as_its_bottom_and_not_as_its_radius():
+    """Arcs of 20 mm whose centres lie 16 mm from the ball's at 45 deg meet 5.18 mm below the pitch circle."""
+    off = 16e-3 * np.sqrt(0.5)
+    depth = np.sqrt(20e-3**2 - off**2) - off
+    assert groove_depths(wide()) == pytest.approx((depth, depth), rel=1e-12)
+    assert dimensions(wide()).hole == 11e-3  # a wall of 3.82 mm
+    thin = replace(wide(), screw=replace(wide().screw, bore=2.0 * (20e-3 - depth) + 1e-6))
+    with pytest.raises(ValueError, match=r"below 29.64 mm"):
+        dimensions(thin)
+    unlike = replace(wide(), screw=replace(wide().screw, groove_radius=8e-3))
+    assert groove_depths(unlike)[0] < groove_depths(unlike)[1] == pytest.approx(depth)
+
+
+@pytest.mark.slow
+def test_a_pair_in_nearly_flat_grooves_has_a_3d_reference_of_hertz_pressure(command, monkeypatch, tmp_path):
+    """At its own load the 3D contact has the pressure and approach of two ellipsoids: it is small against the bodies."""
+    monkeypatch.chdir(tmp_path)
+    text = catalogue.scene_text("two-balls").replace('groove_radius = "4.4 mm"', 'groove_radius = "20 mm"')
+    (tmp_path / "wide.toml").write_text(text, encoding="utf-8")
+    found = command.answer("compare", "wide.toml", "--levels", "1")["scenes"][0]["answers"]["3D reference"]
+    assert found["loads"]["loaded_contacts"] == 8
+    force = found["worst_contact"]["force_N"]
+    across, along = 1.0 / 4e-3 - 1.0 / 20e-3, 1.0 / 4e-3 + np.cos(np.pi / 4) / (20e-3 - 4e-3 * np.cos(np.pi / 4))
+    hertz = hertz_constants(np.array([across]), np.array([along]), 210e9 / (2.0 * (1.0 - 0.28**2)))
+    assert found["worst_contact"]["pressure_MPa"] == pytest.approx(
+        1e-6 * float(hertz.pressure(np.array([force]))[0]), rel=5e-3
+    )
+    assert found["worst_contact"]["approach_um"] == pytest.approx(1e6 * float(hertz.C[0]) * force ** (2 / 3), rel=5e-3)
 
 
 def test_a_station_at_an_end_is_the_end():

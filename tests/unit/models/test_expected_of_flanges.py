@@ -23,8 +23,8 @@ def flanged(count: int, factor: float):
 
 
 def test_a_nut_on_a_flange_is_not_covered_by_nuts_without() -> None:
-    assert FLANGE in features(ON_FLANGE, RESULT.load)
-    assert FLANGE not in features(SCENE, RESULT.load)
+    assert FLANGE in features(ON_FLANGE, RESULT)
+    assert FLANGE not in features(SCENE, RESULT)
     found = estimate(ON_FLANGE, RESULT, [*PLAIN, *flanged(2, 1.0)])
     assert (found.percent, "too few nuts held by a flange" in found.words[-1]) == (None, True)
 

@@ -14,6 +14,7 @@ from scipy.stats import binom, norm
 from tests.axes import double_nut, fixed_axis
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
@@ -160,6 +161,21 @@ def test_command(tmp_path, command):
     assert max(ball["largest_N"] for ball in data["balls"]) == largest["largest"]
 
 
+def test_the_stiffness_of_members_has_another_name_than_the_rigidity_of_solve(command):
+    """Where the loads act, the shaft gives way too; at the nut's centre it does not."""
+    data = command.answer("solve", *FEW)
+    (name,) = (key for key in data["statistics"] if key.endswith("N_per_um"))
+    alone = command.answer("solve", "lin-random", "--model", "lin")
+    assert name not in alone["summary"]["axial"]
+    scene = catalogue.scene("lin-random")
+    (load,) = scene.loads
+    ends = [run_model(scaled(scene, factor), "lin", Options(discretisation=False)) for factor in (1.0, 1.001)]
+    first, more = (np.interp(load.at, one.centreline_z, one.centreline[:, 2]) for one in ends)
+    secant = 1e-3 * load.force[2] / (more - first)
+    assert data["statistics"][name]["mean"] == pytest.approx(1e-6 * secant, rel=0.01)
+    assert data["statistics"][name]["mean"] < 0.7 * alone["summary"]["axial"]["tangent_N_per_um"]
+
+
 def test_distributions_come_first_and_bands_where_asked_for(command):
     for options, words in (((), "bands of every ball: --balls"), (("--balls",), "bands of the contact loads / N")):
         _, out, _ = command("solve", *FEW, *options)
@@ -186,7 +202,7 @@ def test_members_of_several_sets_are_the_single_solves():
     names = columns(parts)
     member = dict(zip(names, found.kept[2], strict=True))
     assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
-    assert member["stiffness_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
+    assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
     for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
         assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)

@@ -12,6 +12,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.total_uncertainty import Choices, Total, read, save, second_order, spoken_for, total
 from rollbench.comparison.models.u_val import QUANTITIES, input_parts, input_uncertainty
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.meshes.parts import Material
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
@@ -35,9 +36,13 @@ def test_parts_add_by_squares_and_the_largest_are_named() -> None:
 
 
 def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
-    assert spoken_for("lin-case2", KNOWN) == KNOWN["lin-case1"]
-    assert spoken_for("mine", KNOWN) == KNOWN["lin-case3"]
-    assert spoken_for("mine", {}) is None
+    scene = STUDY.scene("lin-case2")
+    mine = replace(scene, name="mine")
+    assert spoken_for(scene, KNOWN) == KNOWN["lin-case1"]
+    assert spoken_for(mine, KNOWN) == KNOWN["lin-case3"]
+    assert spoken_for(mine, {}) is None
+    soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
+    assert spoken_for(soft, KNOWN) is None
     save(tmp_path, KNOWN)
     assert read(tmp_path) == KNOWN
 

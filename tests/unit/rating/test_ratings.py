@@ -9,7 +9,7 @@ from tests.helpers import small_screw
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.rating import contacts, static
-from rollbench.lowfi.rating.life import contact_capacity, life, rating, turns_of
+from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
 from rollbench.lowfi.statics import problem, validity
 from rollbench.meshes import errors, helix
@@ -68,7 +68,7 @@ def test_the_rating_of_a_screw_by_the_formulas_of_ISO_3408_5_in_their_own_form()
     C_s = f_c * cos(a) ** 0.86 * 19 ** (2 / 3) * D**1.8 * np.tan(a) * cos(phi) ** 1.3
     f_3 = ((1 - g) / (1 + g)) ** 1.723
     assert rating(scene) == pytest.approx(C_s * (1 + f_3 ** (10 / 3)) ** -0.3 * 3**0.86, rel=2e-3)
-    assert turns_of(scene) == pytest.approx((19.0, 3.0))
+    assert filled_turns(scene) == pytest.approx(3.0)
 
 
 def test_contact_capacities_are_those_of_the_rating_in_ISO_TS_16281() -> None:

@@ -136,10 +136,7 @@ def test_a_cluster_of_its_own():
     assert os.getpid() not in pids
 
 
-def test_cores_are_divided_among_the_workers_and_large_arguments_can_be_written_to(monkeypatch):
-    monkeypatch.setattr("joblib.cpu_count", lambda: 6)
-    assert run([(os.getenv, ("OPENBLAS_NUM_THREADS",))] * 2, workers=2) == ["3", "3"]
-
+def test_large_arguments_can_be_written_to():
     last = run([(large, (np.zeros(200_000),))] * 2, workers=2)
     np.testing.assert_array_equal(last, np.ones((2, 2)))
 

@@ -36,6 +36,19 @@ def test_round_trip_and_damage(tmp_path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
 
 
+def test_a_run_is_found_by_content_under_any_name(tmp_path) -> None:
+    copy, heavier = replace(CASE1, name="my [copy]", title="x"), replace(CASE1, loads=())
+    save(tmp_path, CASE1, run_of("lin-case1", 2, np.ones((32, 4))))
+    found = load(copy, 2, stores=(tmp_path,))
+    assert (found.scene, found.load.sum()) == ("lin-case1", 128.0)
+    assert load(copy, 1, stores=(tmp_path,)) is None
+    assert load(replace(heavier, name="lin-case1"), 2, stores=(tmp_path,)) is None
+    (tmp_path / "lin-case1-level2-0123456789abcdef.json").write_text("{}")
+    save(tmp_path, copy, replace(run_of("lin-case1", 2, 2.0 * np.ones((32, 4))), scene="my [copy]"))
+    assert load(copy, 2, stores=(tmp_path,)).load.sum() == 256.0, "of equal ones that under the scene's own name"
+    assert load(CASE1, 2, stores=(tmp_path,)).load.sum() == 128.0
+
+
 def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """Everything that a run's numbers depend on changes its key; names and remarks do not."""
     mesh, sides = asdict(settings_of([CASE1], 1)), (0, 3)

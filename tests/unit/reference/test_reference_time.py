@@ -11,7 +11,14 @@ from rollbench.comparison.models import comparison, ladder, study
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.reference import LABELS as NAMES
 from rollbench.comparison.wings.bench.sections import reference_time
-from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, time_figures, time_panel, time_table
+from rollbench.comparison.wings.bench.sections.reference_time import (
+    FLOOR,
+    Largest,
+    TimePoint,
+    time_figures,
+    time_panel,
+    time_table,
+)
 from rollbench.comparison.wings.mesh_study import section as reference_mesh
 from rollbench.reports import content, figures
 
@@ -25,18 +32,33 @@ def stored():
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:
     found = stored()["lin-case1"]
-    assert reference_time.error_range(found.load, found)[0] == 0.0
-    error, rms, low, high = reference_time.error_range(found.best.load, found)
+    assert reference_time.errors_of(found.load, found)["error"] == 0.0
+    same = reference_time.errors_of(found.best.load, found)
     unit = 100.0 / found.load[found.load > 0.0].mean()
     off, bar = unit * np.abs(found.best.load - found.load), unit * found.uncertainty
-    assert (error, low, high) == pytest.approx((off.max(), max(0.0, (off - bar).max()), (off + bar).max()))
-    error, rms, low, high = reference_time.error_range(found.load * 1.05, found)
-    assert 0.0 < low < error < high
-    assert rms < error
+    ends = off.max(), max(0.0, (off - bar).max()), (off + bar).max()
+    assert (same["error"], same["low"], same["high"]) == pytest.approx(ends)
+    more = reference_time.errors_of(found.load * 1.05, found)
+    assert 0.0 < more["low"] < more["error"] < more["high"]
+    assert more["rms"] < more["error"]
+    assert more["gate"].error == pytest.approx(5.0)
 
 
 def point(label: str, kind: str, error: float, cold: float, **changes: object) -> TimePoint:
-    measured = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0, label)
+    measured = TimePoint(
+        label,
+        kind,
+        error,
+        error / 2,
+        max(0.0, error - 1.0),
+        error + 1.0,
+        cold,
+        0.1,
+        65,
+        100.0,
+        label,
+        Largest(error, error, error),
+    )
     return replace(measured, **changes)
 
 

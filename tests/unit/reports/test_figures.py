@@ -1,4 +1,4 @@
-"""Figures and their panels: labels, escapes, bytes, identifiers, values under the pointer, what is refused."""
+"""Figures and their panels: labels, escapes, bytes, identifiers, what is refused."""
 
 import math
 import re
@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from tests.report_samples import figure
 
-from rollbench.reports import figures
+from rollbench.reports import figures, pages
 from rollbench.reports.content import Panel, Series
-from rollbench.reports.panels import draw_parts
 
 pytestmark = pytest.mark.xdist_group("a figure")
 
@@ -20,11 +19,6 @@ SVG = "{http://www.w3.org/2000/svg}"
 @pytest.fixture(scope="module")
 def svg():
     return figures.draw(figure())
-
-
-@pytest.fixture(scope="module")
-def parts():
-    return draw_parts(figure())
 
 
 def words_of(svg):
@@ -95,32 +89,12 @@ class TestFigures:
             figures.draw(figure(panels=[figure().panels[0]] * count))
 
 
-class TestPanels:
-    def test_values_lie_on_the_curves_and_the_panel_holds_them(self, svg, parts):
-        assert parts.whole == svg
-        assert len(parts.panels) == 2
-        first = ElementTree.fromstring(parts.panels[0])
-        left, top, width, height = map(float, first.get("viewBox").split())
-        marks = [(float(c.get("cx")), float(c.get("cy")), c[0].text) for c in first.iter(f"{SVG}circle")]
-        assert len(marks) == 4 + 3 + 4 + 4  # the one that is no number is not drawn
-        assert all(left < x < left + width and top < y < top + height for x, y, _ in marks)
-        assert "computed\n1\n210" in [text for *_, text in marks]
-        uses = [(float(u.get("x")), float(u.get("y"))) for u in first.iter(f"{SVG}use")]
-        x, y, _ = next(m for m in marks if m[2] == "computed\n1\n210")
-        assert min(math.hypot(x - a, y - b) for a, b in uses) < 0.1
-
-    def test_a_legend_of_all_panels_is_an_element_of_its_own(self, parts):
-        drawn = draw_parts(figure(panels=[figure().panels[0]] * 2))
-        words = "".join(ElementTree.fromstring(drawn.legend).itertext())
-        assert all(label in words for label in ("computed", "printed", "source", "95 % band"))
-        assert "legend" not in "".join(drawn.panels)
-        assert parts.legend == ""
-
-    def test_colours_are_the_page_s_to_set_and_references_resolve(self, parts):
-        text = "".join(parts.panels)
+class TestInAPage:
+    def test_colours_are_the_page_s_to_set_and_references_resolve(self, svg):
+        text = pages.inline(svg)
         colours = {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"}
         assert colours <= set(re.findall(r"var\([^)]*\)", text))
-        assert "var(" not in parts.whole
+        assert "var(" not in svg
         used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
         assert used <= set(re.findall(r'\bid="([^"]+)"', text))
 
@@ -128,11 +102,13 @@ class TestPanels:
         x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
         named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
         panel = Panel("", "x", "y", [named], log="xy")
-        root = ElementTree.fromstring(draw_parts(figure(panels=[panel], size=(5.0, 3.0))).panels[0])
+        svg, canvas = figures.drawing(figure(panels=[panel], size=(5.0, 3.0)))
+        root = ElementTree.fromstring(svg)
         found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
         heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))
         assert min(np.diff(heights)) > 9.0
-        points = [float(c.get("cx")) for c in root.iter(f"{SVG}circle")]
+        canvas.set_dpi(72.0)  # a pixel of the canvas is a point of the document
+        points = canvas.axes[0].transData.transform(list(zip(x, y, strict=True)))[:, 0]
         assert _place(found["one"])[0] < min(points)
         assert _place(found["far"])[0] > max(points)
 

@@ -83,7 +83,8 @@ def test_the_points_of_the_report_have_times_of_the_measuring_run_or_none():
     assert all((row["cold"] is None) or not row["older"] for row in rows)
     drawn = reference_time.time_panel("x", points)
     assert sorted(x for series in drawn.series for x in series.x) == [0.3, 0.4, 60.0]
-    cold, warm = overview.time_figure({"lin-case1": points}, "f", (8.0, 4.0)).panels
+    _, cold = overview.first_figure({}, {"lin-case1": points}, "f", (8.0, 4.0)).panels
+    (warm,) = overview.further_figure({"lin-case1": points}).panels
     assert max(x for series in cold.series for x in series.x) == 60.0
     assert max(x for series in warm.series for x in series.x) == 0.9
     assert overview.standing_table(overview.standings({"lin-case1": points})).rows

@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from rollbench.comparison.gate.verdict import Limits, judge
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sections import sheets
@@ -93,13 +94,21 @@ def test_a_sheet_has_verdict_trust_sketch_and_results() -> None:
     judged = sheets.judge(study, "lin-case1")
     text, sketch, table = sheets.sheet(study, "lin-case1", reference, judged)
     assert [type(item) for item in (text, sketch, table)] == [Text, Sketch, Table]
-    begins = r"Verdict: refined is fit for 7 %: [+−]0\.\d\d % of the mean load on ball \d+ \w\w; lin is "
-    assert re.match(begins, text.paragraphs[0])
+    begins = (
+        r"Verdict: refined passes the gate's 7 %: [+−]0\.\d\d % on ball \d+ \w\w; lin fails the gate's 7 %: [+−](.+) % on"
+    )
+    lin = re.match(begins, text.paragraphs[0])
+    gate = judge("lin", study.solve("lin-case1", "lin").load, reference, Limits())[0]  # as rollbench check
+    assert float(lin[1]) == pytest.approx(abs(gate.error), abs=0.005)
+    assert gate.word == "fail"
     displacement = judged["refined", "axial displacement"]
     row = next(r for r in table.rows if r["quantity"] == "axial displacement [um]")
     assert row["error-refined"] == displacement.error
     assert 100.0 * (row["refined"] / row["3D reference"] - 1.0) == pytest.approx(displacement.error)
-    assert row["verdict"] == "within 7 %"
+    by_gate, of_mean = (r for r in table.rows if "worst contact load" in r["quantity"])
+    assert by_gate["error-lin"] == gate.error
+    assert abs(of_mean["error-lin"]) == pytest.approx(gate.of_mean.max_percent)
+    assert "verdict" not in {c.key for c in table.columns}, "a tick of one model next to errors of two"
     assert f"u_val {judged['refined', 'contact loads'].combined:.2f} %" in text.paragraphs[1]
     said = sheets.conclusion({"lin-case1": judged})
     assert said.endswith("on the 1 case studies of the source, in per cent of the mean load.")

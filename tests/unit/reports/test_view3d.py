@@ -31,7 +31,7 @@ def test_without_the_viewer_the_report_is_whole_and_says_what_installs_it(tmp_pa
     said = []
     page = write(Report("a report", "", {}, paged(Section("cases", "Cases", (PICTURE,)))), tmp_path / "report", said.append)
     assert "view-bearing.html" not in (page.parent / "cases.html").read_text(encoding="utf-8")
-    assert any("view-bearing.html left out" in line and "pip install trimesh" in line for line in said)
+    assert any("view-bearing.html left out" in line and "pip install 'rollbench[report]'" in line for line in said)
 
 
 @pytest.mark.slow

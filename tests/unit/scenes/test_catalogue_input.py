@@ -2,6 +2,7 @@
 
 import math
 import re
+import tomllib
 from dataclasses import replace
 from typing import get_args
 
@@ -10,7 +11,7 @@ import pytest
 
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models import loading, registry
-from rollbench.comparison.scenes import catalogue, catalogue_input, keys, preload, scene_file
+from rollbench.comparison.scenes import catalogue, catalogue_input, keys, kinds, preload, scene_file
 from rollbench.comparison.scenes.like import double_nut_like, scene_like
 from rollbench.comparison.scenes.template import template
 from rollbench.lowfi.rating.life import rating
@@ -65,6 +66,17 @@ def test_materials_by_name() -> None:
     assert (error.key, error.advice) == ("balls.material.name", 'did you mean "silicon nitride"?')
 
 
+def test_a_material_may_have_any_name_with_both_of_its_values() -> None:
+    both = 'youngs_modulus = "210 GPa"\npoissons_ratio = 0.28'
+    for name in ("X30CrMoN15-1", "steel of our supplier", "silicon nitrid"):
+        assert read((both, f'name = "{name}"\n{both}')) == read()
+    one = 'youngs_modulus = "210 GPa"'
+    assert "any other name with youngs_modulus and poissons_ratio" in refused((both, f'name = "my steel"\n{one}')).allowed
+    assert refused((both, f'name = ["my steel"]\n{both}')).key == "material.name"
+    schema = kinds.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
+    assert {"type": "string"} in schema["anyOf"], "editors take it too"
+
+
 def test_circuits_lie_about_the_nut_with_their_gaps() -> None:
     scene = read(("count = 32", "count = 15"), ("turns = 2", "turns = 0.5\ncircuits = 3\ncircuit_gap = 0.25"))
     places = np.array(scene.balls.azimuths).reshape(3, 5) / (2.0 * math.pi)
@@ -115,6 +127,26 @@ def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
     flange = scene.nut.flange
     assert flange.diameter / scene.nut.outer_diameter == pytest.approx(1.55, abs=0.06)
     assert flange.thickness < 0.45 * scene.nut.length
+
+
+@pytest.mark.parametrize("text", [scene_like("25x5"), double_nut_like("25x5"), template()])
+def test_what_a_new_file_says_of_itself_stays_true_when_it_is_edited(text: str) -> None:
+    """Title and assumptions name no ball, turn, preload or load: only the size that the file began as."""
+    found = scene_file.read(text, "my.toml")
+    own = tomllib.loads(text)
+    said = " ".join([own["title"], *own.get("assumed", [])]).replace("nominal size 25x5", "")
+    assert not re.search(r"\d", said), said
+    each = [s.parts for s in found.sets] if isinstance(found, axis.Assembly) else [found]
+    assert [one.errors.random for one in each] == [False] * len(each), "the first number is that of perfect parts"
+
+
+def test_the_scatter_of_a_new_file_is_one_comment_away() -> None:
+    for text in (scene_like("25x5"), double_nut_like("25x5")):
+        for line in ("[errors]", "seed = ", "[errors.balls]", "[sets.errors.balls]", "sigma = "):
+            text = text.replace(f"# {line}", line)
+        found = scene_file.read(text, "my.toml")
+        each = [s.parts for s in found.sets] if isinstance(found, axis.Assembly) else [found]
+        assert all(one.errors.balls.sigma == pytest.approx(4e-8) for one in each)
 
 
 def test_40x10_is_near_the_shipped_one_and_a_size_beyond_the_rules_is_refused() -> None:

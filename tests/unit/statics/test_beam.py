@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.linalg import qr
 from tests.helpers import STEEL, dense, relative, with_ingredients
-from threadpoolctl import threadpool_info, threadpool_limits
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
@@ -179,21 +178,6 @@ def test_banded_solver(engine):
         assert kernels.factor_band(band)
         kernels.substitute_band(band, b)
         assert b * scale == pytest.approx(expected * scale, rel=3e-11, abs=1e-13 * np.abs(expected * scale).max())
-
-
-def test_blocks_of_a_band_are_factored_on_one_thread(monkeypatch):
-    """With more, blocks of some hundred freedoms waited for one another: twelve times the processor time."""
-    found, factor = [], np.linalg.cholesky
-
-    def cholesky(block):
-        found.extend(library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas")
-        return factor(block)
-
-    monkeypatch.setattr(np.linalg, "cholesky", cholesky)
-    with threadpool_limits(2, "blas"):
-        assert jit.kernels(jit.STATICS, compiled=False).newton.factor_band(np.array([[2.0, 1.0], [2.0, 0.0]]))
-    assert found
-    assert set(found) == {1}
 
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])

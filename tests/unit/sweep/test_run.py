@@ -8,6 +8,7 @@ import sys
 from contextlib import suppress
 from math import tau
 
+import numpy as np
 import pytest
 from tests.processes import python
 
@@ -194,6 +195,17 @@ def test_several_sets_have_the_same_outputs():
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
     assert found["torque_Nmm"] > 0.0
+
+
+def test_rows_of_rollers_have_loads():
+    text = catalogue.scene_text("smith-axis-taper")
+    found = sampling.solve_sample(text, "smith-axis-taper.toml", (), (), "lin", "interpreted")
+    sets = run_model(scene_file.read(text, "smith-axis-taper.toml"), "lin").sets
+    loads = np.concatenate([s.roller_load for s in sets])
+    assert found["loaded_contacts"] == 64
+    assert (found["largest_load_N"], found["mean_load_N"]) == pytest.approx((loads.max(), loads.mean()), rel=1e-9)
+    assert found["at"].startswith("right 1: roller ")
+    assert found["largest_approach_um"] is None, "no ball"
 
 
 GOOD = "track.lead=10 mm:20 mm"

@@ -15,8 +15,8 @@ from rollbench.comparison.registration import HOOKS, load, registered
 
 WINGS = sorted(path.parent.name for path in ROOT.glob("compare/wings/*/registration.py"))
 #: Commands that go with a wing, and those of wings that need it.
-COMMANDS = {name: {name} for name in ("bench", "benchmark", "crosscheck", "doctor", "friction")}
-COMMANDS |= {"evidence": {"audit"}, "export": {"export", "benchmark"}, "members": {"bench"}, "mesh_study": {"mesh-study"}}
+COMMANDS = {name: {name} for name in ("bench", "crosscheck", "doctor", "friction")}
+COMMANDS |= {"evidence": {"audit"}, "export": {"export"}, "members": {"bench"}, "mesh_study": {"mesh-study"}}
 COMMANDS |= {"extremes": {"stability"}, "sweep": {"sweep", "stability"}}
 COMMANDS |= {name: set() for name in ("bearings", "random_errors", "rolling")}
 HERE = {"PYTHONPATH": str(ROOT / ".import")}

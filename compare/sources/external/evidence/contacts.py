@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
@@ -128,8 +127,7 @@ def transient(case: str, steps: int) -> list[Onset]:
     numbers, (load, circle) = inputs()[case], _hertz(case)
     margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
-    with threadpool_limits(1):  # as `rollbench.hifi.rolling.balls.solve_rolling`
-        return onset(patch, numbers["friction"], numbers["share"], steps)
+    return onset(patch, numbers["friction"], numbers["share"], steps)
 
 
 def _transients(sheet: Sheet) -> None:

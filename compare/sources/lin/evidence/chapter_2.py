@@ -11,7 +11,7 @@ from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.comparison import PRINTED
 from rollbench.comparison.models.study import Study, with_groove
 from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.sources.lin.reconstruction.combined import predicted
+from rollbench.comparison.sources.lin.reconstruction import combined
 from rollbench.comparison.wings.evidence.record import Sheet, count_of
 from rollbench.comparison.wings.members.ensemble import of_study
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
@@ -20,7 +20,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.partition import fixed_partition
-from rollbench.meshes.parts import Errors, Scene
+from rollbench.meshes.parts import SIDES, Errors, Scene
 from rollbench.meshes.section import groove_section
 from rollbench.meshes.surface import principal_curvatures
 
@@ -85,6 +85,21 @@ def table_b_1(sheet: Sheet, study: Study) -> None:
 
 
 # --- section 2.4.1, case studies 1, 2 and 3: printed numbers and claims, with the errors against ANSYS
+
+
+def table_2_1(sheet: Sheet, study: Study) -> None:
+    """Table 2.1 and the loads of 2.4.1: inputs, as the scenes hold them."""
+    scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
+    track, nut, steel = scene.track, scene.nut, scene.screw.material
+    mm = {"length": scene.screw.length, "R_P": track.pitch_radius, "lead": track.lead, "R_B": scene.balls.radius}
+    mm |= {"r_G": scene.screw.groove_radius, "nut_diameter": nut.outer_diameter, "nut_length": nut.length}
+    sheet.numbers({key: 1e3 * value for key, value in mm.items()})
+    sheet.numbers({"balls": scene.ball_count, "beta": np.degrees(track.contact_angle), "nu": steel.poissons_ratio})
+    sheet.numbers({"force": scene.loads[0].force[2], "oversize": 1e6 * preloaded.errors.balls.oversize})
+    sheet.number("oversize_17", 1e6 * dict(study.scene("lin-case2").errors.balls.listed)[17])
+    sheet.number("offset", 1e6 * dict(offset.supports[-1].fixed)["ux"])
+    young = steel.youngs_modulus
+    sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
 @dataclass(frozen=True)
@@ -176,9 +191,10 @@ def _case_3(study: Study, sheet: Sheet) -> None:
 
 
 def _against_ansys(study: Study, sheet: Sheet) -> None:
-    """The source's errors against ANSYS: those of its model against the 3D reference, and what readings of the text predict
-    that also give its ratio."""
-    readings = {p.key: p for p in predicted(study, "own")}
+    """The source's errors against ANSYS: those of its model against the 3D reference, and by readings of what the text
+    leaves open."""
+    every = [c.errors["own"] for c in study.once(combined.combinations) if not c.against_text]
+    readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
         found = study.reference(name)
         if found is None:
@@ -189,12 +205,9 @@ def _against_ansys(study: Study, sheet: Sheet) -> None:
                 "computed here: the source's model against this project's 3D reference, in per cent of each load "
                 f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed"
             )
-            p = readings[key]
-            inferred = (
-                f"readings that also give the printed ratio: {p.nearest:.2f} %, with the scatter of the source's mesh "
-                f"{p.meshed_low:.2f} to {p.meshed_high:.2f} % (section reconstruction; inference)"
-            )
-            sheet.number(key, error, f"{words}; {inferred}", reading=p.nearest, holds=p.comes_out)
+            values = readings[key]
+            others = f"{len(values)} combinations of readings of what the text leaves open give {min(values):.2f} to "
+            sheet.number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
 
 
 # --- case study 1 under the choices that the source leaves open, and under its faults
@@ -257,9 +270,19 @@ def section_2_4_2(sheet: Sheet, study: Study) -> None:
     groove = groove_section(study.scene("lin-case1"))
     sheet.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
     sheet.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
+    _given_errors(study, sheet)
     _single_errors(study, sheet)
     if study.members != 0:
         _drawn_errors(study, sheet)
+
+
+def _given_errors(study: Study, sheet: Sheet) -> None:
+    """The errors themselves, as the scenes hold them."""
+    profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
+    for side in SIDES:
+        sheet.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
+        sheet.number(f"pitch_{side}", 1e6 * pitch.side(side).pitch[0].sin)
+    sheet.number("random_sigma", 1e6 * study.scene("lin-random").errors.balls.sigma)
 
 
 def _single_errors(study: Study, sheet: Sheet) -> None:

@@ -187,7 +187,12 @@ def formula_deviation(mated: bool) -> Array:
 
 
 def table_3_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Table 3.4: velocity deviations [%]."""
+    """Table 3.4: velocity deviations [%], and its inputs."""
+    sheet.numbers({"theta": degrees(THETA), "rho": SIDE})
+    for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
+        scene = source_cases.linear(name)
+        top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
+        sheet.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
         found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)

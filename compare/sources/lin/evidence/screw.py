@@ -107,6 +107,9 @@ def given_3_6(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         "mu": g.mu,
         "nu": g.poisson,
         "force": source_cases.plain(0.0).force[0],
+        "theta_1": degrees(source_cases.plain().theta[0]),
+        "theta_2_a": THETA["a"],
+        "theta_2_b": THETA["b"],
     }
     sheet.numbers(values)
     _modulus(sheet, g.young)

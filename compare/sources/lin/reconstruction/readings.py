@@ -13,6 +13,10 @@ phi = r tilt/(2 h), r the arc's radius (`tilt_that_slides`).
 
 Where a model keeps its balls from turning, the grooves slide on them instead, and friction does turn the forces, by mu
 (`rollbench.comparison.sources.lin.reconstruction.dragging`).
+
+The text prints that contacts are those of an augmented Lagrangian, all else by default: that leaves a penetration, and so
+softer contacts, by a penalty that is not printed (`rollbench.comparison.sources.lin.reconstruction.penalty`). Its natural
+size is E/h, h the size of the source's elements; it is computed from there on downwards.
 """
 
 from __future__ import annotations
@@ -25,7 +29,7 @@ from typing import Any
 
 from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
-from rollbench.comparison.reference.store import load, save
+from rollbench.comparison.reference.store import Run, load, save
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.reference.variants import ends_in_plain_shaft, scaled, solid
 from rollbench.comparison.scenes import catalogue
@@ -72,15 +76,18 @@ def largest_change(scene: Scene, of: Callable[[Scene], float]) -> float:
 # --- readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model
 
 
-#: The cases whose errors are printed, and the mesh level of the 3D runs.
+#: The cases whose errors are printed, and the mesh level of the 3D runs without a penalty.
 CASES, LEVEL = ("lin-case1", "lin-case2"), 1
+#: The level of runs with a penalty (`rollbench.comparison.sources.lin.reconstruction.penalty`).
+PENALTY_LEVEL = 2
 
 
 @dataclass(frozen=True)
 class Reading:
     """One reading of one open choice: key, what is open, what it is read as; ingredients of the low-order model, or what
     it makes of a scene in 3D; level of the 3D mesh; by_text: why the text speaks against it (empty: it does not); sliding:
-    coefficient with which grooves slide on balls that do not turn, in 3D."""
+    coefficient with which grooves slide on balls that do not turn, in 3D; penalty: of the contacts in 3D, as a share of
+    E/h (0: none, contacts do not penetrate)."""
 
     key: str
     choice: str
@@ -90,11 +97,12 @@ class Reading:
     level: int = LEVEL
     by_text: str = ""
     sliding: float = 0.0
+    penalty: float = 0.0
 
 
 SHAFT, HELD, LAND = "shaft beyond the nut", "what holds the nut", "nut's lands"
 HOLE, ENDS, MESH = "hole along the screw", "ends of the nut's groove", "mesh of the contacts"
-FRICTION = "friction of the contacts"
+FRICTION, PENALTY = "friction of the contacts", "penalty of the contacts"
 SECTION, PARTITION, HERTZ, ARM = "section constant (C.8)", "beam elements in the nut", "Hertz constants", "lever arm"
 
 #: Of the low-order model, against the default: C.8 with its root, a node at every contact, right Hertz constants.
@@ -126,7 +134,13 @@ SOLID = (
     Reading("off-line", FRICTION, "0.01, balls roll, as far off their lines as it can hold them", change=off_line),
     Reading("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding=MU),
     Reading("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding=-MU),
+    Reading("penalty", PENALTY, "E/h, h = 0.08 mm", level=PENALTY_LEVEL, penalty=1.0),
+    Reading("penalty/3", PENALTY, "a third of E/h", level=PENALTY_LEVEL, penalty=1.0 / 3.0),
+    Reading("penalty/4", PENALTY, "a quarter of E/h", level=PENALTY_LEVEL, penalty=0.25),
+    Reading("penalty/6", PENALTY, "a sixth of E/h", level=PENALTY_LEVEL, penalty=1.0 / 6.0),
 )
+#: The penalty that is computed on the next mesh level too, which says what its level leaves open.
+FINER = tuple(r for r in SOLID if r.key == "penalty/4")
 
 #: Some readings of different choices together.
 Combination = tuple[Reading, ...]
@@ -169,7 +183,7 @@ def level_of(readings: Combination) -> int:
 #: Folder of the runs.
 RUNS = Path(__file__).parent / "runs"
 #: Readings that move largest over smallest load by more than 0.5 % and that the text does not speak against: these are
-#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py).
+#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py). A penalty may be of any size and is taken alone.
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
@@ -181,25 +195,39 @@ def wanted() -> list[Combination]:
 
 def scenes(readings: Combination) -> tuple[Scene, ...]:
     """The cases by a combination, which share a set-up; named after both."""
-    return tuple(replace(solid_scene(catalogue.scene(c), readings), name=f"{c}-{key_of(readings)}") for c in CASES)
+    name = key_of(readings).replace("/", "-")
+    return tuple(replace(solid_scene(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
-def stored(readings: Combination) -> tuple[Array, ...] | None:
-    """Loads ``(n, 4)`` [N] of the cases; None where a run is missing."""
-    found = [load(scene, level_of(readings), stores=[RUNS]) for scene in scenes(readings)]
-    loads = tuple(run.load for run in found if run is not None and run.status == "converged")
-    return loads if len(loads) == len(CASES) else None
+def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
+    """Converged runs of the cases, on their level unless another is given; None where one is missing."""
+    level = level_of(readings) if level is None else level
+    found = [load(scene, level, stores=[RUNS]) for scene in scenes(readings)]
+    runs = tuple(run for run in found if run is not None and run.status == "converged")
+    return runs if len(runs) == len(CASES) else None
+
+
+def stored(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
+    """Loads ``(n, 4)`` [N] of the cases, as `stored_runs`."""
+    runs = stored_runs(readings, level)
+    return None if runs is None else tuple(run.load for run in runs)
 
 
 def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
     """Compute and keep the runs that are missing. Raises ValueError for one that does not converge."""
-    for readings in wanted():
-        if stored(readings) is not None:
+    for readings, level in [*((r, level_of(r)) for r in wanted()), (FINER, PENALTY_LEVEL + 1)]:
+        if stored(readings, level) is not None:
             continue
-        step(f"3D: {key_of(readings)}")
+        step(f"3D: {key_of(readings)}, level {level}")
         pair = scenes(readings)
-        runs = compute(Task(pair, level_of(readings), cache=cache))
-        sliding = sum(r.sliding for r in readings)
+        sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
+        if penalty:
+            from rollbench.comparison.sources.lin.reconstruction.penalty import with_penalty
+
+            shipped = [load(catalogue.scene(c), level) for c in CASES]
+            runs = with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
+        else:
+            runs = compute(Task(pair, level, cache=cache))
         if sliding:
             from rollbench.comparison.sources.lin.reconstruction.dragging import with_sliding
 

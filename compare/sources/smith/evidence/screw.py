@@ -93,8 +93,8 @@ def section_4_2(e: Sheet, study: Study) -> None:
             _support(e, kind, end)
     a = case.axis()
     least = float(shaft_stiffness(a, 0.5 * a.length))
-    e.numbers({"screw": least / case.POUND_PER_INCH / 1e6, "nut": case.NUT / case.POUND_PER_INCH / 1e6})
-    e.number("package_ball", end_state("ball", "left", "stretch").stiffness / case.POUND_PER_INCH / 1e6)
+    e.numbers({"screw": least / case.POUND_PER_INCH, "nut": case.NUT / case.POUND_PER_INCH})
+    e.number("package_ball", end_state("ball", "left", "stretch").stiffness / case.POUND_PER_INCH)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
     for kind in KINDS:
         e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in case.DIRECTIONS[kind].values()))
@@ -124,7 +124,7 @@ def _support(e: Sheet, kind: str, end: str) -> None:
             e.number(key, float(ours.loads[i]) / case.POUND, as_printed=None if printed is None else printed[i])
     ours = end_state(kind, end, "applied")
     for i in range(count):
-        e.number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / case.POUND_PER_INCH / 1e6)
+        e.number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / case.POUND_PER_INCH)
     total = sum(e.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
     words = f"equilibrium gives {ours.stiffness / case.POUND_PER_INCH / 1e6:.2f}e6 lbf/in"
     e.number(f"{kind}_{end}_package", total, words)
@@ -140,10 +140,11 @@ def _total(e: Sheet, kind: str, as_scenes: str) -> None:
     """Stiffness of the axis as printed, and in the right topology with the printed and with our bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
-    right = topology(1e6 * package * case.POUND_PER_INCH) / case.POUND_PER_INCH / 1e6
-    ours = topology(end_state(kind, "left", "stretch").stiffness) / case.POUND_PER_INCH / 1e6
+    right = topology(package * case.POUND_PER_INCH) / case.POUND_PER_INCH
+    ours = topology(end_state(kind, "left", "stretch").stiffness) / case.POUND_PER_INCH
     off = float(error_percent(printed, right))
-    words = f"right topology, printed parts {right:.3f}, our bearings {ours:.3f}; the sum in series {off:+.0f} %"
+    words = f"right topology, printed parts {1e-6 * right:.3f}e6, our bearings {1e-6 * ours:.3f}e6; "
+    words += f"the sum in series {off:+.0f} %"
     e.number(f"total_{kind}", right, f"{words}; {as_scenes}", as_printed=printed)
 
 
@@ -207,7 +208,7 @@ def _stiffness_tests(e: Sheet) -> None:
     """Section 5.2.2: the tests against the right topology, and the claim as it stands."""
     off = []
     for kind in KINDS:
-        right = topology(end_state(kind, "left", "stretch").stiffness) / case.POUND_PER_INCH / 1e6
+        right = topology(end_state(kind, "left", "stretch").stiffness) / case.POUND_PER_INCH
         measured, predicted = e.printed(f"S_{kind}"), value_of("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"

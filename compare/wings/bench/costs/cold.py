@@ -17,7 +17,7 @@ from pathlib import Path
 from time import time
 from typing import Any
 
-from rollbench.comparison.wings.bench.costs.timing import SINGLE_THREAD
+from rollbench.comparison.wings.bench.costs.timing import as_a_users
 
 #: Longest wait for a process [s].
 PATIENCE = 600.0
@@ -29,6 +29,8 @@ import sys
 sys.path[:] = {path!r}
 from time import perf_counter, time
 from pathlib import Path
+from rollbench.meshes.threads import one_thread
+one_thread()
 import json
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.memory import peak_MB
@@ -53,6 +55,8 @@ LEVEL_CHILD = """
 import sys
 sys.path[:] = {path!r}
 from time import time
+from rollbench.meshes.threads import one_thread
+one_thread()
 import json
 from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.tasks import Task
@@ -107,7 +111,7 @@ def measure(
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }
-    begin, printed = _alone(CHILD, ask, f"{model} on {scene}", SINGLE_THREAD)
+    begin, printed = _alone(CHILD, ask, f"{model} on {scene}")
     return Cold(printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"])
 
 
@@ -115,14 +119,14 @@ def measure_level(scene: str, level: int) -> ColdLevel:
     """Times of a level of the 3D reference of a shipped scene in a new process with empty caches, on all cores. Raises
     RuntimeError where the process fails."""
     before = os.times()
-    begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
+    begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
     after = os.times()
     cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
     known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
     return ColdLevel(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
 
-def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:
+def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
     """Run a new process with empty caches; when it began, and what it printed."""
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
@@ -136,7 +140,7 @@ def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, st
             text=True,
             check=False,
             timeout=PATIENCE,
-            env={**os.environ, **environment, **caches},
+            env=as_a_users(caches),
         )
     if process.returncode != 0:
         last = process.stderr.strip().splitlines()[-1:] or ["no message"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 
-SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
+from rollbench.meshes.threads import VARIABLES
 
 
 @dataclass(frozen=True)
@@ -58,16 +58,16 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
     return median(seconds[1:])
 
 
-def single_threaded(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Environment of a process that is timed, with further variables."""
-    return {**os.environ, **SINGLE_THREAD, **(extra or {})}
+def as_a_users(extra: dict[str, str] | None = None) -> dict[str, str]:
+    """Environment of a process that is timed, with further variables: that of a user who has set no number of threads."""
+    return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
 def launch(
     arguments: list[str], extra: dict[str, str] | None = None, limit: float = 300.0
 ) -> tuple[float, subprocess.CompletedProcess[str]]:
     """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left; limit [s]."""
-    environment = single_threaded(extra)
+    environment = as_a_users(extra)
     begin = perf_counter()
     process = subprocess.run(
         [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=limit

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from time import perf_counter
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.measure import error_percent, gate_scale, load_error
 from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
 from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
 from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
@@ -52,11 +52,22 @@ PANELS = 6
 
 
 @dataclass(frozen=True)
+class Largest:
+    """The largest error [%] of a contact load, and its lowest and highest that the grid uncertainty of every contact
+    allows: `error_range`."""
+
+    error: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class TimePoint:
     """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
     lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
     cold and warm of the measuring run (None: not measured in it), unknowns, peak memory [MB] (None: not measured), kind,
-    short name, the status where it is no solution; what the seconds were measured with; an older time in words."""
+    short name, the largest error by the gate's rule, the status where it is no solution; what the seconds were
+    measured with; an older time in words."""
 
     label: str
     kind: Literal["model", "level", "source mesh"]
@@ -69,22 +80,28 @@ class TimePoint:
     unknowns: int
     memory: float | None
     name: str
+    gate: Largest
     status: str = "converged"
     measured: Measured | None = None
     older: str = ""
 
 
-def error_range(value: Array, found: Reference) -> tuple[float, float, float | None, float | None]:
-    """Largest and RMS error of loads (n, 4) [N] against the reference's finest level, and the ends of the largest's bar.
+def error_range(value: Array, found: Reference, scale: Array) -> Largest:
+    """Largest error of loads (n, 4) [N] against the reference's finest level in per cent of ``scale`` (n, 4) [N].
 
-    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
-    are per cent of its mean load.
+    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U).
     """
+    off = np.abs(error_percent(value, found.load, scale))
+    bar = np.abs(error_percent(found.uncertainty, 0.0, scale))
+    return Largest(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
+
+
+def errors_of(value: Array, found: Reference) -> dict[str, Any]:
+    """Errors of a `TimePoint` by loads (n, 4) [N]."""
     e = load_error(value, found.load, found.contacts)
-    mean = found.mean
-    off = np.abs(error_percent(value, found.load, mean))
-    bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
-    return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
+    of_mean = error_range(value, found, np.full(value.shape, found.mean))
+    gate = error_range(value, found, gate_scale(found.load, found.mean))
+    return {"error": e.max_percent, "rms": e.rms_percent, "low": of_mean.low, "high": of_mean.high, "gate": gate}
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
@@ -151,9 +168,9 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
         known = None if kept is None else kept.times.get((name, model.name))
         result = _solved(name, model, study, bodies)
         cold, warm, memory = (None, None, None) if known is None else (known.cold, known.warm, known.memory)
-        errors, costs = error_range(result.load, found), (cold, warm, result.solver.unknowns, memory)
-        stamp = None if known is None else measured
-        out.append(TimePoint(model.label, "model", *errors, *costs, model.name, result.status, stamp))
+        costs: dict[str, Any] = {"cold": cold, "warm": warm, "unknowns": result.solver.unknowns, "memory": memory}
+        notes: dict[str, Any] = {"status": result.status, "measured": None if known is None else measured}
+        out.append(TimePoint(model.label, "model", **errors_of(result.load, found), **costs, name=model.name, **notes))
     for run in runs_of(name, found, study):
         cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
         for level in () if kept is None else kept.levels:
@@ -164,9 +181,10 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
             ("the source's mesh", "3D, source's mesh") if of_source else (f"level {run.level}", f"3D level {run.level}")
         )
         kind: Literal["source mesh", "level"] = "source mesh" if of_source else "level"
-        errors, costs = error_range(run.load, found), (cold, warm, run.unknowns, run.peak_MB)
-        stamp = None if cold is None else measured
-        out.append(TimePoint(f"3D reference, {label}", kind, *errors, *costs, short, run.status, stamp, older))
+        costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
+        notes = {"status": run.status, "measured": None if cold is None else measured, "older": older}
+        errors = errors_of(run.load, found)
+        out.append(TimePoint(f"3D reference, {label}", kind, **errors, **costs, name=short, **notes))
     return out
 
 

@@ -24,6 +24,7 @@ from rollbench.comparison.reference.store import Run, read
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.wings.extremes.survey.draw import scene_text
+from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -90,7 +91,7 @@ def described(scene: Scene) -> Record:
         "starts": scene.track.starts,
         "hand": "left" if lead_angle(scene.track) < 0.0 else "right",
         "balls": scene.ball_count,
-        "balls_per_turn": round(2.0 * np.pi * (scene.ball_count / scene.track.starts - 1) / max(_turned(scene), 1e-9), 2),
+        "balls_per_turn": round(scene.ball_count / filled_turns(scene), 2),
         "low_face_radii": round(float((half + z.min()) / r), 3),
         "high_face_radii": round(float((half - z.max()) / r), 3),
         "nut_held": dimensions(scene).nut_held,
@@ -105,14 +106,6 @@ def described(scene: Scene) -> Record:
         "radial_N": round(float(np.hypot(force[0], force[1])), 3),
         "moment_Nm": round(float(np.hypot(moment[0], moment[1])), 5),
     }
-
-
-def _turned(scene: Scene) -> float:
-    """Angle [rad] that the balls of one start take, without the gaps between circuits."""
-    azimuths = np.sort(scene.balls.azimuths)
-    steps = np.diff(azimuths)
-    usual = float(np.median(steps)) if steps.size else 0.0
-    return float(np.minimum(steps, usual).sum())
 
 
 def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
@@ -162,7 +155,7 @@ def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record
         "status": result.status,
         "largest_percent": point.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(point, name) for name in QUANTITIES[1:]},
+        **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
         **{name.replace("percent", "expected_percent"): _rounded(getattr(expected, name)) for name in QUANTITIES},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }

@@ -19,7 +19,7 @@ from rollbench.comparison.wings.sweep import store
 #: Status of a scene with an answer, columns of the table, and the errors that it sums up, with their unit.
 ANSWERED = "converged"
 SUMS = ("model", "error", "scenes", "median", "p95", "largest")
-ERRORS = ("largest_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
+ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
 def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:

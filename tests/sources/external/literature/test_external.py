@@ -15,6 +15,7 @@ from rollbench.comparison.wings.evidence.audit import audit, left_out
 from rollbench.comparison.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.rating.life import rating
 from rollbench.meshes.parts import Friction
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -47,6 +48,14 @@ def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
     tilt = found("external-masta:tilt")
     beyond, within = (band_row(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
     assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
+
+
+@pytest.mark.parametrize(("size", "times", "printed"), [("5", 2, 1.814), ("7p5", 3, 2.578)])
+def test_ratings_of_nuts_of_more_circuits_grow_as_the_catalogue_prints(size: str, times: int, printed: float) -> None:
+    """Circuits of 2.5 turns half a turn apart: twice and three times the turns, by ISO 3408-5 to the power of 0.86."""
+    grown = rating(catalogue.scene(f"external-thk-bnf-3205-{size}")) / rating(catalogue.scene("external-thk-bnf-3205-2p5"))
+    assert grown == pytest.approx(times**0.86, rel=1e-3)
+    assert grown == pytest.approx(printed, rel=3e-3)
 
 
 def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:

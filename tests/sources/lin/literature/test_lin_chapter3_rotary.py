@@ -113,3 +113,19 @@ def test_linear_slope_of_the_source() -> None:
     assert np.min(end) < row.value < np.max(start)
     error = linear_error(ratios, row.value)
     assert (np.min(error), np.max(error)) == pytest.approx((0.0429, 0.0691), abs=1e-4)
+
+
+def test_torques_of_two_garbled_lines_are_fixed_by_the_text_and_the_losses() -> None:
+    """The scan has '2 4650 12 8760 33 7180' and '2.4050 12.8709 55.7100': what is filed fits the increases in the text,
+    4.22 and 12.68 times, and the summed losses over the speed; neither line does."""
+    table, speed = rows("lin-3.2"), 2.0 * np.pi * rows("lin-3.1")["omega_I"].value
+
+    def fits(one: float, two: float, three: float) -> bool:
+        torques = dict(zip(rotary_linear.CASES, (one, two, three), strict=True))
+        near = [abs(1e-3 * torques[c] * speed - table[f"P_sum_{c}"].value) <= 5.1e-5 for c in torques]
+        near += [abs(torques[c] / one - 1.0 - table[f"torque_increase_{c}"].value) <= 0.005 for c in ("II", "III")]
+        return all(near)
+
+    assert fits(*(table[f"torque_{c}"].value for c in rotary_linear.CASES))
+    assert not fits(2.4650, 12.8760, 33.7180)
+    assert not fits(2.4050, 12.8709, 55.7100)

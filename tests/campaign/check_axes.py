@@ -1,0 +1,319 @@
+"""An independent judge of several sets on one shaft: only from the numbers of a result and the scene.
+
+It shares no code with the solvers. A state of the model lin is the answer where every ball is in balance, every contact
+carries what Hertz' law gives it by the motions that are told, and every node of the shaft and every housing is in balance:
+the energy is convex, so that it has no other minimum. A refusal is checked by a linear program of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import linprog
+from tests.campaign import check
+
+from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
+from rollbench.lowfi.statics.result import AxisResult, SetResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.section import screw_section, tube_section
+
+#: Sides that a set has, by its thrust.
+SIDES_OF = {"both": (0, 1, 2, 3), "+z": (0, 3), "-z": (1, 2), "deep groove": (0, 3)}
+#: Share of the largest force that may be out of balance.
+CLOSE = 1e-9
+#: Round-off of an elastic force over its stiffness times the motions: some operations of each.
+STIFF = 64.0 * float(np.finfo(float).eps)
+#: Words for a free motion that is held at the shaft's first node or at a housing, where planar sections may ask for a share
+#: of the forces.
+HELD = "held where it is"
+#: Motion over the pitch radius, and rotation, from which on a linear program must not find an opening motion.
+FAR = 0.1
+#: Work of the loads along an opening motion of size one, over the largest, from which on it is a proof.
+PROVEN = 1e-7
+
+
+def along(station: float) -> Array:
+    """A place on the axis."""
+    return np.array([0.0, 0.0, station])
+
+
+def carried(at: Array, motion: Array) -> Array:
+    """Motion ``(..., 3)`` of points at ``at`` (..., 3) from a rigid body's place, by its motion (..., 6)."""
+    return np.asarray(motion[..., :3] + np.cross(motion[..., 3:], at))
+
+
+def wrench(at: Array, force: Array) -> Array:
+    """Forces ``(..., 3)`` with their moments about a point from which they act at ``at``, ``(..., 6)``."""
+    return np.concatenate([force, np.cross(at, force)], axis=-1)
+
+
+def beam(assembly: Assembly, z: Array, q: Array) -> tuple[Array, Array]:
+    """Forces ``(n, 6)`` that hold the nodes of the shaft at their motions, and their round-off: Timoshenko's element,
+    clamped at its first end, by the flexibility of its tip."""
+    thread = next((s.parts for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0), None)
+    screw = assembly.screw
+    base = tube_section(screw.outer_diameter, screw.bore, screw.material) if thread is None else screw_section(thread)
+    out, noise = np.zeros((z.size, 6)), np.zeros((z.size, 6))
+    for e, L in enumerate(np.diff(z)):
+        middle, (a, b) = z[e] + 0.5 * L, q[e : e + 2]
+        plain = next((p for p in assembly.segments if p.start <= middle <= p.end), None)
+        s = base if plain is None else tube_section(plain.diameter, plain.bore, screw.material)
+        tip = [[L**3 / (3 * s.EI) + L / s.kGA, L**2 / (2 * s.EI)], [L**2 / (2 * s.EI), L / s.EI]]
+        k = np.linalg.inv(np.array(tip))
+        px, my = k @ (b[0] - a[0] - L * a[4], b[4] - a[4])
+        py, mx = k @ (b[1] - a[1] + L * a[3], a[3] - b[3])
+        pz = s.EA * ((b[2] - a[2]) / L - assembly.thermal_strain)
+        end = np.array([px, py, pz, -mx, my, s.GJ / L * (b[5] - a[5])])
+        out[e + 1] += end
+        out[e] -= end + np.array([0.0, 0.0, 0.0, -L * py, L * px, 0.0])
+        moved, turned = (float(np.abs([a[h], b[h]]).max()) for h in (slice(3), slice(3, 6)))
+        force = max(k[0, 0], s.EA / L) * (moved + L * turned)
+        moment = max(k[1, 1], s.GJ / L) * turned + abs(k[0, 1]) * (moved + L * turned) + L * force
+        noise[e : e + 2] += STIFF * np.repeat([force, moment], 3)
+    return out, noise
+
+
+def size_of(assembly: Assembly, result: AxisResult) -> float:
+    """Largest force [N] met."""
+    given = [x.force for x in assembly.loads] + [h.force for h in assembly.housings] + [s.force for s in result.sets]
+    loads = [float(s.loads.max(initial=0.0)) for s in result.sets]
+    return max([*loads, *(float(np.abs(v).max()) for v in given)])
+
+
+def faults(assembly: Assembly, result: AxisResult) -> str:
+    """Faults of a state of the model lin in words; empty if there are none.
+
+    Where a free motion is held at one place, that place may take a share, unless the loads drive a motion that no contact
+    resists; nor may such a motion go far.
+    """
+    fault, free = unbalanced(assembly, result, 0.0), any(HELD in words for words in result.left_out)
+    motions = np.concatenate([result.centreline, *(h.motion[None] for h in result.housings)])
+    far = float((np.abs(motions) / np.repeat([pitch_of(assembly), 1.0], 3)).max()) > FAR
+    if not far and not (fault and free):
+        return fault
+    if proven(assembly, False) or (any(s.preload for s in assembly.sets) and proven(assembly, True)):
+        return fault or "a motion that nothing resists goes far"
+    return unbalanced(assembly, result, check.PIN * size_of(assembly, result) * free)
+
+
+def pitch_of(assembly: Assembly) -> float:
+    """Largest pitch radius of balls [m], of 20 mm where there are none."""
+    return max([s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)], default=0.02)
+
+
+def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
+    """The same with a force ``pinned`` [N] on the shaft's first node and on housings that nothing gives."""
+    if not all(np.isfinite(s.loads).all() and (s.loads >= 0.0).all() for s in result.sets):
+        return "loads are not finite, or negative"
+    size, z, q = size_of(assembly, result), result.centreline_z, result.centreline
+    internal, noise = beam(assembly, z, q)
+    rest, slack = -internal, 0.0
+    places = {h.name: h.at for h in assembly.housings}
+    bodies = {h.name: np.concatenate([h.force, h.moment]) for h in assembly.housings}
+    for x in assembly.loads:
+        k = int(np.abs(z - x.at).argmin())
+        rest[k] += wrench(along(x.at - z[k]), np.array(x.force)) + np.concatenate([np.zeros(3), x.moment])
+    for s in result.sets:
+        at, push = [along(s.of.position)[None]] * 2, [s.force[None], -s.force[None]]
+        couple, station = np.concatenate([np.zeros(3), s.moment]), np.array([s.of.position])
+        if s.balls is not None and isinstance(s.of.parts, Scene):
+            fault, felt = _law(assembly, result, s)
+            if fault:
+                return fault
+            slack, couple = slack + felt, np.zeros(6)
+            force = check.forces(s.of.parts, s.balls)
+            at, push = ([x[:, h].reshape(-1, 3) for h in (slice(2), slice(2, 4))] for x in (s.balls.contact_point, force))
+            station = contact_stations(s.of.parts, ball_layout(s.of.parts)).ravel()
+        for end, name in enumerate((s.of.carrier, s.of.housing)):
+            if name is not None:
+                bodies[name] += wrench(at[end] - along(places[name]), push[end]).sum(axis=0)
+                bodies[name] += (1.0 - 2.0 * end) * couple
+        if s.of.carrier is None:
+            k = np.abs(z[None, :] - station[:, None]).argmin(axis=1)
+            from_node = at[0].copy()
+            from_node[:, 2] -= z[k]
+            np.add.at(rest, k, wrench(from_node, push[0]))
+            rest[k[0]] += couple
+    arms = np.repeat([1.0, pitch_of(assembly)], 3)
+    for support in assembly.supports:
+        rest[int(np.abs(z - support.at).argmin()), [check.FREEDOM[name] for name, _ in support.fixed]] = 0.0
+    left = (np.abs(rest) - noise) / arms
+    left[0] -= pinned
+    if float(left.max()) > CLOSE * size + slack:
+        return f"the shaft is out of balance by {left.max():.3g} N at {1e3 * z[int(left.max(axis=1).argmax())]:.5g} mm"
+    return _bodies(assembly, result, bodies, (arms, CLOSE * size + slack + pinned))
+
+
+def _bodies(assembly: Assembly, result: AxisResult, rest: dict[str, Array], allowed: tuple[Array, float]) -> str:
+    """Which housing is out of balance by loads and sets, its springs and joints."""
+    motion = {h.name: np.zeros(6) for h in assembly.housings} | {h.name: h.motion for h in result.housings}
+    at = {h.name: h.at for h in assembly.housings}
+    noise = dict.fromkeys(rest, 0.0)
+
+    def spring(K: Array, name: str, station: float, moved: Array) -> None:
+        pull = -K @ moved
+        rest[name] += wrench(along(station - at[name]), pull[:3]) + np.concatenate([np.zeros(3), pull[3:]])
+        noise[name] += STIFF * float((np.abs(K) @ np.abs(moved)).max())
+
+    def there(name: str, station: float) -> Array:
+        return np.concatenate([carried(along(station - at[name]), motion[name]), motion[name][3:]])
+
+    for h in assembly.housings:
+        if h.stiffness is not None:
+            spring(np.array(h.stiffness), h.name, h.at, motion[h.name])
+    for j in assembly.joints:
+        apart = there(j.first, j.at) - there(j.second, j.at)
+        spring(np.array(j.stiffness), j.first, j.at, apart)
+        spring(np.array(j.stiffness), j.second, j.at, -apart)
+    for h in assembly.housings:
+        free = np.array([f not in dict(h.fixed) for f in check.FREEDOM])
+        left = float((np.abs(rest[h.name]) / allowed[0])[free].max(initial=0.0))
+        if left > allowed[1] + noise[h.name] / float(allowed[0].min()):
+            return f"{h.name} is out of balance by {left:.3g} N"
+    return ""
+
+
+def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, float]:
+    """Which ball is out of balance, or which contact has another load than Hertz' law gives it; and the round-off [N] of
+    all contacts of the set."""
+    scene, found = s.of.parts, s.balls
+    if found is None or not isinstance(scene, Scene):
+        return "", 0.0
+    layout = ball_layout(scene)
+    drawn, (centre, axes) = specimen(scene, layout, result.member), check.frames(scene)
+    stations = contact_stations(scene, layout)
+    z, q = result.centreline_z, result.centreline
+    bodies, at = {h.name: h.motion for h in result.housings}, {h.name: h.at for h in assembly.housings}
+    w, furthest = found.centre_shift[:, None, :] - drawn.centre, 0.0
+    for side in range(4):
+        point = centre + np.einsum("na,nak->nk", drawn.centre[:, side], axes)
+        name = s.of.carrier if side < 2 else s.of.housing
+        if name is not None:
+            moved = carried(point - along(at[name]), bodies.get(name, np.zeros(6)))
+        elif side < 2:
+            k = np.abs(z[None, :] - stations[:, side, None]).argmin(axis=1)
+            point[:, 2] -= z[k]
+            moved = carried(point, q[k])
+        else:
+            moved = np.zeros(point.shape)
+        moved = moved + along(s.of.offset if side > 1 else 0.0)
+        furthest = max(furthest, float(np.abs(moved).max()))
+        w[:, side] -= np.einsum("nak,nk->na", axes, moved)
+    law = check.by_law(drawn, found.hertz_C, w)
+    law[:, [k for k in range(4) if k not in SIDES_OF[s.of.thrust]]] = 0.0
+    stiff = 1.5 * np.cbrt(np.maximum(law, found.load)) / found.hertz_C
+    none, noise = check.nothing(found), check.DIGITS * (furthest + drawn.radius) * stiff
+    net = np.linalg.norm(check.forces(scene, found).sum(axis=1), axis=1)
+    size, worst = size_of(assembly, result), int(net.argmax())
+    if net[worst] > max(check.EXACT * size, none) + float(noise[worst].sum()):
+        return f"ball {worst + 1} of {s.of.name} is not in balance", 0.0
+    off = np.abs(law - found.load) - np.maximum(CLOSE * size, noise) - none
+    ball, side = (int(k) for k in np.unravel_index(int(off.argmax()), off.shape))
+    if off[ball, side] > 0.0:
+        where = f"ball {ball + 1} {SIDES[side]} of {s.of.name}"
+        return f"Hertz' law gives {law[ball, side]:.9g} N, not {found.load[ball, side]:.9g} N, on {where}", 0.0
+    return "", float(noise.sum()) + none
+
+
+def crossed(result: AxisResult) -> bool:
+    """Whether a row that carries thrust one way has a loaded ball across the bottom of its groove."""
+    rows = [s.balls for s in result.sets if s.balls is not None and s.of.thrust in ("+z", "-z")]
+    return any(bool(((b.contact_angle < 0.0) & (b.load > 0.0)).any()) for b in rows)
+
+
+def proven(assembly: Assembly, mounting: bool) -> bool:
+    """Whether a rigid motion of shaft and housings that no support, spring or contact resists lets the loads do work; at
+    mounting: the preloads, on outer parts that slide along the axis."""
+    scenes = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
+    pitch = pitch_of(assembly)
+    scale = np.diag(np.repeat([1.0, 1.0 / pitch], 3))
+    column = {h.name: 6 + 6 * i for i, h in enumerate(assembly.housings)}
+    slide = {s.name: 6 + 6 * len(column) + i for i, s in enumerate(assembly.sets)}
+    first = 6 + 6 * len(column) + len(slide)
+    wide = first + 2 * sum(p.ball_count for _, p in scenes)
+    work, rows, held = np.zeros(wide), [], []
+
+    def motion(name: str | None, at: Array, direction: Array, sign: float, row: Array) -> None:
+        """Add the motion of a point along a direction to a row: of the shaft (None), or a housing, whose station is its."""
+        start = 0 if name is None else column[name]
+        place = 0.0 if name is None else next(h.at for h in assembly.housings if h.name == name)
+        row[start : start + 6] += sign * scale @ wrench(at - along(place), direction)
+
+    def approach(s: RollingSet, at: Array, direction: Array, inner: bool) -> Array:
+        row = np.zeros(wide)
+        name = s.carrier if inner else s.housing
+        if inner or name is not None:
+            motion(name, at, direction, -1.0, row)
+        if not inner:
+            row[slide[s.name]] -= direction[2]
+        return row
+
+    for x in assembly.loads:
+        work[:6] += scale @ (wrench(along(x.at), np.array(x.force)) + np.concatenate([np.zeros(3), x.moment]))
+    for h in assembly.housings:
+        work[column[h.name] : column[h.name] + 6] += scale @ np.concatenate([h.force, h.moment])
+        one = np.eye(wide)[column[h.name] : column[h.name] + 6]
+        held += [one[check.FREEDOM[f]] for f, _ in h.fixed]
+        held += [] if h.stiffness is None else [one[k] for k in np.flatnonzero(np.diag(np.array(h.stiffness)))]
+    if mounting:
+        work[:] = 0.0
+        for s in assembly.sets:
+            if s.preload:
+                work[slide[s.name]] = -s.preload if s.thrust == "+z" else s.preload
+    for s in assembly.sets:
+        if not (mounting and s.preload):
+            held.append(np.eye(wide)[slide[s.name]])
+    for support in assembly.supports:
+        for name, _ in support.fixed:
+            row, axis = np.zeros(wide), np.eye(3)[check.FREEDOM[name] % 3]
+            row[:6] = scale @ (wrench(along(support.at), axis) if name[0] == "u" else np.concatenate([np.zeros(3), axis]))
+            held.append(row)
+    for j in assembly.joints:
+        for k in range(6):
+            row, axis = np.zeros(wide), np.eye(3)[k % 3]
+            for name, sign in ((j.first, 1.0), (j.second, -1.0)):
+                if k < 3:
+                    motion(name, along(j.at), axis, sign, row)
+                else:
+                    row[column[name] : column[name] + 6] += sign * scale @ np.concatenate([np.zeros(3), axis])
+            held.append(row)
+    for s, parts in scenes:
+        (centre, axes), beta = check.frames(parts), parts.track.contact_angle
+        for side in SIDES_OF[s.thrust]:
+            way = check.WAYS[side] * np.array([np.cos(beta), np.sin(beta)])
+            for i, at in enumerate(centre):
+                row = approach(s, at, way @ axes[i], side < 2)
+                row[first + 2 * i : first + 2 * i + 2] += way
+                rows.append(row)
+        first += 2 * parts.ball_count
+    for s in assembly.sets:
+        if isinstance(s.parts, RollerRow):
+            rows += _rollers(s, s.parts, approach)
+    size, rigid = float(np.abs(work).max()), 6 + 6 * len(column) + len(slide)
+    if size == 0.0:
+        return False
+    bounds = [(-1.0, 1.0)] * rigid + [(None, None)] * (wide - rigid)
+    equal = np.array(held).reshape(-1, wide)
+    found = linprog(-work / size, np.array(rows), np.zeros(len(rows)), equal, np.zeros(len(equal)), bounds)
+    return found.status == 0 and bool(found.fun < -PROVEN)
+
+
+def _rollers(s: RollingSet, row: RollerRow, approach: Callable[[RollingSet, Array, Array, bool], Array]) -> list[Array]:
+    """Approach of cone and cup at both ends of every roller."""
+    young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
+    shape = TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
+    sin, cos, way = np.sin(row.cup_angle), np.cos(row.cup_angle), 1.0 if s.thrust == "+z" else -1.0
+    out = []
+    for a in row.phase + 2.0 * np.pi * np.arange(row.count) / row.count:
+        outward = np.array([np.cos(a), np.sin(a), 0.0])
+        normal, generator = cos * outward + along(way * sin), sin * outward - along(way * cos)
+        for end in 0.5 * row.length * (1.0 - 1.0 / row.slices) * np.array([-1.0, 1.0]):
+            at = shape.apex_distance * sin * outward + end * generator + along(s.position)
+            out.append(approach(s, at, normal, False) - approach(s, at, normal, True))
+    return out

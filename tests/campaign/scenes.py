@@ -1,0 +1,241 @@
+"""Random extreme scenes solved by a model, each outcome judged: right, refused with proof, or a fault of this project."""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from tests.campaign import check, check_axes
+from tests.campaign.draw import scene_text
+from tests.campaign.draw_axes import axis_text
+
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.models.registry import MODELS, Options, run_model
+from rollbench.comparison.provenance import sources_hash
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.wings.extremes.campaign import (
+    BAD,
+    CRASHED,
+    GOOD,
+    MISSTATED,
+    NOT_UNIQUE,
+    PROVEN,
+    REFUSED,
+    RIGHT,
+    SILENT,
+    UNPROVEN,
+    WRONG,
+)
+from rollbench.comparison.wings.sweep.store import packed, unpacked
+from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import SIDES, Scene
+
+#: Hears the number of scenes done, their total, and words on the last.
+Progress = Callable[[int, int, str], None]
+#: What draws a scene file from seed and number.
+Draw = Callable[[int, int], str]
+#: Packages whose sources an outcome depends on.
+PACKAGES = ("meshes", "lowfi", "compare")
+COMPILED = Options(engine="compiled", discretisation=False)
+#: Less energy that plain minimisation may find, over the energy stored in the contacts.
+LOWER = 1e-6
+#: Every so many scenes small ones are solved by the other engine too, whose loads may differ by ``SAME``.
+OTHER_ENGINE, FEW = 10, 40
+#: Tokens of a command to its exit code and what it prints; the line that it refuses with for exit code 2.
+Command = Callable[[list[str]], tuple[int, str]]
+#: Loads may differ by this share of the largest: the command chooses its engine itself.
+SAME = 1e-5
+
+
+def misstated(text: str, model: str, found: Solved | InputError, command: Command) -> str:
+    """What ``rollbench solve`` says of a scene file otherwise than the model did, in words; empty where all agree."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "campaign.toml"
+        path.write_text(text, encoding="utf-8")
+        tokens = ["solve", str(path), "--model", model, "--balls"]
+        (printed, words), (code, data) = command(tokens), command([*tokens, "--json"])
+    expected = 2 if isinstance(found, InputError) else 1 - found.converged
+    if (printed, code) != (expected, expected):
+        return f"exit codes {printed} (text) and {code} (JSON) instead of {expected}: {data if code == 2 else words}"
+    if isinstance(found, InputError):
+        return ""
+    if found.status not in " ".join(words.split()):
+        return "the text does not say the status"
+    number = re.search(r"(?<![\w.])[+-]?(nan|inf)\b", words)
+    return f"the text says {number[0]}" if number else _in_json(data, found)
+
+
+def _in_json(text: str, found: Solved) -> str:
+    try:
+        data = json.loads(text, parse_constant=_refuse)
+    except ValueError as error:
+        return f"no strict JSON: {error}"
+    if data["status"] != found.status:
+        return f"the JSON's status is {data['status']}"
+    rows = [[row["load_N"][side] for side in SIDES] for row in data["balls"]]
+    load = np.array(rows, dtype=float).reshape(-1, 4)  # null becomes nan
+    known = np.concatenate([np.zeros((0, 4)), *(b.load for b in found.of_balls())])
+    if not np.allclose(load, known, rtol=0.0, atol=SAME * float(np.nanmax(known, initial=0.0)), equal_nan=True):
+        return "the JSON's loads are others"
+    return ""
+
+
+def _refuse(word: str) -> Any:
+    raise ValueError(f"{word} is no JSON number")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One scene: its number, what became of it, in words, the seconds, and whether it was compared by brute force."""
+
+    number: int
+    verdict: str
+    words: str
+    seconds: float
+    brute: bool = False
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """``count`` scenes of one set, or of several on one shaft (``axes``), drawn by a seed and solved by a model, ``files``
+    mutated scene files and half as many stored ones, and ``kills``. command: the command line, through which every scene
+    goes too, as text and as JSON."""
+
+    seed: int
+    count: int
+    model: str = "lin"
+    files: int = 0
+    kills: int = 0
+    axes: bool = False
+    command: Command | None = None
+
+    @property
+    def option(self) -> str:
+        """The option of ``rollbench stability`` that asks for its scenes."""
+        return "--axes" if self.axes else "--random"
+
+
+class Part:
+    """A file beside that of the counts; it is begun again where seed, model, version or sources are others."""
+
+    def __init__(self, path: Path, seed: int, model: str) -> None:
+        """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
+        self.path = path
+        head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
+        lines = [unpacked(line) for line in path.read_bytes().splitlines(keepends=True)] if path.exists() else []
+        known = [line for line in lines[1:] if line is not None] if lines[:1] == [head] else None
+        if known is None:
+            path.write_bytes(packed(head))
+        self.outcomes = {line["number"]: Outcome(**line) for line in known or ()}
+
+    def add(self, outcome: Outcome) -> None:
+        """Append an outcome."""
+        with self.path.open("ab") as file:
+            file.write(packed(asdict(outcome)))
+        self.outcomes[outcome.number] = outcome
+
+
+def placed(error: Exception) -> str:
+    """An exception in words, with the place where it was raised."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})"
+
+
+def judge(seed: int, number: int, model: str, command: Command | None = None, draw: Draw = scene_text) -> Outcome:
+    """Draw a scene, solve it and judge the outcome, what ``command`` (if given) prints of it too; whatever happens is an
+    outcome, never an exception."""
+    begin = perf_counter()
+    try:
+        verdict, words, brute = _judged(draw(seed, number), number, model, command)
+    except Exception as error:  # a traceback is what the campaign looks for
+        verdict, words, brute = CRASHED, placed(error), False
+    return Outcome(number, verdict, words, perf_counter() - begin, brute)
+
+
+def _judged(text: str, number: int, model: str, command: Command | None) -> tuple[str, str, bool]:
+    found: StaticResult | AxisResult | InputError
+    try:
+        scene = scene_file.read(text, "campaign.toml")
+        if isinstance(scene, Assembly):
+            several = found = run_model(scene, model, COMPILED)
+            (verdict, words), brute = _of_axis(scene, several, model), False
+        else:
+            one = scene_file.whole(scene, "campaign.toml")
+            alone = found = run_model(one, model, COMPILED)
+            verdict, words, brute = _verdict(one, alone, number, model)
+    except InputError as error:
+        named = isinstance(error, SceneError) or bool(error.key and error.value)
+        found, verdict, words, brute = error, REFUSED if named else SILENT, str(error), False
+    if command is not None and verdict in GOOD:
+        fault = misstated(text, model, found, command)
+        return (MISSTATED, fault, brute) if fault else (verdict, words, brute)
+    return verdict, words, brute
+
+
+def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, str]:
+    """Verdict on several sets on one shaft."""
+    if result.converged:
+        fault = check_axes.faults(assembly, result) if model == "lin" else ""
+        return (WRONG, fault) if fault else (RIGHT, "")
+    if result.status.kind != "not held":
+        return SILENT, result.status
+    runner = MODELS[model].assembly
+    if result.status.cause == "crossed row" and callable(runner):  # the state with arcs that go on across the bottom
+        state = runner(assembly, COMPILED)
+        return (UNPROVEN if check_axes.faults(assembly, state) or not check_axes.crossed(state) else PROVEN), result.status
+    mounting = result.status.cause == "mounting"
+    return (PROVEN if check_axes.proven(assembly, mounting) else UNPROVEN), result.status
+
+
+def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:
+    if result.status.kind == "not held":
+        return (PROVEN if check.proven(scene) else UNPROVEN), result.status, False
+    if not result.converged:
+        return (NOT_UNIQUE if result.status.cause == "not unique" else SILENT), result.status, False
+    fault = check.unbalanced(scene, result) or (check.off_the_law(scene, result) if model == "lin" else "")
+    if not fault and number % OTHER_ENGINE == 0 and scene.ball_count <= FEW:
+        other = run_model(scene, model, Options(engine="interpreted", discretisation=False))
+        apart = 0.0 if other.status != result.status else float(abs(other.load - result.load).max())
+        if other.status != result.status:
+            fault = f"the other engine says: {other.status}"
+        elif apart > max(SAME * float(result.load.max()), check.nothing(result)):
+            fault = f"loads of the two engines differ by {apart:.3g} N"
+    if fault:
+        return WRONG, fault, False
+    lower = check.brute_force(scene, result) if model == "lin" else None
+    if lower is not None and lower > LOWER:
+        return WRONG, f"plain minimisation finds {lower:.2g} of the stored energy less", True
+    return RIGHT, "", lower is not None
+
+
+def judge_scenes(
+    what: Campaign, progress: Callable[[int, int, str], None] = lambda *_: None, kept: Part | None = None
+) -> list[Outcome]:
+    """The scenes of a campaign one after another. kept: outcomes that are taken as they are, and where every new one is
+    put."""
+    found, known = [], {} if kept is None else kept.outcomes
+    for number in range(what.count):
+        outcome = known.get(number)
+        if outcome is None:
+            outcome = judge(what.seed, number, what.model, what.command, axis_text if what.axes else scene_text)
+            if kept is not None:
+                kept.add(outcome)
+        found.append(outcome)
+        progress(number + 1, what.count, f"scene {number}: {outcome.verdict}")
+    return found
+
+
+def tally(outcomes: Sequence[Outcome]) -> dict[str, int]:
+    """How many outcomes of each kind, and how many were compared by brute force."""
+    counts = {verdict: sum(o.verdict == verdict for o in outcomes) for verdict in (*GOOD, *BAD)}
+    return counts | {"compared with plain minimisation": sum(o.brute for o in outcomes)}

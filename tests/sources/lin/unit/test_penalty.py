@@ -1,0 +1,27 @@
+"""A penalty of the 3D reference's contacts: springs of its size times the hats' areas, one to a pair of nodes."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.sources.lin.reconstruction.penalty import penalised
+from rollbench.hifi.condensation.sides import SidePatches
+from rollbench.hifi.contact.balls import press
+from rollbench.hifi.contact.compliance import plain
+from rollbench.hifi.setup import Setup
+
+
+def test_rigid_bodies_press_by_the_penalty_alone():
+    """A paraboloid of radii R1, R2 pressed into a bed of springs k [N/m3] by d: F = pi k d^2 sqrt(R1 R2)."""
+    penalty, radii, pressed = 6e14, (3e-3, 0.5e-3), 5e-6
+    reach = [1.3 * np.sqrt(2.0 * r * pressed) for r in radii]
+    x, y = (np.linspace(-a, a, 41) for a in reach)
+    area = np.full(41 * 41, (x[1] - x[0]) * (y[1] - y[0]))
+    gap = (x[:, None] ** 2 / (2.0 * radii[0]) + y[None, :] ** 2 / (2.0 * radii[1])).ravel()
+    pair = SidePatches(SimpleNamespace(areas=area), None, np.zeros((gap.size, gap.size)), None)
+    setup = Setup.__new__(Setup)
+    setup.__dict__.update(dict.fromkeys(Setup.__dataclass_fields__), patches={0: pair})
+    local = penalised(setup, penalty).patches[0].local
+    force = press(plain(local), gap - pressed, np.zeros(gap.size, dtype=bool)).forces.sum()
+    assert force == pytest.approx(np.pi * penalty * pressed**2 * np.sqrt(radii[0] * radii[1]), rel=5e-3)

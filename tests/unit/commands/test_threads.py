@@ -1,0 +1,85 @@
+"""Linear algebra on one thread at the end of each kind of command, in its workers and, by its switch, of the library."""
+
+import json
+import os
+
+import pytest
+from tests.processes import python
+
+from rollbench.meshes.threads import VARIABLES
+
+UNSET = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+COUNT = """
+import atexit, json, sys
+def count():
+    from threadpoolctl import threadpool_info
+    found = [x["num_threads"] for x in threadpool_info() if x["user_api"] == "blas"]
+    print(json.dumps(found), file=sys.__stderr__)
+atexit.register(count)
+"""
+COMMAND = f"{COUNT}\nfrom rollbench.comparison.cli import main\nmain()\n"
+LIN = ("solve", "lin-case1", "--model", "lin")
+SWEEP = ("sweep", "lin-case1-cut", "--vary", "errors.balls.oversize=1 um:3 um", "--samples", "8", "--model", "lin")
+
+
+def threads(code, *words, cwd, **variables):
+    """Threads of each library of linear algebra that a process has loaded at its end."""
+    done = python("-c", code, *words, cwd=cwd, env={**UNSET, **variables})
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stderr.splitlines()[-1])
+
+
+@pytest.mark.skipif(os.cpu_count() == 1, reason="with one core every library has one thread")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("solve", "lin-case1"),
+        LIN,
+        ("solve", "double-nut"),
+        ("compare", "lin-case1"),
+        ("check", "lin-case1"),
+        ("export", "lin-case1-cut", "nut", "--ball", "2", "--out", "nut.vtu"),
+        SWEEP,
+        pytest.param(("friction", "lin-case1"), marks=[pytest.mark.slow, pytest.mark.compiles(20)]),
+        pytest.param(("solve", "lin-random", "--members", "20"), marks=pytest.mark.slow),
+        pytest.param(("report", "lin-case1", "--out", "page"), marks=pytest.mark.slow),
+        pytest.param(("compare", "lin-case1-cut", "--levels", "1", "--fresh"), marks=pytest.mark.slow),
+    ],
+    ids=lambda words: " ".join(words[:3]),
+)
+def test_each_kind_of_command_ends_with_one_thread(words, tmp_path):
+    found = threads(COMMAND, *words, cwd=tmp_path)
+    assert found
+    assert set(found) == {1}
+
+
+@pytest.mark.skipif(os.cpu_count() == 1, reason="with one core every library has one thread")
+def test_workers_have_one_thread_each_and_share_the_work(tmp_path):
+    code = (
+        f"{COUNT}\nimport numpy\nfrom threadpoolctl import threadpool_info\n"
+        "from rollbench.comparison.reference.parallel import as_done\n"
+        "for _, found in as_done([(threadpool_info, ())] * 2, workers=2):\n"
+        "    print([x['num_threads'] for x in found if x['user_api'] == 'blas'])\n"
+    )
+    done = python("-c", code, cwd=tmp_path, env=UNSET)
+    assert set(done.stdout.split("\n")) == {"[1]", ""}, done.stderr
+
+
+def test_a_users_own_variable_wins(tmp_path):
+    assert set(threads(COMMAND, *LIN, cwd=tmp_path, OMP_NUM_THREADS="2")) == {2}
+    assert set(threads(COMMAND, *LIN, cwd=tmp_path, OPENBLAS_NUM_THREADS="2")) == {2}
+
+
+def test_a_call_of_the_library_has_one_thread_and_leaves_the_rest_to_its_user(tmp_path):
+    code = (
+        f"{COUNT}\nimport numpy, rollbench\nfrom rollbench.lowfi.statics import static\nsettled = static.settled\n"
+        "def counted(*given, **named):\n    count()\n    return settled(*given, **named)\n"
+        "static.settled = counted\nrollbench.solve('lin-case1', 'lin')\n"
+    )
+
+    def inside_and_after(**variables):
+        done = python("-c", code, cwd=tmp_path, env={**UNSET, **variables})
+        return [set(json.loads(line)) for line in (done.stderr.splitlines()[0], done.stderr.splitlines()[-1])]
+
+    assert inside_and_after() == [{1}, {os.cpu_count()}]
+    assert inside_and_after(OPENBLAS_NUM_THREADS="2") == [{2}, {2}]
