@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rollbench.comparison import __version__
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -186,6 +187,6 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
 
 if __name__ == "__main__":
     one_thread()
-    found = {"machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
+    found = {"version": __version__, "machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
     found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
     (shipped_store() / SET_UP_COSTS).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

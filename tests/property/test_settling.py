@@ -12,6 +12,7 @@ import pytest
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.computing import compute
+from rollbench.comparison.reference.measured import here
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import scene_file
 from rollbench.hifi import reference
@@ -41,7 +42,7 @@ def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(
     monkeypatch.setattr(reference, "solve_reference", counted)
     scene = scene_file.load(SCENES / f"{name}.toml")
     (run,) = compute(Task((scene,), level))
-    assert (run.status, run.moving) == ("converged", 0.0)
+    assert (run.status, run.moving, run.measured) == ("converged", 0.0, here())
     assert max(updates) <= 4
     low = run_model(scene, "refined", Options(discretisation=False))
     error = load_error(low.load, run.load, nominal_contacts(scene))

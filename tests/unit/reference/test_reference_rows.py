@@ -100,7 +100,7 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     printed = {r.quantity: r.printed for r in of_lin if r.printed is not None}
     assert sorted(printed.values()) == [1.34, 2.3, 5.38]
     numbers = {"printed", "value", "reference", "reference_error", "error_percent", "seconds"}
-    assert set(of_lin[0].as_json()) == {"scene", "quantity", "ball", "side", "unit", "model"} | numbers
+    assert set(of_lin[0].as_json()) == {"scene", "quantity", "ball", "side", "unit", "model", "measured_with"} | numbers
     ends = [int(pick(found.load[:, 0])) for pick in (np.argmax, np.argmin)]
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
     ratio = next(r for r in of_lin if r.quantity.startswith("largest over smallest"))
@@ -175,7 +175,7 @@ def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     assert text.startswith("Enough: level 1 for 0.14 % of the mean contact load, by experience with other scenes (")
     for level, percent in ((2, "0.096"), (3, "0.072")):
         assert f", level {level} with those before it for {percent} % (" in text
-    assert text.endswith("Hardly better than the one before: level 4.")
+    assert text.endswith("Hardly better than the one before: level 4. Times measured with 0.3.0.")
 
 
 def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
