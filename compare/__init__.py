@@ -1,3 +1,18 @@
 """Scenes, printed numbers, errors, gates and the command line: where models meet references."""
 
+import sys
+from types import ModuleType
+from typing import NoReturn
+
 __version__ = "0.14.2"
+
+
+class _Package(ModuleType):
+    """This package, which was a function of the library up to 0.14."""
+
+    def __call__(self, *_: object, **__: object) -> NoReturn:
+        """Name the function that was called so."""
+        raise TypeError("rollbench.compare is a package: the function is rollbench.compare_models")
+
+
+sys.modules[__name__].__class__ = _Package

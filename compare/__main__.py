@@ -1,6 +1,6 @@
-"""``python -m rollbench.comparison`` is ``rollbench``."""
+"""``python -m rollbench.compare`` is ``rollbench``."""
 
-from rollbench.comparison.cli import main
+from rollbench.compare.cli import main
 
 if __name__ == "__main__":
     main()

@@ -14,9 +14,9 @@ from types import FrameType
 
 from cyclopts import CycloptsError
 
-from rollbench.comparison.commands.arguments import commands
-from rollbench.comparison.commands.printing import OutputLost, writing
-from rollbench.comparison.errors import InputError, one_line
+from rollbench.compare.commands.arguments import commands
+from rollbench.compare.commands.printing import OutputLost, writing
+from rollbench.compare.errors import InputError, one_line
 from rollbench.meshes import kept
 from rollbench.meshes.threads import one_thread
 
@@ -90,7 +90,7 @@ def main(tokens: list[str] | None = None) -> None:
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        from rollbench.comparison.scenes.units import COMMA, has_comma
+        from rollbench.compare.scenes.units import COMMA, has_comma
 
         given = re.search('convert "(.*)" into (?:int|float)', text)
         advice = COMMA if given and has_comma(given[1]) else "see rollbench --help"

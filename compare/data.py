@@ -11,7 +11,7 @@ from typing import Any
 
 def place(path: str) -> Path:
     """Where a shipped file or folder is."""
-    return Path(str(resources.files("rollbench.comparison").joinpath(*path.split("/"))))
+    return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
 def text(path: str) -> str:

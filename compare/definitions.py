@@ -6,7 +6,7 @@ import re
 from functools import cache
 from typing import NamedTuple
 
-from rollbench.comparison import data
+from rollbench.compare import data
 
 
 class Definition(NamedTuple):

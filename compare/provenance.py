@@ -8,7 +8,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from rollbench.comparison.registration import ROOT, data_files, source_files
+from rollbench.compare.registration import ROOT, data_files, source_files
 from rollbench.reports.manifest import sha256
 
 #: Packages whose sources are part of what a page rests on.
@@ -41,7 +41,7 @@ def commit() -> str:
 def _source_folder(package: str) -> Path:
     """Where a folder of the repository, as ``compare/wings/rolling``, stands in the installed package."""
     first, *rest = package.split("/")
-    return Path(str(resources.files("rollbench").joinpath("comparison" if first == "compare" else first, *rest)))
+    return Path(str(resources.files("rollbench").joinpath(first, *rest)))
 
 
 def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:

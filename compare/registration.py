@@ -14,10 +14,10 @@ from importlib import import_module, resources
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.errors import InputError
+from rollbench.compare.errors import InputError
 
 #: The folder of this package.
-ROOT = Path(str(resources.files("rollbench.comparison")))
+ROOT = Path(str(resources.files("rollbench.compare")))
 
 #: Order of the sources; others follow by name.
 ORDER = ("lin", "smith", "kalker", "liu", "external")
@@ -56,7 +56,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Registration:
-    """What a wing or a source adds. Modules are named below ``rollbench.comparison``, functions as ``module:function``.
+    """What a wing or a source adds. Modules are named below ``rollbench.compare``, functions as ``module:function``.
 
     folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; title: of a
     source whose printed tables are judged; commands: module by name of the command, which adds it to the command line;

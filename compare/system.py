@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from rollbench.comparison.errors import InputError
+from rollbench.compare.errors import InputError
 from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missing, pip, version
 
 

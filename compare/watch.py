@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
-from rollbench.comparison.errors import InputError
+from rollbench.compare.errors import InputError
 
 #: Seconds after which a solution says that it is still at work, and between two such lines.
 FIRST, AGAIN = 2.0, 1.0

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.errors import InputError
+from rollbench.compare.errors import InputError
 from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
 from rollbench.meshes.libraries import fault, pip
 

@@ -11,8 +11,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.quantities import unit_of
-from rollbench.comparison.registration import source_files
+from rollbench.compare.quantities import unit_of
+from rollbench.compare.registration import source_files
 
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
@@ -134,7 +134,7 @@ def quantities() -> Iterator[str]:
         " their JSON (`--json`) and in Python: `solution[path]`. The ending of a path is its unit. Axes: z along the screw,"
         " azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
     )
-    text = resources.files("rollbench.comparison").joinpath("definitions.toml").read_text()
+    text = resources.files("rollbench.compare").joinpath("definitions.toml").read_text()
     for table in tomllib.loads(text)["table"]:
         head = "| path | unit | definition | its error |\n|---|---|---|---|"
         yield f"\n## {table['title']}\n\n{table.get('about', '')}\n\n{head}"

@@ -11,10 +11,10 @@ from matplotlib import pyplot as plt
 from matplotlib.patches import FancyArrowPatch, Rectangle
 
 import rollbench
-from rollbench.comparison.registration import registered
+from rollbench.compare.registration import registered
 
 TOP = Path(rollbench.__file__).parent
-CORE = ("comparison", "lowfi", "hifi", "reports", "meshes")
+CORE = ("compare", "lowfi", "hifi", "reports", "meshes")
 #: Boxes from left to right in each row of the drawing, the rows from top to bottom: an arrow may only go to a lower row.
 ROWS: tuple[tuple[str, ...], ...] = (
     ("kalker",),
@@ -23,7 +23,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("random_errors", "bearings", "crosscheck", "friction", "sweep"),
     ("doctor", "evidence", "bench", "export", "mesh_study"),
     ("members",),
-    ("comparison",),
+    ("compare",),
     ("lowfi", "hifi", "reports"),
     ("meshes",),
 )
@@ -38,7 +38,7 @@ _BOXES: dict[str, tuple[float, float, float, float]] = {
         name: (10 + _WIDE * k, 190 if name in ROWS[2] else 225 if name in ROWS[3] else 260, _WIDE - 9, 126)
         for k, name in enumerate(_WINGS)
     },
-    "comparison": (14, 462, 492, 36),
+    "compare": (14, 462, 492, 36),
     **{name: (14 + 145 * k, 532, 130, 36) for k, name in enumerate(ROWS[7])},
     "meshes": (14, 602, 492, 36),
 }
@@ -48,9 +48,9 @@ _FRAMES = {"sources": (4, 4, 512, 110), "wings": (4, 178, 466, 215), "core": (4,
 def box_of(module: str) -> str:
     """The box of a module, named below ``rollbench``: its wing (physics included), its source, or its part of the core."""
     parts = module.split(".")
-    if parts[:2] in (["comparison", "wings"], ["comparison", "sources"]) and parts[2:]:
+    if parts[:2] in (["compare", "wings"], ["compare", "sources"]) and parts[2:]:
         return parts[2]
-    return _physics().get(".".join(parts[:2]), parts[0] if parts[0] in CORE else "comparison")
+    return _physics().get(".".join(parts[:2]), parts[0] if parts[0] in CORE else "compare")
 
 
 @cache
@@ -109,8 +109,7 @@ def draw(path: Path) -> None:
         fill = STEEL if name in CORE else BALL if name in _SOURCES else NUT
         axes.add_patch(Rectangle((x, y), width, height, fc=fill, ec="black", lw=0.8, zorder=3))
         middle, turned = (x + width / 2, y + height / 2 - 4 * (name in _SOURCES)), 90 * (name in _WINGS)
-        shown = {"comparison": "compare"}.get(name, name)
-        axes.text(*middle, shown, fontsize=15, rotation=turned, ha="center", va="center", zorder=4)
+        axes.text(*middle, name, fontsize=15, rotation=turned, ha="center", va="center", zorder=4)
     for x, y in [(10, 660), *((x + 4, y + height - 11) for name, (x, y, _, height) in _BOXES.items() if name not in CORE)]:
         axes.add_patch(Rectangle((x, y), 8, 11, fc="#b3261e", lw=0, zorder=5))
     axes.text(24, 666, "one door each: registration.py", fontsize=15, va="center")

@@ -34,7 +34,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test s
 #: Packages that the core does without: a module of tests that imports one of them, or a helper that does, is the wing's.
 WING = re.compile(
     r"^\s*(?:from|import) rollbench\."
-    r"(?:comparison\.(?:wings|sources)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling|meshes\.exchange)\b",
+    r"(?:compare\.(?:wings|sources)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling|meshes\.exchange)\b",
     re.MULTILINE,
 )
 HELPER = re.compile(r"^from (tests\.[\w.]+) import ", re.MULTILINE)
@@ -117,7 +117,7 @@ class Command:
         self.capsys = capsys
 
     def __call__(self, *words: object) -> Said:
-        from rollbench.comparison.cli import main
+        from rollbench.compare.cli import main
 
         with pytest.raises(SystemExit) as stop:
             main([str(word) for word in words])

@@ -11,7 +11,7 @@ from tests import processes
 ROOT = Path(__file__).parents[1]
 #: Of tests that read the last report, which a source archive leaves out.
 of_report = pytest.mark.skipif(not (ROOT / "reports/validation").is_dir(), reason="no report in a source archive")
-FOLDERS = (".import", "compare", "hifi", "lowfi", "meshes", "reports")
+FOLDERS = ("src", "compare", "hifi", "lowfi", "meshes", "reports")
 
 
 def docs_module(name):
@@ -26,7 +26,7 @@ def copy_of_tree(folder, tests=()):
     left = shutil.ignore_patterns("__pycache__", ".git", "validation", ".venv")
     folder.mkdir()
     for name in FOLDERS:
-        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=None if name == ".import" else left)
+        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=None if name == "src" else left)
     for name in tests:
         (folder / "tests" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / "tests" / name, folder / "tests" / name)
@@ -34,7 +34,7 @@ def copy_of_tree(folder, tests=()):
 
 
 def python(tree, *words, cwd):
-    path = os.pathsep.join((str(tree / ".import"), str(tree)))
+    path = os.pathsep.join((str(tree / "src"), str(tree)))
     return processes.python(*words, environ={"PYTHONPATH": path}, cwd=cwd)
 
 

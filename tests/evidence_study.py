@@ -4,7 +4,7 @@ They form one group, so that one worker computes every entry, and computes it on
 of its own.
 """
 
-from rollbench.comparison.models.study import Study
+from rollbench.compare.models.study import Study
 
 GROUP = "evidence"
 #: Sixty drawn screws decide the claims on random errors as two hundred do.

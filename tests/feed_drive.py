@@ -2,8 +2,8 @@
 
 from tests.shipped_texts import changed, own_text
 
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.friction.whole import Choices, solve_scene
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.wings.friction.whole import Choices, solve_scene
 
 MINE = own_text("feed-drive")
 

@@ -2,7 +2,7 @@
 
 from contextlib import closing
 
-from rollbench.comparison.reference.parallel import as_done
+from rollbench.compare.reference.parallel import as_done
 
 
 def run(jobs, backend="joblib", scheduler=None, workers=None, step=lambda _: None, wait=None):

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.models.applicability import SURVEY
-from rollbench.comparison.reference.computing import compute
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.sections.grid_coverage import JUDGES
-from rollbench.comparison.wings.extremes.survey.draw import SEED, TUBES, scene_text
+from rollbench.compare.models.applicability import SURVEY
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.sections.grid_coverage import JUDGES
+from rollbench.compare.wings.extremes.survey.draw import SEED, TUBES, scene_text
 
 LEVELS = (1, 2, 3)
 #: Screws, those that were chosen before the others, contacts that a screw has at most, and what the others are drawn by.

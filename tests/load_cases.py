@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.catalogue import scene_text
 
 #: Cases of the shipped scene two-balls: as it is, pushed harder, and a static check of looser balls.
 CASES = """

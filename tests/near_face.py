@@ -9,12 +9,12 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.near_face import FILE
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.reference.tasks import needed_sides, settings_of
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.near_face import FILE
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.reference.tasks import needed_sides, settings_of
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation.responses import nut_response
 from rollbench.hifi.meshing.fit import patch_lines, socket_size

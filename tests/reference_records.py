@@ -4,9 +4,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from rollbench.comparison.reference.store import Run
-from rollbench.comparison.reference.tasks import settings_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.reference.store import Run
+from rollbench.compare.reference.tasks import settings_of
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest
 from rollbench.meshes.parts import Scene
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.reports.content import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from tests.load_cases import TEXT
 
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.template import template
 from rollbench.meshes.axis import Assembly
 
 SCENES = Path(__file__).parent / "scenes"

@@ -4,13 +4,13 @@
 low-order models (five minutes of one core); measured errors and loads of the record stay.
 """
 
-from rollbench.comparison.models.applicability import DESCRIPTORS, SURVEY
-from rollbench.comparison.models.model_form import features
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.survey import run
-from rollbench.comparison.wings.extremes.survey.draw import scene_text
+from rollbench.compare.models.applicability import DESCRIPTORS, SURVEY
+from rollbench.compare.models.model_form import features
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.wings.extremes.survey import run
+from rollbench.compare.wings.extremes.survey.draw import scene_text
 
 
 def main() -> None:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.parts import Load, Support
 

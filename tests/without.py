@@ -29,6 +29,6 @@ def hide(package):
 
 if __name__ == "__main__":
     hide(sys.argv[1])
-    from rollbench.comparison.cli import main
+    from rollbench.compare.cli import main
 
     main(sys.argv[2:])

@@ -1,7 +1,7 @@
 """The library: what ``import rollbench`` gives. Reads scenes, solves them, sets models beside the 3D reference."""
 
-from rollbench.comparison.api.calls import check, compare, friction, mesh_study, read, report, solve, sweep
-from rollbench.comparison.api.results import Friction, Judged, Result, Solution
+from rollbench.compare.api.calls import check, compare_models, friction, mesh_study, read, report, solve, sweep
+from rollbench.compare.api.results import Friction, Judged, Result, Solution
 
 __all__ = [
     "Friction",
@@ -9,7 +9,7 @@ __all__ = [
     "Result",
     "Solution",
     "check",
-    "compare",
+    "compare_models",
     "friction",
     "mesh_study",
     "read",

@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from rollbench.comparison.api.results import Friction, Judged, Result, Solution
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import needed
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle, cases_by_name
-from rollbench.comparison.scenes.scene_file import each_case, solvable
+from rollbench.compare.api.results import Friction, Judged, Result, Solution
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import needed
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, cases_by_name
+from rollbench.compare.scenes.scene_file import each_case, solvable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.threads import held_to_one_thread
 
 if TYPE_CHECKING:
-    from rollbench.comparison.commands.comparing.compare_output import Comparison
-    from rollbench.comparison.reference.estimate import Reference
-    from rollbench.comparison.reference.store import Run
+    from rollbench.compare.commands.comparing.compare_output import Comparison
+    from rollbench.compare.reference.estimate import Reference
+    from rollbench.compare.reference.store import Run
 
 
 def read(name: str | Path) -> Described:
@@ -46,11 +46,11 @@ def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) ->
     random errors.
     Raises InputError for what cannot be solved so; no equilibrium is no error: see ``Solution.converged``.
     """
-    from rollbench.comparison.commands.solving.cases_output import cases_json
-    from rollbench.comparison.commands.solving.output import case_json
-    from rollbench.comparison.models.load_cases import solve_any
-    from rollbench.comparison.models.registry import Options, default_model
-    from rollbench.comparison.models.together import together
+    from rollbench.compare.commands.solving.cases_output import cases_json
+    from rollbench.compare.commands.solving.output import case_json
+    from rollbench.compare.models.load_cases import solve_any
+    from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.models.together import together
 
     described, options = _described(scene), Options(member=member)
     scenes = each_case(described, described.name)
@@ -82,7 +82,7 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
 
 
 @held_to_one_thread()
-def compare(
+def compare_models(
     scene: Described | str | Path,
     models: Sequence[str] = (),
     *,
@@ -97,14 +97,14 @@ def compare(
     the best stored reference; all levels where there is none, which takes long); reference: your own, in place of the 3D
     reference; store: folder of the reference's runs. Raises InputError, Refusal where no run of the reference converged.
     """
-    from rollbench.comparison.commands.comparing.compare_output import verdict
-    from rollbench.comparison.commands.comparing.study import each_compared, named, own_references, together_json
-    from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.models.comparison import compared_models
-    from rollbench.comparison.models.referenced import referenced
-    from rollbench.comparison.reference.jobs import Engine, ensure, plan
-    from rollbench.comparison.reference.levels import LEVELS
-    from rollbench.comparison.reference.store import shipped_store
+    from rollbench.compare.commands.comparing.compare_output import verdict
+    from rollbench.compare.commands.comparing.study import each_compared, named, own_references, together_json
+    from rollbench.compare.commands.printing import on_terminal
+    from rollbench.compare.models.comparison import compared_models
+    from rollbench.compare.models.referenced import referenced
+    from rollbench.compare.reference.jobs import Engine, ensure, plan
+    from rollbench.compare.reference.levels import LEVELS
+    from rollbench.compare.reference.store import shipped_store
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
@@ -137,7 +137,7 @@ def compare(
 
 def _compared_json(each: Comparison, reference: Reference) -> dict[str, Any]:
     """What `compare` tells of a scene, or of one of several sets on a shaft."""
-    from rollbench.comparison.commands.comparing.compare_output import answers_of
+    from rollbench.compare.commands.comparing.compare_output import answers_of
 
     return {
         "scene": reference.scene,
@@ -179,9 +179,9 @@ def check(
     reference: your own, in place of the 3D reference; strict: unknown columns are an error; compute: whether runs of the
     reference that are missing are computed. Raises InputError.
     """
-    from rollbench.comparison.commands.comparing.check import judged_cases, verdicts_json
-    from rollbench.comparison.gate.user import asked
-    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.compare.commands.comparing.check import judged_cases, verdicts_json
+    from rollbench.compare.gate.user import asked
+    from rollbench.compare.reference.jobs import Engine
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
@@ -272,15 +272,15 @@ def report(
         raise InputError("report", given[0], "given", "without a scene", "leave it out")
     data: dict[str, Any] = {"page": str(folder / "index.html"), "passed": True}
     if scene is not None:
-        from rollbench.comparison.commands.reporting.scene_page import make_page
+        from rollbench.compare.commands.reporting.scene_page import make_page
 
         page = make_page(str(scene), folder, Path(store), None if reference is None else Path(reference))
         warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
         return Result(data | {"verdict": page.verdict}, "", (*warned, page.verdict))
     if reference is not None:
         raise InputError("report", "reference", str(reference), "with a scene", "name the scene that it is of")
-    from rollbench.comparison.commands.printing import print_answer
-    from rollbench.comparison.commands.reporting.report import make_report
+    from rollbench.compare.commands.printing import print_answer
+    from rollbench.compare.commands.reporting.report import make_report
 
     answer = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
     data["passed"] = print_answer(answer) == 0

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.definitions import definition
-from rollbench.comparison.quantities import split_unit, unit_of
+from rollbench.compare.definitions import definition
+from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.cells import micro

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
-from rollbench.comparison.printed import printed_data
-from rollbench.comparison.registration import kinds
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.names import AXIS, WHOLE
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.printed import printed_data
+from rollbench.compare.registration import kinds
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.names import AXIS, WHOLE
 
 
 def shipped() -> Answer:

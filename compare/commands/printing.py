@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from rollbench.comparison.errors import escaped
+from rollbench.compare.errors import escaped
 
 #: A column of a table on the terminal: key of the row, heading, format.
 Column = tuple[str, str, str]
@@ -61,7 +61,7 @@ def print_json(value: Any) -> None:
 def _show(parts: Iterable[Any], *, folded: bool) -> None:
     """On a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as they are unless folded, and
     tables without rules, 160 columns wide or as their words need."""
-    from rollbench.comparison.commands.wrapping import wrapped
+    from rollbench.compare.commands.wrapping import wrapped
 
     terminal = sys.stdout.isatty()
     for part in parts:
@@ -78,7 +78,7 @@ def _show_table(table: Any, terminal: bool) -> None:
     """A table of rich, which texts do not load."""
     from rich.console import Console
 
-    from rollbench.comparison.commands.wrapping import fitted, unbroken
+    from rollbench.compare.commands.wrapping import fitted, unbroken
 
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
     tables = fitted(table, text_width()) if terminal else [table]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.printing import Column, cell
+from rollbench.compare.commands.printing import Column, cell
 
 if TYPE_CHECKING:
     from rich.table import Table

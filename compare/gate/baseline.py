@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rollbench.comparison.errors import InputError, one_line
-from rollbench.comparison.gate.loads_file import read_table
-from rollbench.comparison.gate.publish import HEADS, Outcome, amount
-from rollbench.comparison.gate.verdict import of_whom
+from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.gate.loads_file import read_table
+from rollbench.compare.gate.publish import HEADS, Outcome, amount
+from rollbench.compare.gate.verdict import of_whom
 
 #: What a row is of: scene or check, and quantity.
 Label = tuple[str, str]

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.comparison.gate.judged import ANGLE, OF_CONTACTS, QUANTITIES, Whole, hertz_of, limit_of, of_contacts
-from rollbench.comparison.gate.values_file import GivenValue
-from rollbench.comparison.gate.verdict import At, Limits, Verdict, about, blank, decisive, word
-from rollbench.comparison.measure import SMALL, error_percent
-from rollbench.comparison.models.comparison import Loads
-from rollbench.comparison.reference.estimate import Reference
+from rollbench.compare.gate.judged import ANGLE, OF_CONTACTS, QUANTITIES, Whole, hertz_of, limit_of, of_contacts
+from rollbench.compare.gate.values_file import GivenValue
+from rollbench.compare.gate.verdict import At, Limits, Verdict, about, blank, decisive, word
+from rollbench.compare.measure import SMALL, error_percent
+from rollbench.compare.models.comparison import Loads
+from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import bearing
 from rollbench.meshes.parts import SIDES, Scene

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from rollbench.comparison.gate import closed_forms
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.comparison import REFERENCED, gate_points, known_exceedances
-from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.gate import closed_forms
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.comparison import REFERENCED, gate_points, known_exceedances
+from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import best_start
 
 #: Limit [%] of the default model's largest error of the mean load: it guards against regressions.

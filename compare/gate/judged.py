@@ -13,17 +13,17 @@ from functools import cached_property
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.answers import load_answers, unloaded_place
-from rollbench.comparison.models.compared_point import pull
-from rollbench.comparison.models.comparison import Loads, from_run, uncertainties_of
-from rollbench.comparison.models.loading import solve_scaled
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.quantities import split_unit, unit_of
-from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes.units import COMMA, has_comma
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.answers import load_answers, unloaded_place
+from rollbench.compare.models.compared_point import pull
+from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
+from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.quantities import split_unit, unit_of
+from rollbench.compare.reference.convergence import observe
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes.units import COMMA, has_comma
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array

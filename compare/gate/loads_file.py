@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reading import ENCODING, NoText, like_path, text_of
-from rollbench.comparison.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
-from rollbench.comparison.writing import write_csv
+from rollbench.compare.errors import InputError
+from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
+from rollbench.compare.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
+from rollbench.compare.writing import write_csv
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from rollbench.comparison.errors import InputError, one_line
-from rollbench.comparison.gate.verdict import Verdict
-from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.gate.verdict import Verdict
+from rollbench.compare.writing import no_figure, replace_file, write_figure
 from rollbench.reports.cells import harmless
 
 if TYPE_CHECKING:
-    from rollbench.comparison.gate.gate import GateRow  # brings all evidence with it
+    from rollbench.compare.gate.gate import GateRow  # brings all evidence with it
     from rollbench.reports.content import Figure
 
 #: Variables of the environment in which services of continuous integration name the file of a job's summary.

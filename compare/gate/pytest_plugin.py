@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from rollbench.comparison.gate.verdict import Verdict
+    from rollbench.compare.gate.verdict import Verdict
 
 
 class Rollbench:
@@ -40,10 +40,10 @@ class Rollbench:
         scene: a file, from the folder of the test, or the name of a shipped scene; the rest as for ``rollbench check``.
         A scene that is undecided or not covered fails too: nothing is said of it. Bad input fails with its one line.
         """
-        from rollbench.comparison.errors import InputError
-        from rollbench.comparison.gate.user import asked, check_scenes
-        from rollbench.comparison.reference.jobs import Engine
-        from rollbench.comparison.scenes import catalogue
+        from rollbench.compare.errors import InputError
+        from rollbench.compare.gate.user import asked, check_scenes
+        from rollbench.compare.reference.jobs import Engine
+        from rollbench.compare.scenes import catalogue
         from rollbench.meshes.cache import default_root
 
         try:

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.judged import OF_CONTACTS
-from rollbench.comparison.gate.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.comparison import gate_points
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_parts import GridParts
-from rollbench.comparison.reference.store import Run
-from rollbench.comparison.scenes.units import parse
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.judged import OF_CONTACTS
+from rollbench.compare.gate.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.comparison import gate_points
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_parts import GridParts
+from rollbench.compare.reference.store import Run
+from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load

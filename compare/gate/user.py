@@ -6,22 +6,22 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
-from rollbench.comparison.gate.judged import ANGLE, LIFE, limit_of, parse_limits
-from rollbench.comparison.gate.loads_file import GivenLoads, Only, read_loads
-from rollbench.comparison.gate.reference_file import exceeding, read_reference
-from rollbench.comparison.gate.values_file import GivenValue, read_values
-from rollbench.comparison.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge, looks
-from rollbench.comparison.models.comparison import compared_models, from_result, options_for
-from rollbench.comparison.models.loading import scaled
-from rollbench.comparison.models.referenced import Referenced, SetOf, answered, referenced
-from rollbench.comparison.models.registry import DEFAULT, MODELS, run_model
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.jobs import Engine, ensure, plan
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.store import load, shipped_store
-from rollbench.comparison.reference.tasks import Solvable, groups
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
+from rollbench.compare.gate.judged import ANGLE, LIFE, limit_of, parse_limits
+from rollbench.compare.gate.loads_file import GivenLoads, Only, read_loads
+from rollbench.compare.gate.reference_file import exceeding, read_reference
+from rollbench.compare.gate.values_file import GivenValue, read_values
+from rollbench.compare.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge, looks
+from rollbench.compare.models.comparison import compared_models, from_result, options_for
+from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.referenced import Referenced, SetOf, answered, referenced
+from rollbench.compare.models.registry import DEFAULT, MODELS, run_model
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.jobs import Engine, ensure, plan
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.tasks import Solvable, groups
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
-from rollbench.comparison.gate.loads_file import Rows, comma_or
-from rollbench.comparison.scenes.units import UnitError, expected, parse
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
+from rollbench.compare.gate.loads_file import Rows, comma_or
+from rollbench.compare.scenes.units import UnitError, expected, parse
 
 COLUMNS = ("quantity", "value", "unit")
 WHERE = "where"

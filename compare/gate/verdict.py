@@ -8,10 +8,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.comparison import RULE, gate_points
-from rollbench.comparison.quantities import split_unit
-from rollbench.comparison.reference.estimate import Reference
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.comparison import RULE, gate_points
+from rollbench.compare.quantities import split_unit
+from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import bearing, mean_load
 from rollbench.meshes.parts import SIDES

@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models import loading
-from rollbench.comparison.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
-from rollbench.comparison.models.loading import LiftOff, Preload, preload
-from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed, run_model
-from rollbench.comparison.models.ring_play import play_warnings
-from rollbench.comparison.registration import offered
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.models import loading
+from rollbench.compare.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
+from rollbench.compare.models.loading import LiftOff, Preload, preload
+from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
+from rollbench.compare.models.ring_play import play_warnings
+from rollbench.compare.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life, rating

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison import data
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare import data
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
@@ -156,7 +156,7 @@ PLACES = "places.json"
 
 def save_places(store: Path) -> None:
     """Write the descriptors of `compared` rings and screws."""
-    from rollbench.comparison.writing import replace_file
+    from rollbench.compare.writing import replace_file
 
     by_kind = {
         kind: {s.name: {d.name: d.of(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.comparison import Loads, from_result, from_run
-from rollbench.comparison.models.model_form import Point, features
-from rollbench.comparison.reference.store import Run
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.comparison import Loads, from_result, from_run
+from rollbench.compare.models.model_form import Point, features
+from rollbench.compare.reference.store import Run
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array

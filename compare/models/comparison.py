@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison import data
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.measure import error_percent, gate_scale, load_error
-from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.reference.convergence import pool
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.measured import here
-from rollbench.comparison.reference.store import Run, bodies_path, shipped_store
-from rollbench.comparison.scenes.catalogue import with_role
+from rollbench.compare import data
+from rollbench.compare.errors import InputError
+from rollbench.compare.measure import error_percent, gate_scale, load_error
+from rollbench.compare.models.registry import MODELS, Model, Options, run_model
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.reference.convergence import pool
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.measured import here
+from rollbench.compare.reference.store import Run, bodies_path, shipped_store
+from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

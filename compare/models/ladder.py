@@ -8,15 +8,15 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.compared_point import point
-from rollbench.comparison.models.comparison import REFERENCED, finest_bodies
-from rollbench.comparison.models.model_form import Point, left_out, surveyed_points
-from rollbench.comparison.models.registry import MODELS, Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.scenes.catalogue import with_role
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.compared_point import point
+from rollbench.compare.models.comparison import REFERENCED, finest_bodies
+from rollbench.compare.models.model_form import Point, left_out, surveyed_points
+from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.compliance.imported import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import forget

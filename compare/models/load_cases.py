@@ -4,20 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from rollbench.comparison.models.answers import (
-    Answers,
-    AxisAnswers,
-    LoadAnswers,
-    RollerAnswers,
-    gather,
-    outside,
-    solve_sets,
-)
-from rollbench.comparison.models.load_path import path_warnings
-from rollbench.comparison.models.loading import axial_of
-from rollbench.comparison.models.model_form import ModelForm, estimate
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.ring_play import play_warnings
+from rollbench.compare.models.answers import Answers, AxisAnswers, LoadAnswers, RollerAnswers, gather, outside, solve_sets
+from rollbench.compare.models.load_path import path_warnings
+from rollbench.compare.models.loading import axial_of
+from rollbench.compare.models.model_form import ModelForm, estimate
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.ring_play import play_warnings
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array

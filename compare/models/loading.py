@@ -8,7 +8,7 @@ from typing import TypeVar, overload
 
 import numpy as np
 
-from rollbench.comparison.models.registry import Options, run_model
+from rollbench.compare.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult

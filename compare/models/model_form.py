@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison import data
-from rollbench.comparison.models.applicability import outside, survey
-from rollbench.comparison.models.registry import MODELS
+from rollbench.compare import data
+from rollbench.compare.models.applicability import outside, survey
+from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -173,7 +173,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 def save_points(store: Path, points: Sequence[Point]) -> None:
     """Write the points of all models."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
-    from rollbench.comparison.writing import replace_file
+    from rollbench.compare.writing import replace_file
 
     replace_file(store / FILE, text)
 

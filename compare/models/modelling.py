@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.reference.store import Run, load
-from rollbench.comparison.reference.variants import TWIST, VARIANTS, Kind, twisted
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene

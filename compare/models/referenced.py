@@ -12,12 +12,12 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.comparison.models.loading import scaled
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.store import Run, load
-from rollbench.comparison.reference.tasks import Solvable, balls_of
+from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.tasks import Solvable, balls_of
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.reading import like_path
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.reading import like_path
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 

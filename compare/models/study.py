@@ -8,16 +8,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.estimate import Reference, reference
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
 
 T = TypeVar("T")
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.duty_cycle import Described
+    from rollbench.compare.scenes.duty_cycle import Described
 
 
 @dataclass

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.load_cases import OfSet, Solved, SolvedAxis
-from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.load_cases import OfSet, Solved, SolvedAxis
+from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
 from rollbench.lowfi.rating.life import Life, life, over_cases
 from rollbench.lowfi.statics.result import AxisResult, StaticResult

@@ -21,18 +21,18 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.answers import load_answers
-from rollbench.comparison.models.applicability import outside
-from rollbench.comparison.models.modelling import SPOKEN_FOR, Modelling
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.u_val import QUANTITIES, SENSITIVE, input_parts
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_parts import both_flanks
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.applicability import outside
+from rollbench.compare.models.modelling import SPOKEN_FOR, Modelling
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.u_val import QUANTITIES, SENSITIVE, input_parts
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_parts import both_flanks
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.writing import replace_file
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 

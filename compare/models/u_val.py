@@ -22,15 +22,15 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.applicability import outside
-from rollbench.comparison.models.comparison import Loads, from_result, from_run
-from rollbench.comparison.models.modelling import SPOKEN_FOR, VARIED, base_run
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.store import Run, load
-from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.applicability import outside
+from rollbench.compare.models.comparison import Loads, from_result, from_run
+from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, base_run
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.convergence import observe
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load

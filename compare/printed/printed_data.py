@@ -10,8 +10,8 @@ from decimal import Decimal, InvalidOperation
 from functools import cache
 from typing import Any, Literal, cast
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import data_files
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import data_files
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
 CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.comparison import __version__
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.measured import here
-from rollbench.comparison.reference.store import Run, versions
-from rollbench.comparison.reference.tasks import (
+from rollbench.compare import __version__
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.measured import here
+from rollbench.compare.reference.store import Run, versions
+from rollbench.compare.reference.tasks import (
     SetUp,
     Solvable,
     Task,
@@ -24,8 +24,8 @@ from rollbench.comparison.reference.tasks import (
     set_ups,
     stations,
 )
-from rollbench.comparison.reference.variants import VARIANTS
-from rollbench.comparison.system import need_reference, out_of_memory
+from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.system import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies

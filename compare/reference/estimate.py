@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.reference import grid_parts
-from rollbench.comparison.reference.convergence import representative_size
-from rollbench.comparison.reference.grid_parts import GridParts, parts
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.near_face import left_out, too_large
-from rollbench.comparison.reference.store import Run, load, shipped_store
+from rollbench.compare.reference import grid_parts
+from rollbench.compare.reference.convergence import representative_size
+from rollbench.compare.reference.grid_parts import GridParts, parts
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.near_face import left_out, too_large
+from rollbench.compare.reference.store import Run, load, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load

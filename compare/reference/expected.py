@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.tasks import Task, set_ups
-from rollbench.comparison.system import available_GB
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.tasks import Task, set_ups
+from rollbench.compare.system import available_GB
 from rollbench.meshes.cache import StageDone
 
 #: Seconds of the contact patches, by level: they do not depend on the number of contacts.

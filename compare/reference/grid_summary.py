@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.reference.estimate import Reference
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.estimate import Reference
 
 
 def uncertainty_percent(reference: Reference) -> float:

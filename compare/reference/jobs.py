@@ -10,16 +10,16 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.computing import compute_with_bodies, with_bodies
-from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
-from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from rollbench.comparison.reference.store import Run, bodies_path, load, path_in, save
-from rollbench.comparison.reference.tasks import Solvable, Task, groups
-from rollbench.comparison.reference.variants import VARIANTS
-from rollbench.comparison.system import cores
-from rollbench.comparison.watch import reader_gone
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.computing import compute_with_bodies, with_bodies
+from rollbench.compare.reference.expected import Progress, duration, expected, need_memory
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save
+from rollbench.compare.reference.tasks import Solvable, Task, groups
+from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.system import cores
+from rollbench.compare.watch import reader_gone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.memory import reset_peak
 

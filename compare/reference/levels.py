@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rollbench.comparison import data
+from rollbench.compare import data
 
 #: Ball radius [m] to which the levels' lengths belong; other scenes in proportion.
 BALL = 2.778e-3

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
-from rollbench.comparison import __version__
-from rollbench.comparison.provenance import sources_hash
-from rollbench.comparison.system import machine
+from rollbench.compare import __version__
+from rollbench.compare.provenance import sources_hash
+from rollbench.compare.system import machine
 
 #: Folders whose sources decide how long a solution takes.
 SOLVERS = ("hifi", "lowfi", "meshes")

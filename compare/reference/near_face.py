@@ -26,8 +26,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.reference.grid_parts import STIFFNESS, both_flanks
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.compare.reference.grid_parts import STIFFNESS, both_flanks
+from rollbench.compare.reference.store import shipped_store
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene

@@ -18,8 +18,8 @@ from contextlib import ExitStack, closing, contextmanager
 from time import monotonic, sleep
 from typing import Any
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError
 from rollbench.meshes.threads import one_thread
 from rollbench.meshes.workers import local
 

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.comparison import data
-from rollbench.comparison.reference.measured import Measured
-from rollbench.comparison.reference.sealing import sealed, unsealed
-from rollbench.comparison.reference.tasks import Solvable, meant, plain, serves
-from rollbench.comparison.writing import replace_file
+from rollbench.compare import data
+from rollbench.compare.reference.measured import Measured
+from rollbench.compare.reference.sealing import sealed, unsealed
+from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
+from rollbench.compare.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical, digest

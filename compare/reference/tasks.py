@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, scaled
-from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
+from rollbench.compare.reference.variants import VARIANTS
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import Dimensions, dimensions, groove_depths
 

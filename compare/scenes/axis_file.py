@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import needed
-from rollbench.comparison.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
-from rollbench.comparison.scenes.body_checks import geometry_faults
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm, refuse
-from rollbench.comparison.scenes.from_keys import friction_of, load_of, material_of, scene_of, support_of, vector
-from rollbench.comparison.scenes.key_checks import choice_faults, friction_choice_faults
-from rollbench.comparison.scenes.load_cases import case_faults, in_cases
-from rollbench.comparison.scenes.preload import force_of
-from rollbench.comparison.scenes.quantity import ShareOfRating
-from rollbench.comparison.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import needed
+from rollbench.compare.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
+from rollbench.compare.scenes.body_checks import geometry_faults
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm, refuse
+from rollbench.compare.scenes.from_keys import friction_of, load_of, material_of, scene_of, support_of, vector
+from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults
+from rollbench.compare.scenes.load_cases import case_faults, in_cases
+from rollbench.compare.scenes.preload import force_of
+from rollbench.compare.scenes.quantity import ShareOfRating
+from rollbench.compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
 from rollbench.meshes.axis import (
     ARRANGEMENTS,
     Assembly,

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from rollbench.comparison.scenes import keys, schema
-from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
+from rollbench.compare.scenes import keys, schema
+from rollbench.compare.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
 
 Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
 Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.lowfi.statics.supports import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen

@@ -8,15 +8,15 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reading import alike, question
-from rollbench.comparison.registration import data_files, kinds
-from rollbench.comparison.scenes.names import AXIS
+from rollbench.compare.errors import InputError
+from rollbench.compare.reading import alike, question
+from rollbench.compare.registration import data_files, kinds
+from rollbench.compare.scenes.names import AXIS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.duty_cycle import Described
-    from rollbench.comparison.scenes.kinds import KindScene
+    from rollbench.compare.scenes.duty_cycle import Described
+    from rollbench.compare.scenes.kinds import KindScene
 
 Of = TypeVar("Of", bound="KindScene")
 
@@ -62,7 +62,7 @@ def scene_text(name: str) -> str:
 @cache
 def shipped(name: str) -> Described:
     """The shipped scene of that name, of any kind. Raises InputError for an unknown name."""
-    from rollbench.comparison.scenes import scene_file
+    from rollbench.compare.scenes import scene_file
 
     return scene_file.read(scene_text(name), f"{name}.toml")
 
@@ -71,7 +71,7 @@ def case(name: str, of: type[Of]) -> Of:
     """The shipped scene of that name, of the kind with the record ``of``. Raises InputError where it is another."""
     described = shipped(name)
     if not isinstance(described, of):
-        from rollbench.comparison.scenes import scene_file
+        from rollbench.compare.scenes import scene_file
 
         raise InputError(name, "kind", f'"{scene_file.kind_of(described)}"', f'"{of.kind}"', "name a scene of that kind")
     return described
@@ -86,7 +86,7 @@ def any_scene(name_or_path: str) -> Described:
     if name_or_path in scene_names():
         return shipped(name_or_path)
     if looks_like_path(name_or_path):
-        from rollbench.comparison.scenes import scene_file
+        from rollbench.compare.scenes import scene_file
 
         return scene_file.read(scene_file.read_text(name_or_path), name_or_path)
     raise _unknown(name_or_path)
@@ -97,7 +97,7 @@ def scene(name_or_path: str) -> Scene:
 
     Raises InputError (SceneError for a faulty file, and for a scene of a kind that only friction solves).
     """
-    from rollbench.comparison.scenes import scene_file
+    from rollbench.compare.scenes import scene_file
 
     return scene_file.whole(any_scene(name_or_path), name_or_path)
 

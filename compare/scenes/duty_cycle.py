@@ -10,7 +10,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds import KindScene
+    from rollbench.compare.scenes.kinds import KindScene
 
 #: What a scene file describes.
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from rollbench.comparison.errors import SceneError
-from rollbench.comparison.scenes.units import show
+from rollbench.compare.errors import SceneError
+from rollbench.compare.scenes.units import show
 
 #: Lengths that differ by less than this [m] count as equal.
 TOLERANCE = 1e-9

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.errors import escaped
-from rollbench.comparison.scenes import schema
-from rollbench.comparison.scenes.keys import MaterialKeys
+from rollbench.compare.errors import escaped
+from rollbench.compare.scenes import schema
+from rollbench.compare.scenes.keys import MaterialKeys
 from rollbench.meshes import parts
 from rollbench.meshes.one_arc import rest_angle
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.axis_schema import HousingKeys
+    from rollbench.compare.scenes.axis_schema import HousingKeys
 
 
 def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.comparison.scenes.from_keys import ball_total, centres_apart
-from rollbench.comparison.scenes.keys import MAX_BALLS, GrooveKeys
-from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.compare.scenes.from_keys import ball_total, centres_apart
+from rollbench.compare.scenes.keys import MAX_BALLS, GrooveKeys
+from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
 from rollbench.meshes.partition import MERGE
 
 #: Part of a ball diameter by which a diameter may differ from twice the radius beside it.

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollbench.comparison.scenes.catalogue_input import MATERIAL_NAMES, OTHER_NAME, with_material
-from rollbench.comparison.scenes.quantity import Quantity, Rate, key
+from rollbench.compare.scenes.catalogue_input import MATERIAL_NAMES, OTHER_NAME, with_material
+from rollbench.compare.scenes.quantity import Quantity, Rate, key
 
 MAX_BALLS = 100_000
 

@@ -8,14 +8,14 @@ from typing import Annotated, Any, ClassVar, Union
 
 from pydantic import Discriminator, Tag, TypeAdapter
 
-from rollbench.comparison.errors import escaped
-from rollbench.comparison.registration import kinds, load
-from rollbench.comparison.scenes.axis_schema import AxisKeys
-from rollbench.comparison.scenes.fault import Fault
-from rollbench.comparison.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, without_null
-from rollbench.comparison.scenes.names import AXIS
-from rollbench.comparison.scenes.quantity import key
-from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.compare.errors import escaped
+from rollbench.compare.registration import kinds, load
+from rollbench.compare.scenes.axis_schema import AxisKeys
+from rollbench.compare.scenes.fault import Fault
+from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, without_null
+from rollbench.compare.scenes.names import AXIS
+from rollbench.compare.scenes.quantity import key
+from rollbench.compare.scenes.schema import SceneKeys
 
 
 class KindKeys(HeadKeys):

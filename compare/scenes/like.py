@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from math import ceil, floor, pi, sin
 from typing import Any
 
-from rollbench.comparison import data
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes.from_keys import touching_angle
+from rollbench.compare import data
+from rollbench.compare.errors import InputError
+from rollbench.compare.scenes.from_keys import touching_angle
 
 #: Ball diameters that are kept in stock [mm].
 STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)

@@ -7,16 +7,16 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.comparison.scenes.fault import Fault, mm, refuse
-from rollbench.comparison.scenes.from_keys import load_of, vector
-from rollbench.comparison.scenes.schema import CaseKeys, SceneKeys
+from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.compare.scenes.fault import Fault, mm, refuse
+from rollbench.compare.scenes.from_keys import load_of, vector
+from rollbench.compare.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.partition import MERGE
 from rollbench.meshes.parts import Errors, Motion, Scene, Support
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
+    from rollbench.compare.scenes.axis_schema import AxisKeys
 
 Parts = TypeVar("Parts", bound="Scene | Assembly")
 #: Largest distance of the sum of shares from 1: shares are written with a few digits.

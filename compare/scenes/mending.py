@@ -13,10 +13,10 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from rollbench.comparison import data
-from rollbench.comparison.scenes.fault import ALIASES, Said, refusal
-from rollbench.comparison.scenes.keys import tidy_schema
-from rollbench.comparison.scenes.units import show
+from rollbench.compare import data
+from rollbench.compare.scenes.fault import ALIASES, Said, refusal
+from rollbench.compare.scenes.keys import tidy_schema
+from rollbench.compare.scenes.units import show
 
 Keys = TypeVar("Keys", bound=BaseModel)
 

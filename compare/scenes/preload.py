@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from math import cos, sin
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.scenes.quantity import ShareOfRating
-from rollbench.comparison.scenes.schema import PreloadKeys
+from rollbench.compare.measure import error_percent
+from rollbench.compare.scenes.quantity import ShareOfRating
+from rollbench.compare.scenes.schema import PreloadKeys
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
 

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
-from rollbench.comparison.scenes import units
+from rollbench.compare.scenes import units
 
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
 #: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.

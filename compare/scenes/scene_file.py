@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.errors import SceneError
-from rollbench.comparison.reading import ENCODING, NoText, like_path, text_of
-from rollbench.comparison.registration import data_files
-from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
-from rollbench.comparison.scenes.names import WHOLE
-from rollbench.comparison.scenes.units import COMMA, has_comma
+from rollbench.compare.errors import SceneError
+from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
+from rollbench.compare.registration import data_files
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.compare.scenes.names import WHOLE
+from rollbench.compare.scenes.units import COMMA, has_comma
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
@@ -84,7 +84,7 @@ def read(text: str, origin: str) -> Described:
 
 @kept(Known)
 def _known(text: str, origin: str) -> Known:
-    from rollbench.comparison.scenes.scene_tables import read_tables  # schema and checks: not for a text that is known
+    from rollbench.compare.scenes.scene_tables import read_tables  # schema and checks: not for a text that is known
 
     return Known(read_tables(read_toml(text, origin), origin))
 

@@ -6,24 +6,24 @@ import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.errors import SceneError, escaped
-from rollbench.comparison.registration import kinds
-from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
-from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
-from rollbench.comparison.scenes.fault import Fault, refusal, refuse, spoken
-from rollbench.comparison.scenes.from_keys import scene_of
-from rollbench.comparison.scenes.key_checks import choice_faults
-from rollbench.comparison.scenes.load_cases import case_faults, in_cases
-from rollbench.comparison.scenes.mending import sound, validated
-from rollbench.comparison.scenes.names import AXIS, WHOLE
-from rollbench.comparison.scenes.preload import preloaded
-from rollbench.comparison.scenes.schema import SceneKeys
-from rollbench.comparison.scenes.units import show
+from rollbench.compare.errors import SceneError, escaped
+from rollbench.compare.registration import kinds
+from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.compare.scenes.fault import Fault, refusal, refuse, spoken
+from rollbench.compare.scenes.from_keys import scene_of
+from rollbench.compare.scenes.key_checks import choice_faults
+from rollbench.compare.scenes.load_cases import case_faults, in_cases
+from rollbench.compare.scenes.mending import sound, validated
+from rollbench.compare.scenes.names import AXIS, WHOLE
+from rollbench.compare.scenes.preload import preloaded
+from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.compare.scenes.units import show
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
+    from rollbench.compare.scenes.axis_schema import AxisKeys
 
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
@@ -33,7 +33,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
     kind = raw.get("kind")
     if _is_axis(raw):
-        from rollbench.comparison.scenes.axis_file import read_axis
+        from rollbench.compare.scenes.axis_file import read_axis
 
         return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
     nut = raw.get("nut")
@@ -48,7 +48,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *kinds()), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
         raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *kinds()))), advice)
-    from rollbench.comparison.scenes.kinds import kind_named
+    from rollbench.compare.scenes.kinds import kind_named
 
     of = kind_named(kind)
     keys = sound(raw, of.keys, origin)
@@ -65,7 +65,7 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
 
 
 def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
+    from rollbench.compare.scenes.axis_schema import AxisKeys
 
     return sound(raw, AxisKeys, origin)
 

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from rollbench.comparison.scenes import keys
-from rollbench.comparison.scenes.catalogue_input import either, with_radius
-from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, Rate, ShareOfRating, key
+from rollbench.compare.scenes import keys
+from rollbench.compare.scenes.catalogue_input import either, with_radius
+from rollbench.compare.scenes.quantity import ForceOrShare, Quantity, Rate, ShareOfRating, key
 from rollbench.meshes.parts import Flange, Friction, NutHeld
 
 BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]

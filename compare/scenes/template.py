@@ -7,15 +7,15 @@ from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
-from rollbench.comparison import data
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import kinds
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.keys import tidy_schema
-from rollbench.comparison.scenes.kinds import kind_named
-from rollbench.comparison.scenes.names import WHOLE
-from rollbench.comparison.scenes.schema import SceneKeys
-from rollbench.comparison.scenes.units import show
+from rollbench.compare import data
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import kinds
+from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.keys import tidy_schema
+from rollbench.compare.scenes.kinds import kind_named
+from rollbench.compare.scenes.names import WHOLE
+from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.compare.scenes.units import show
 
 #: Shipped scenes whose values the templates take; that of a ball screw is written by hand.
 EXAMPLES = {

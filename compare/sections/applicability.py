@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.models.applicability import DESCRIPTORS, Descriptor, compared_values, places
-from rollbench.comparison.models.study import Study
+from rollbench.compare.models.applicability import DESCRIPTORS, Descriptor, compared_values, places
+from rollbench.compare.models.study import Study
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 

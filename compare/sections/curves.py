@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.models.comparison import Loads
-from rollbench.comparison.reference.estimate import Reference
+from rollbench.compare.models.comparison import Loads
+from rollbench.compare.reference.estimate import Reference
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Panel, Series

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.comparison.gate import judged
-from rollbench.comparison.gate.verdict import LIMIT
-from rollbench.comparison.models.comparison import RULE
-from rollbench.comparison.models.model_form import Point, shipped_points
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
+from rollbench.compare.gate import judged
+from rollbench.compare.gate.verdict import LIMIT
+from rollbench.compare.models.comparison import RULE
+from rollbench.compare.models.model_form import Point, shipped_points
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 

@@ -16,16 +16,16 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.modelling import REFINED, SPOKEN_FOR, base_run
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.grid_parts import Experience, Levelled, measured, moving, parts
-from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
-from rollbench.comparison.reference.near_face import left_out, too_large
-from rollbench.comparison.reference.store import load, shipped_store
-from rollbench.comparison.scenes import scene_file
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.comparison import REFERENCED
+from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.modelling import REFINED, SPOKEN_FOR, base_run
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.grid_parts import Experience, Levelled, measured, moving, parts
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION
+from rollbench.compare.reference.near_face import left_out, too_large
+from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.scenes import scene_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene

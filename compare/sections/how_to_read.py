@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rollbench.comparison.gate.verdict import LIMIT
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.comparison import RULE
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
+from rollbench.compare.gate.verdict import LIMIT
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.comparison import RULE
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Section, Text
 

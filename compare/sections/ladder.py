@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
-from rollbench.comparison.models.model_form import SHARE
-from rollbench.comparison.models.study import Study
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.comparison import REFERENCED
+from rollbench.compare.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
+from rollbench.compare.models.model_form import SHARE
+from rollbench.compare.models.study import Study
 from rollbench.lowfi.compliance.imported import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import solve_elastic

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.levels import PRODUCTION
-from rollbench.comparison.reference.tasks import settings_of
-from rollbench.comparison.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.levels import PRODUCTION
+from rollbench.compare.reference.tasks import settings_of
+from rollbench.compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout

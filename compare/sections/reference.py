@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.gate.verdict import LIMIT
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.comparison import (
+from rollbench.compare.gate.verdict import LIMIT
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.comparison import (
     PRINTED,
     REFERENCED,
     RULE,
@@ -21,16 +21,16 @@ from rollbench.comparison.models.comparison import (
     reference_answers,
     suited,
 )
-from rollbench.comparison.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from rollbench.comparison.reference.store import Run, load
-from rollbench.comparison.registration import offered
-from rollbench.comparison.sections.curves import lateral, load_panel, loads, numbers
+from rollbench.compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from rollbench.compare.reference.store import Run, load
+from rollbench.compare.registration import offered
+from rollbench.compare.sections.curves import lateral, load_panel, loads, numbers
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

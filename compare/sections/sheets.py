@@ -6,15 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rollbench.comparison.gate.verdict import LIMIT, Limits, Verdict
-from rollbench.comparison.gate.verdict import judge as by_gate
-from rollbench.comparison.models.comparison import REFERENCED, RULE, from_result, from_run
-from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.u_val import CONTACTS, QUANTITIES, Validated, validated
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.sections.sketch import sketch_of
+from rollbench.compare.gate.verdict import LIMIT, Limits, Verdict
+from rollbench.compare.gate.verdict import judge as by_gate
+from rollbench.compare.models.comparison import REFERENCED, RULE, from_result, from_run
+from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.u_val import CONTACTS, QUANTITIES, Validated, validated
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.sections.sketch import sketch_of
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Table, Text
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.comparison.models.comparison import from_result
-from rollbench.comparison.models.ladder import RUNGS, Rung, ladder, left_out_one
-from rollbench.comparison.models.model_form import SHARE
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.u_val import (
+from rollbench.compare.models.comparison import from_result
+from rollbench.compare.models.ladder import RUNGS, Rung, ladder, left_out_one
+from rollbench.compare.models.model_form import SHARE
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.u_val import (
     CONTACTS,
     INPUTS,
     QUANTITIES,
@@ -19,9 +19,9 @@ from rollbench.comparison.models.u_val import (
     scatter,
     validated,
 )
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.sections.applicability import items_of
-from rollbench.comparison.sections.grid_coverage import coverage
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.sections.applicability import items_of
+from rollbench.compare.sections.grid_coverage import coverage
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.

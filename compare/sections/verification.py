@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
 from rollbench.hifi.contact.block import (
     ALONG,
     BALL,

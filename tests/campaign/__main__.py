@@ -22,10 +22,10 @@ from typing import Any
 from tests.campaign import record
 from tests.campaign.scenes import Campaign, Part
 
-from rollbench.comparison.commands.arguments import commands
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.commands.arguments import commands
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.writing import replace_file
 
 
 def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:

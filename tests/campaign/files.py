@@ -18,9 +18,9 @@ import numpy as np
 from tests.campaign.draw import scene_text
 from tests.campaign.scenes import placed
 
-from rollbench.comparison.errors import SceneError
-from rollbench.comparison.reference.sealing import sealed, unsealed
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.compare.errors import SceneError
+from rollbench.compare.reference.sealing import sealed, unsealed
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.condensed import CondensedBodies, load_condensed
 from rollbench.meshes.leftovers import temporary
 
@@ -46,7 +46,7 @@ VALUES = (
 WRITER = """
 import sys
 from pathlib import Path
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.writing import replace_file
 k = 0
 print("ready", flush=True)
 while True:

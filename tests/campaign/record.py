@@ -10,9 +10,9 @@ from typing import Any
 from tests.campaign import files, scenes
 from tests.campaign.scenes import Campaign, Part, Progress
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import one_line
-from rollbench.comparison.wings.extremes.campaign import Record, read
+from rollbench.compare import __version__
+from rollbench.compare.errors import one_line
+from rollbench.compare.wings.extremes.campaign import Record, read
 
 
 def run_campaign(what: Campaign, progress: Progress = lambda *_: None, kept: Part | None = None) -> Record:

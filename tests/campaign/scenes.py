@@ -17,12 +17,12 @@ from tests.campaign import check, check_axes
 from tests.campaign.draw import scene_text
 from tests.campaign.draw_axes import axis_text
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models.registry import MODELS, Options, run_model
-from rollbench.comparison.provenance import sources_hash
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.campaign import (
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.provenance import sources_hash
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.wings.extremes.campaign import (
     BAD,
     CRASHED,
     GOOD,
@@ -35,7 +35,7 @@ from rollbench.comparison.wings.extremes.campaign import (
     UNPROVEN,
     WRONG,
 )
-from rollbench.comparison.wings.sweep.store import packed, unpacked
+from rollbench.compare.wings.sweep.store import packed, unpacked
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene

@@ -10,7 +10,7 @@ from tests.axes import one_set as as_assembly
 from tests.campaign import check_axes, scenes
 from tests.campaign.draw_axes import axis_text
 
-from rollbench.comparison.wings.extremes import static
+from rollbench.compare.wings.extremes import static
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 

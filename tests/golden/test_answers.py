@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from tests.golden.means import means, same
 
-from rollbench.comparison.cli import main
+from rollbench.compare.cli import main
 
 RECORD = Path(__file__).parent / "answers.json"
 ANSWERS = (

@@ -22,13 +22,13 @@ from tests.campaign import draw as extreme
 from tests.campaign.draw_axes import axis_text
 from tests.golden.means import leaves
 
-from rollbench.comparison.cli import main
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import gather, gather_axis
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.registration import kinds
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.survey import draw as survey
+from rollbench.compare.cli import main
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.models.answers import gather, gather_axis
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.registration import kinds
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.extremes.survey import draw as survey
 from rollbench.meshes.axis import Assembly
 
 RECORD = Path(__file__).parent / "drawn_scenes.json"

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from tests.helpers import solved
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 
 FOLDER = Path(__file__).parent
 SCENES = ("lin-case1", "lin-case2", "lin-case3-offset", "lin-combined", "bearing-9-preload")

@@ -15,22 +15,14 @@ import pytest
 from tests.golden.means import means, same
 from tests.helpers import FLANK_ERRORS, small_screw
 
-from rollbench.comparison.gate import closed_forms, further, judged, verdict
-from rollbench.comparison.models import (
-    applicability,
-    compared_point,
-    loading,
-    model_form,
-    modelling,
-    total_uncertainty,
-    u_val,
-)
-from rollbench.comparison.models.comparison import REFERENCED, from_result
-from rollbench.comparison.models.registry import MODELS, Options, run_model
-from rollbench.comparison.models.study import Study, with_balls, with_groove
-from rollbench.comparison.reference import convergence, levels, near_face, tasks, variants
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.mesh_study import table as mesh_study
+from rollbench.compare.gate import closed_forms, further, judged, verdict
+from rollbench.compare.models import applicability, compared_point, loading, model_form, modelling, total_uncertainty, u_val
+from rollbench.compare.models.comparison import REFERENCED, from_result
+from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.models.study import Study, with_balls, with_groove
+from rollbench.compare.reference import convergence, levels, near_face, tasks, variants
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.mesh_study import table as mesh_study
 
 RECORD = Path(__file__).parent / "studies.json"
 STUDY = cache(Study)

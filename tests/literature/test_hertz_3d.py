@@ -13,7 +13,7 @@ import pytest
 from scipy.special import ellipe, ellipk
 from tests.hertz_studies import GROUP, study
 
-from rollbench.comparison.sections import verification
+from rollbench.compare.sections import verification
 from rollbench.hifi.contact.block import JOBS, boussinesq
 from rollbench.hifi.contact.hertz import THINNEST, hertz
 from rollbench.reports.content import Figure, Table

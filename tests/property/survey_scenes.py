@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.models.study import with_groove
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.study import with_groove
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.expected import hertz_units
 from rollbench.meshes.parts import Load, Scene, Support
 

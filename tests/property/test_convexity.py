@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers import mirrored, relative, small_screw
 from tests.property.test_invariance import end_for_end
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, held_at
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic

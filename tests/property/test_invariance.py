@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, mirrored, prepared, relative, small_screw, solved, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, Load, Material, SideErrors, Support
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollbench.comparison.scenes.catalogue import scene as shipped
-from rollbench.comparison.wings.extremes.static import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
+from rollbench.compare.scenes.catalogue import scene as shipped
+from rollbench.compare.wings.extremes.static import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")

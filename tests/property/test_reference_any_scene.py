@@ -8,14 +8,14 @@ import pytest
 from tests.helpers import ALL_BUT_AXIAL
 from tests.property.survey_scenes import CASE, even, pressed, shortened, survey, tipped
 
-from rollbench.comparison.errors import Refusal
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import with_groove
-from rollbench.comparison.reference.computing import compute
-from rollbench.comparison.reference.levels import BALL
-from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.errors import Refusal
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import with_groove
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.levels import BALL
+from rollbench.compare.reference.tasks import Task, needed_sides, settings_of
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.hifi.meshing.fit import ball_place, patch_lines, socket_size

@@ -11,7 +11,7 @@ import pytest
 from tests.axes import one_set
 from tests.helpers import small_screw
 
-from rollbench.comparison.scenes.scene_file import load
+from rollbench.compare.scenes.scene_file import load
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.computing import compute
-from rollbench.comparison.reference.measured import here
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.scenes import scene_file
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.measured import here
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.scenes import scene_file
 from rollbench.hifi import reference
 from rollbench.lowfi.statics.nominal import nominal_contacts
 

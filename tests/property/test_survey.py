@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.tasks import needed_sides, settings_of
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.command import run_drawn
-from rollbench.comparison.wings.extremes.survey import run
-from rollbench.comparison.wings.extremes.survey.draw import SCENES, SEED, scene_text
-from rollbench.comparison.wings.extremes.survey.record import described, surveyed
-from rollbench.comparison.wings.sweep import store
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.tasks import needed_sides, settings_of
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.wings.extremes.command import run_drawn
+from rollbench.compare.wings.extremes.survey import run
+from rollbench.compare.wings.extremes.survey.draw import SCENES, SEED, scene_text
+from rollbench.compare.wings.extremes.survey.record import described, surveyed
+from rollbench.compare.wings.sweep import store
 from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.hifi.meshing.fit import socket_size
 from rollbench.meshes.groove_map import GrooveMap

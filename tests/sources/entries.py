@@ -2,10 +2,10 @@
 
 from tests.evidence_study import STUDY
 
-from rollbench.comparison.printed.printed_data import Printed, load_table, tables
-from rollbench.comparison.wings.evidence.audit import data_digest, judge, stored
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.compare.printed.printed_data import Printed, load_table, tables
+from rollbench.compare.wings.evidence.audit import data_digest, judge, stored
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import evidence
 
 
 def of_source(source: str) -> list[str]:

@@ -6,9 +6,9 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
-from rollbench.comparison.wings.evidence.audit import judge, misprints
-from rollbench.comparison.wings.evidence.gate import evidence_row
-from rollbench.comparison.wings.evidence.registry import by_table, evidence
+from rollbench.compare.wings.evidence.audit import judge, misprints
+from rollbench.compare.wings.evidence.gate import evidence_row
+from rollbench.compare.wings.evidence.registry import by_table, evidence
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -4,9 +4,9 @@ from importlib import import_module
 
 from cyclopts import App
 
-from rollbench.comparison.commands.arguments.order import arrange
-from rollbench.comparison.commands.arguments.terminal import app
-from rollbench.comparison.registration import registered
+from rollbench.compare.commands.arguments.order import arrange
+from rollbench.compare.commands.arguments.terminal import app
+from rollbench.compare.registration import registered
 
 #: Modules of this folder and the commands of the core that they add.
 CORE = {
@@ -24,7 +24,7 @@ def commands(first: str = "") -> App:
     modules |= {name: module for one in registered().values() for name, module in one.commands.items()}
     wanted = modules if first not in modules or first in OF_ALL else (first,)
     for name in wanted:
-        import_module(f"rollbench.comparison.{modules[name]}")
+        import_module(f"rollbench.compare.{modules[name]}")
     arrange(app)
     return app
 

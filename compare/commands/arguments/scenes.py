@@ -8,10 +8,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
-from rollbench.comparison.commands.printing import Answer, print_answer, print_json
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import needed
+from rollbench.compare.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
+from rollbench.compare.commands.printing import Answer, print_answer, print_json
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import needed
 
 
 @app.command(name="list")
@@ -26,7 +26,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     table
         The same for the numbers of one printed table.
     """
-    from rollbench.comparison.commands import listing
+    from rollbench.compare.commands import listing
 
     if trace or table:
         traced = needed("traces", "command line", *(("--table", table) if table else ("--trace", "given")))
@@ -38,7 +38,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
 @app.command
 def schema() -> None:
     """Print the JSON Schema of a scene file, of all kinds."""
-    from rollbench.comparison.scenes.kinds import json_schema
+    from rollbench.compare.scenes.kinds import json_schema
 
     print_json(json_schema())
 
@@ -59,11 +59,11 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
         size.
     """
-    from rollbench.comparison.registration import ROOT
-    from rollbench.comparison.scenes.like import double_nut_like, scene_like
-    from rollbench.comparison.scenes.names import WHOLE
-    from rollbench.comparison.scenes.template import AXES, BEARINGS, template
-    from rollbench.comparison.writing import write_new
+    from rollbench.compare.registration import ROOT
+    from rollbench.compare.scenes.like import double_nut_like, scene_like
+    from rollbench.compare.scenes.names import WHOLE
+    from rollbench.compare.scenes.template import AXES, BEARINGS, template
+    from rollbench.compare.writing import write_new
 
     kind = (kind or "ball-screw").replace("-", " ")
     sized = {"ball screw": scene_like, "double nut": double_nut_like}
@@ -142,10 +142,10 @@ def solve(
     assumptions
         Also print the assumptions, what is left out, the balance and the solver.
     """
-    from rollbench.comparison.commands.solving.solve import Choices, run_solve
+    from rollbench.compare.commands.solving.solve import Choices, run_solve
 
     if members is not None:
-        from rollbench.comparison.reference.jobs import Engine
+        from rollbench.compare.reference.jobs import Engine
 
         members_of = needed("members", "command line", "--members", str(members))
 
@@ -175,6 +175,6 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     level
         Mesh level, 1 (coarse) to 3.
     """
-    from rollbench.comparison.commands.comparing.condense import run_condense
+    from rollbench.compare.commands.comparing.condense import run_condense
 
     return print_answer(run_condense(scene, out, level, cache=cache_folder()))

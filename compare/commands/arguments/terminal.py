@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from rollbench.comparison import __version__
+from rollbench.compare import __version__
 
 if TYPE_CHECKING:
-    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import Engine
 
 app = App(
     name="rollbench",
@@ -49,8 +49,8 @@ class Where:
 def engine(where: Where | None, here: int | None = None) -> Engine:
     """Where jobs run; here: how many at a time on this machine, unless given. Raises InputError for certificates that
     cannot be used."""
-    from rollbench.comparison.reference.jobs import Engine
-    from rollbench.comparison.reference.parallel import use_tls
+    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.parallel import use_tls
 
     where = where or Where()
     use_tls(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
-from rollbench.comparison.commands.printing import Answer, print_answer, writing
-from rollbench.comparison.errors import InputError
+from rollbench.compare.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
+from rollbench.compare.commands.printing import Answer, print_answer, writing
+from rollbench.compare.errors import InputError
 
 
 @app.command
@@ -56,8 +56,8 @@ def compare(
     bodies
         Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
-    from rollbench.comparison.commands.comparing.kinds import all_rolling
-    from rollbench.comparison.commands.comparing.study import parse_levels, run_compare
+    from rollbench.compare.commands.comparing.kinds import all_rolling
+    from rollbench.compare.commands.comparing.study import parse_levels, run_compare
 
     wanted = None if levels is None else parse_levels(levels)
     means_nothing = {"--model": model is not None, "--balls": balls, "--reference": reference is not None}
@@ -122,11 +122,11 @@ def report(
         With a scene: your own reference in place of the 3D reference, as for rollbench check.
     """
     if scene is not None:
-        from rollbench.comparison.system import need_packages
+        from rollbench.compare.system import need_packages
         from rollbench.meshes.libraries import PAGES
 
         need_packages(*PAGES)  # some of which the next line imports
-        from rollbench.comparison.commands.reporting.verify import run_page
+        from rollbench.compare.commands.reporting.verify import run_page
 
         given = {
             "--only": only,
@@ -141,7 +141,7 @@ def report(
         return print_answer(run_page(scene, out, store, against, reference))
     if reference is not None:
         raise InputError("command line", "--reference", str(reference), "with a scene", "name the scene that it is of")
-    from rollbench.comparison.commands.reporting.report import make_report
+    from rollbench.compare.commands.reporting.report import make_report
 
     kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
@@ -159,11 +159,11 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     store
         Folder of the reference's runs, besides those shipped.
     """
-    from rollbench.comparison.system import need_packages
+    from rollbench.compare.system import need_packages
     from rollbench.meshes.libraries import PAGES
 
     need_packages(*PAGES)  # some of which the next line imports
-    from rollbench.comparison.commands.reporting.verify import run_verify
+    from rollbench.compare.commands.reporting.verify import run_verify
 
     return print_answer(run_verify(report, store))
 
@@ -244,9 +244,9 @@ def check(
     baseline
         Report what changed since this file of verdicts, written by an earlier --csv or --json.
     """
-    from rollbench.comparison.commands.comparing.check import Files, run_check, run_shipped
-    from rollbench.comparison.gate.user import asked
-    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.compare.commands.comparing.check import Files, run_check, run_shipped
+    from rollbench.compare.gate.user import asked
+    from rollbench.compare.reference.jobs import Engine
 
     files = Files(junit, markdown, csv, baseline)
     request = asked(

@@ -7,23 +7,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.printing import Answer, cell, on_terminal
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.baseline import Change, changes
-from rollbench.comparison.gate.further import not_judged
-from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
-from rollbench.comparison.gate.user import Asked, as_shares, check_scenes
-from rollbench.comparison.gate.verdict import CODES, LIMIT, Limits, Verdict, Word, worst_of
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.duty_cycle import Described, cases_by_name
-from rollbench.comparison.scenes.scene_file import each_case
+from rollbench.compare.commands.printing import Answer, cell, on_terminal
+from rollbench.compare.commands.tables import ruled
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.baseline import Change, changes
+from rollbench.compare.gate.further import not_judged
+from rollbench.compare.gate.publish import Outcome, of_row, of_verdict, publish
+from rollbench.compare.gate.user import Asked, as_shares, check_scenes
+from rollbench.compare.gate.verdict import CODES, LIMIT, Limits, Verdict, Word, worst_of
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.duty_cycle import Described, cases_by_name
+from rollbench.compare.scenes.scene_file import each_case
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from rollbench.comparison.gate.gate import GateRow
+    from rollbench.compare.gate.gate import GateRow
 
 
 @dataclass(frozen=True)
@@ -114,8 +114,8 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[Verdict]) -
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:
     """The gate of what is shipped; exit code 1 where a row fails."""
-    from rollbench.comparison.gate.gate import run_gate
-    from rollbench.comparison.models.study import Study
+    from rollbench.compare.gate.gate import run_gate
+    from rollbench.compare.models.study import Study
 
     limit = LIMIT if max_error is None else max_error
     rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated

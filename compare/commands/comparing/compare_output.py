@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import cell
-from rollbench.comparison.commands.solving.output import expected_json
-from rollbench.comparison.commands.solving.summary import GROUPS, contacts_json, loads_json
-from rollbench.comparison.commands.tables import plain
-from rollbench.comparison.errors import Refusal
-from rollbench.comparison.gate.verdict import LIMIT
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
-from rollbench.comparison.models.comparison import (
+from rollbench.compare.commands.printing import cell
+from rollbench.compare.commands.solving.output import expected_json
+from rollbench.compare.commands.solving.summary import GROUPS, contacts_json, loads_json
+from rollbench.compare.commands.tables import plain
+from rollbench.compare.errors import Refusal
+from rollbench.compare.gate.verdict import LIMIT
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
+from rollbench.compare.models.comparison import (
     RULE,
     Loads,
     from_result,
@@ -27,18 +27,18 @@ from rollbench.comparison.models.comparison import (
     reference_answers,
     solved,
 )
-from rollbench.comparison.models.loading import solve_scaled
-from rollbench.comparison.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.comparison.models.referenced import Answered, SetOf, answered
-from rollbench.comparison.models.registry import DEFAULT, MODELS, Model
-from rollbench.comparison.models.total_uncertainty import Total, total
-from rollbench.comparison.quantities import number, quantity
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.levels import SOURCE_LEVEL
-from rollbench.comparison.reference.store import load
-from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.writing import write_csv, write_figure
+from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
+from rollbench.compare.models.referenced import Answered, SetOf, answered
+from rollbench.compare.models.registry import DEFAULT, MODELS, Model
+from rollbench.compare.models.total_uncertainty import Total, total
+from rollbench.compare.quantities import number, quantity
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.levels import SOURCE_LEVEL
+from rollbench.compare.reference.store import load
+from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.writing import write_csv, write_figure
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.loads import mean_load

@@ -5,14 +5,14 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.tasks import settings_of
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import each_case, whole
-from rollbench.comparison.system import cores, need_reference, out_of_memory
-from rollbench.comparison.writing import need_writable, written
+from rollbench.compare.commands.printing import Answer, on_terminal
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.tasks import settings_of
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.scene_file import each_case, whole
+from rollbench.compare.system import cores, need_reference, out_of_memory
+from rollbench.compare.writing import need_writable, written
 
 
 def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
-from rollbench.comparison.registration import needed
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.system import need_packages
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.body_names import FINITE, HALF_SPACE
+from rollbench.compare.registration import needed
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.system import need_packages
 
 
 def all_rolling(names: Sequence[str], bodies: str, hook: str, means_nothing: Mapping[str, bool]) -> Any:

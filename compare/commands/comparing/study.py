@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.comparing.compare_output import (
+from rollbench.compare.commands.comparing.compare_output import (
     Beside,
     Comparison,
     answers_json,
@@ -20,25 +20,25 @@ from rollbench.comparison.commands.comparing.compare_output import (
     verdict,
     write_files,
 )
-from rollbench.comparison.commands.comparing.compare_output import table as compared_table
-from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.tables import aligned
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate.user import judged_by, stored_beside
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
-from rollbench.comparison.models.referenced import Referenced, referenced
-from rollbench.comparison.models.registry import Model
-from rollbench.comparison.models.together import cycle_life
-from rollbench.comparison.quantities import number
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.jobs import Engine, ensure, plan
-from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
-from rollbench.comparison.reference.store import Run, shipped_store
-from rollbench.comparison.reference.tasks import Solvable, Task
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.duty_cycle import CaseOf, DutyCycle, cases_by_name
-from rollbench.comparison.scenes.scene_file import each_case
+from rollbench.compare.commands.comparing.compare_output import table as compared_table
+from rollbench.compare.commands.printing import Answer, on_terminal
+from rollbench.compare.commands.tables import aligned
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.gate.user import judged_by, stored_beside
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.comparison import compared_models, finest_bodies, rows, suited
+from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.models.registry import Model
+from rollbench.compare.models.together import cycle_life
+from rollbench.compare.quantities import number
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.jobs import Engine, ensure, plan
+from rollbench.compare.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
+from rollbench.compare.reference.store import Run, shipped_store
+from rollbench.compare.reference.tasks import Solvable, Task
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.duty_cycle import CaseOf, DutyCycle, cases_by_name
+from rollbench.compare.scenes.scene_file import each_case
 from rollbench.meshes.parts import Scene
 
 #: Exit code where a reference has loads that did not settle.

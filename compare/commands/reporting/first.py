@@ -9,13 +9,13 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.reference.computing import compute
-from rollbench.comparison.reference.store import load
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.registration import Part
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.system import cores, gmsh_fault
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.store import load
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.registration import Part
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.system import cores, gmsh_fault
 from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Section

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from rollbench.comparison.registration import Part, parts
+from rollbench.compare.registration import Part, parts
 from rollbench.reports.content import Page, Section, Table
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.

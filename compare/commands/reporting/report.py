@@ -9,20 +9,20 @@ from importlib import import_module
 from pathlib import Path
 from time import perf_counter
 
-from rollbench.comparison import __version__
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
-from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, pages
-from rollbench.comparison.commands.reporting.scene_page import replaced
-from rollbench.comparison.commands.reporting.verify import moved_tables, tables
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.provenance import commit, inputs
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.registration import Part, offered
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
-from rollbench.comparison.writing import need_writable
+from rollbench.compare import __version__
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.commands.reporting.first import kept_parts, lacking, live_check
+from rollbench.compare.commands.reporting.parts import PARTS, SECTIONS, pages
+from rollbench.compare.commands.reporting.scene_page import replaced
+from rollbench.compare.commands.reporting.verify import moved_tables, tables
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.study import Study
+from rollbench.compare.provenance import commit, inputs
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.registration import Part, offered
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.system import gmsh_fault, libraries, machine, need_packages
+from rollbench.compare.writing import need_writable
 from rollbench.meshes.libraries import PAGES
 from rollbench.reports.content import Report, Section
 
@@ -64,15 +64,15 @@ class Progress:
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
     """Compute the runs that the report needs and the stores of the study do not hold yet, if it has any; fresh: all of
     them."""
-    from rollbench.comparison.models.comparison import REFERENCED
-    from rollbench.comparison.models.modelling import REFINED, VARIED
-    from rollbench.comparison.reference.expected import expected
-    from rollbench.comparison.reference.jobs import all_variants, ensure, plan, refinements
-    from rollbench.comparison.reference.levels import LEVELS, STUDIED
+    from rollbench.compare.models.comparison import REFERENCED
+    from rollbench.compare.models.modelling import REFINED, VARIED
+    from rollbench.compare.reference.expected import expected
+    from rollbench.compare.reference.jobs import all_variants, ensure, plan, refinements
+    from rollbench.compare.reference.levels import LEVELS, STUDIED
 
     if study.stores is None:
         return
-    from rollbench.comparison.models.ladder import DEEP, UNSEEN
+    from rollbench.compare.models.ladder import DEEP, UNSEEN
 
     scenes = [study.scene(name) for name in REFERENCED]
     if study.quick:
@@ -95,11 +95,11 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 def keep_experience(stores: Sequence[Path]) -> None:
     """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
     own levels do not show, and the modelling choices."""
-    from rollbench.comparison.models import total_uncertainty
-    from rollbench.comparison.models.modelling import VARIED, combined, varied
-    from rollbench.comparison.models.study import Study
-    from rollbench.comparison.reference import grid_parts
-    from rollbench.comparison.sections.grid_coverage import experience
+    from rollbench.compare.models import total_uncertainty
+    from rollbench.compare.models.modelling import VARIED, combined, varied
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.reference import grid_parts
+    from rollbench.compare.sections.grid_coverage import experience
 
     study = Study(stores)
     known = experience(study)
@@ -121,9 +121,9 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
 def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
-    from rollbench.comparison.models.applicability import save_places
-    from rollbench.comparison.models.ladder import ladder, points
-    from rollbench.comparison.models.model_form import save_points
+    from rollbench.compare.models.applicability import save_places
+    from rollbench.compare.models.ladder import ladder, points
+    from rollbench.compare.models.model_form import save_points
 
     rungs = study.once(ladder)
     if rungs and study.stores:
@@ -136,7 +136,7 @@ def make_sections(parts: Sequence[Part], announce: Step, step: Step, study: Stud
     sections: dict[str, Section] = {}
     for part in parts:
         announce(part.name)
-        sections[part.name] = import_module(f"rollbench.comparison.{part.module}").section(study, step)
+        sections[part.name] = import_module(f"rollbench.compare.{part.module}").section(study, step)
     if "ladder" in sections:
         save_model_form(study)
     return sections
@@ -173,7 +173,7 @@ def make_report(
         need_writable(out / "index.html")
     wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
-    from rollbench.comparison.reference.store import shipped_store
+    from rollbench.compare.reference.store import shipped_store
 
     stores = (store,) if fresh or quick else (store, shipped_store())
     facts = provenance()  # before anything is written

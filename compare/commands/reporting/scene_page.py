@@ -11,33 +11,33 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison import __version__
-from rollbench.comparison.commands.solving.cases_output import case_rows, cases_json, together_entries
-from rollbench.comparison.commands.solving.entries import entries
-from rollbench.comparison.commands.solving.output import case_json
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate.user import judged_by
-from rollbench.comparison.measure import LoadError, load_error
-from rollbench.comparison.models.answers import Answers, tangent_of
-from rollbench.comparison.models.comparison import from_result
-from rollbench.comparison.models.load_cases import solve_one
-from rollbench.comparison.models.model_form import FILE, ModelForm
-from rollbench.comparison.models.registry import DEFAULT, Options
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.together import together
-from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
-from rollbench.comparison.provenance import SOURCES, commit, sources_hash
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.store import path_in, shipped_store
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.sections.applicability import range_figure, range_table
-from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.sections.sketch import sketch_of
-from rollbench.comparison.system import libraries
-from rollbench.comparison.writing import need_writable, replace_file
+from rollbench.compare import __version__
+from rollbench.compare.commands.solving.cases_output import case_rows, cases_json, together_entries
+from rollbench.compare.commands.solving.entries import entries
+from rollbench.compare.commands.solving.output import case_json
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.gate.user import judged_by
+from rollbench.compare.measure import LoadError, load_error
+from rollbench.compare.models.answers import Answers, tangent_of
+from rollbench.compare.models.comparison import from_result
+from rollbench.compare.models.load_cases import solve_one
+from rollbench.compare.models.model_form import FILE, ModelForm
+from rollbench.compare.models.registry import DEFAULT, Options
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.together import together
+from rollbench.compare.models.u_val import QUANTITIES, Validated, validated
+from rollbench.compare.provenance import SOURCES, commit, sources_hash
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.store import path_in, shipped_store
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.sections.applicability import range_figure, range_table
+from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.sections.sketch import sketch_of
+from rollbench.compare.system import libraries
+from rollbench.compare.writing import need_writable, replace_file
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -264,7 +264,7 @@ def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
-    from rollbench.comparison.commands.solving.entries import model_form_text
+    from rollbench.compare.commands.solving.entries import model_form_text
 
     items: list[Text | Table | Figure] = []
     if given is not None:

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.reporting.scene_page import make_page
-from rollbench.comparison.errors import InputError, escaped
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.provenance import SCENE, SOURCES, inputs, sources_hash
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.commands.reporting.scene_page import make_page
+from rollbench.compare.errors import InputError, escaped
+from rollbench.compare.measure import error_percent
+from rollbench.compare.provenance import SCENE, SOURCES, inputs, sources_hash
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue
 from rollbench.reports.manifest import FILE, hashes, page_text, read_manifest, sha256
 from rollbench.reports.scene_page import read_page, results_hash, without_manifest
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from rollbench.comparison.commands.printing import text_width
-from rollbench.comparison.commands.solving.entries import entry, life_words
-from rollbench.comparison.commands.solving.output import case_json, case_table, stiffness_lines
-from rollbench.comparison.commands.solving.summary import life_json
-from rollbench.comparison.commands.tables import aligned
-from rollbench.comparison.models.load_cases import Solved, SolvedAxis
-from rollbench.comparison.models.together import Lives, Together
-from rollbench.comparison.quantities import number, quantity, record
-from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.compare.commands.printing import text_width
+from rollbench.compare.commands.solving.entries import entry, life_words
+from rollbench.compare.commands.solving.output import case_json, case_table, stiffness_lines
+from rollbench.compare.commands.solving.summary import life_json
+from rollbench.compare.commands.tables import aligned
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.together import Lives, Together
+from rollbench.compare.quantities import number, quantity, record
+from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.statics.tangent import Tangent
 
 #: What the cases of a duty cycle say together.

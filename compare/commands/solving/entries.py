@@ -5,15 +5,15 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.solving.summary import answers_json, by_pressure, set_json, starting_torque, whole_json
-from rollbench.comparison.models.load_cases import Solved, SolvedAxis
-from rollbench.comparison.models.load_path import path_words
-from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.quantities import shown
+from rollbench.compare.commands.solving.summary import answers_json, by_pressure, set_json, starting_torque, whole_json
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.load_path import path_words
+from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.quantities import shown
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
-    from rollbench.comparison.models.answers import Answers, AxisAnswers
+    from rollbench.compare.models.answers import Answers, AxisAnswers
 
 #: Width of the labels of the block.
 LABEL = 10

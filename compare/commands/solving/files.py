@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.answers import quick_friction
-from rollbench.comparison.models.loading import CurvePoint, curve
-from rollbench.comparison.models.registry import Options
-from rollbench.comparison.writing import need_writable, replace_file, write_csv, write_figure
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.answers import quick_friction
+from rollbench.compare.models.loading import CurvePoint, curve
+from rollbench.compare.models.registry import Options
+from rollbench.compare.writing import need_writable, replace_file, write_csv, write_figure
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column, text_width
-from rollbench.comparison.commands.solving.entries import block, load_error
-from rollbench.comparison.commands.solving.summary import (
+from rollbench.compare.commands.printing import Column, text_width
+from rollbench.compare.commands.solving.entries import block, load_error
+from rollbench.compare.commands.solving.summary import (
     answers_json,
     set_json,
     sides_json,
@@ -18,12 +18,12 @@ from rollbench.comparison.commands.solving.summary import (
     whole_json,
     whole_stiffness,
 )
-from rollbench.comparison.commands.tables import listed, of_quantities, plain
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.load_cases import Solved, SolvedAxis
-from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.models.registry import random_errors
-from rollbench.comparison.quantities import number, quantity, record, shown
+from rollbench.compare.commands.tables import listed, of_quantities, plain
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.models.registry import random_errors
+from rollbench.compare.quantities import number, quantity, record, shown
 from rollbench.lowfi.rating.roller_contacts import RACES, race_pressures
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, StaticResult

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.solving.output import case_json, case_table, stiffness_lines
-from rollbench.comparison.errors import InputError, named, one_line
-from rollbench.comparison.models.answers import tangent_of
-from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any
-from rollbench.comparison.models.registry import Options, default_model
-from rollbench.comparison.scenes import catalogue, units
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.scenes.scene_file import each_case
-from rollbench.comparison.watch import checked, watched
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.commands.solving.output import case_json, case_table, stiffness_lines
+from rollbench.compare.errors import InputError, named, one_line
+from rollbench.compare.models.answers import tangent_of
+from rollbench.compare.models.load_cases import Solved, SolvedAxis, solve_any
+from rollbench.compare.models.registry import Options, default_model
+from rollbench.compare.scenes import catalogue, units
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.watch import checked, watched
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
@@ -78,8 +78,8 @@ def run_solve(name: str, choices: Choices) -> Answer:
         return Answer(
             case_json(solved[0], tangents[0]), [*case_table(solved[0], **shown), *lines, *written], code, folded=True
         )
-    from rollbench.comparison.commands.solving.cases_output import cases_json, cases_table
-    from rollbench.comparison.models.together import together
+    from rollbench.compare.commands.solving.cases_output import cases_json, cases_table
+    from rollbench.compare.models.together import together
 
     whole = together(described, solved)
     data = cases_json(described, solved, whole, tangents)
@@ -98,7 +98,7 @@ def _of_case(choices: Choices, name: str) -> Choices:
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
-    from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+    from rollbench.compare.gate.loads_file import loads_csv, write_loads
 
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
@@ -149,13 +149,13 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.matrix is not None:
         if not choices.stiffness_at:
             raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
-        from rollbench.comparison.commands.solving.files import check_matrix
+        from rollbench.compare.commands.solving.files import check_matrix
 
         check_matrix(choices.matrix)
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
         raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
     for path in filter(None, (choices.curve, choices.loads_csv)):
-        from rollbench.comparison.writing import need_writable
+        from rollbench.compare.writing import need_writable
 
         need_writable(path)
     if not choices.stiffness_at:
@@ -176,12 +176,12 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
         advice = "ask for a station where no freedom of the shaft is held"
         raise InputError("command line", "--matrix", str(path), "a stiffness in all six freedoms", advice)
     if path is not None and K is not None:
-        from rollbench.comparison.commands.solving.files import write_stiffness
+        from rollbench.compare.commands.solving.files import write_stiffness
 
         write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
         lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
-        from rollbench.comparison.commands.solving.files import write_curve
+        from rollbench.compare.commands.solving.files import write_curve
 
         lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.models.answers import LoadAnswers, RollerAnswers
-from rollbench.comparison.models.load_cases import Solved, SolvedAxis
-from rollbench.comparison.models.load_path import LoadPath
-from rollbench.comparison.models.ring_play import clearance_in
-from rollbench.comparison.quantities import number, quantity, record
-from rollbench.comparison.registration import offered
+from rollbench.compare.models.answers import LoadAnswers, RollerAnswers
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.load_path import LoadPath
+from rollbench.compare.models.ring_play import clearance_in
+from rollbench.compare.quantities import number, quantity, record
+from rollbench.compare.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.rating.life import Life
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -21,7 +21,7 @@ from rollbench.meshes.loads import counted, mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.models.answers import AxisAnswers, SetAnswers
+    from rollbench.compare.models.answers import AxisAnswers, SetAnswers
 
 CONTACT = (
     quantity("ball"),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.gate.gate import GateRow
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.external.evidence.case import PREFIX
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import by_table, evidence
+from rollbench.compare.gate.gate import GateRow
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.sources.external.evidence.case import PREFIX
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import by_table, evidence
 
 
 def external_rows(study: Study, max_error: float) -> list[GateRow]:  # noqa: ARG001 - of every function of rows

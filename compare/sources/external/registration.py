@@ -1,6 +1,6 @@
 """What other programs, makers and textbooks add."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="other programs, makers, textbooks",

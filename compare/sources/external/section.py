@@ -7,19 +7,19 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.loading import solve_scaled
-from rollbench.comparison.models.registry import DEFAULT, Options
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.sources.external.evidence import bearings, screws
-from rollbench.comparison.sources.external.evidence.case import PREFIX, assumptions
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import by_table, evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.registry import DEFAULT, Options
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.sources.external.evidence import bearings, screws
+from rollbench.compare.sources.external.evidence.case import PREFIX, assumptions
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import by_table, evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene

@@ -8,8 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.hifi.rolling.verification import linear_coefficients
 
 #: Ratios of semi-axes and Poisson's ratios; grids of each ratio, cells along and across.

@@ -8,14 +8,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.printed.printed_data import entry, value_of
-from rollbench.comparison.scenes.catalogue import case
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.sources.external.evidence.contacts import EXAMPLE_CELLS, example
-from rollbench.comparison.sources.kalker.evidence import GRIDS, coefficients
-from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.runs import LEVELS, QUADRATURES
+from rollbench.compare.measure import error_percent
+from rollbench.compare.printed.printed_data import entry, value_of
+from rollbench.compare.scenes.catalogue import case
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.sources.external.evidence.contacts import EXAMPLE_CELLS, example
+from rollbench.compare.sources.kalker.evidence import GRIDS, coefficients
+from rollbench.compare.wings.rolling.cases import case_of
+from rollbench.compare.wings.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
 from rollbench.hifi.rolling.bodies import Place, Sizes

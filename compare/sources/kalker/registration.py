@@ -1,6 +1,6 @@
 """What Kalker's table adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Kalker (1990)",

@@ -11,21 +11,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.body_names import FINITE
-from rollbench.comparison.reference.measured import most_of
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes.catalogue import case as shipped_case
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
-from rollbench.comparison.system import gmsh_fault
-from rollbench.comparison.wings.rolling.body_sizes import NAMES, KeptSizes
-from rollbench.comparison.wings.rolling.body_sizes import sizes as body_sizes
-from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.changes import GAP, Change, Series, changes, from_rest
-from rollbench.comparison.wings.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
-from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.body_names import FINITE
+from rollbench.compare.reference.measured import most_of
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
+from rollbench.compare.system import gmsh_fault
+from rollbench.compare.wings.rolling.body_sizes import NAMES, KeptSizes
+from rollbench.compare.wings.rolling.body_sizes import sizes as body_sizes
+from rollbench.compare.wings.rolling.cases import case_of
+from rollbench.compare.wings.rolling.changes import GAP, Change, Series, changes, from_rest
+from rollbench.compare.wings.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
+from rollbench.compare.wings.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array

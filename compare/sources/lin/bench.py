@@ -9,12 +9,12 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.scenes.catalogue import scene as scene_of
-from rollbench.comparison.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
-from rollbench.comparison.sources.lin.evidence.source_cases import inferred, lin_3_4_4, plain
-from rollbench.comparison.sources.lin.extremes.cases import chain_state
-from rollbench.comparison.wings.bench.costs.timing import timed
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.scenes.catalogue import scene as scene_of
+from rollbench.compare.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
+from rollbench.compare.sources.lin.evidence.source_cases import inferred, lin_3_4_4, plain
+from rollbench.compare.sources.lin.extremes.cases import chain_state
+from rollbench.compare.wings.bench.costs.timing import timed
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from rollbench.lowfi.friction.as_source.run import simulate_by_root

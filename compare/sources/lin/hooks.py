@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from rollbench.comparison.registration import registered
+from rollbench.compare.registration import registered
 from rollbench.reports.content import Cell, Quantity, Table, Text
 
 if TYPE_CHECKING:
-    from rollbench.comparison.wings.bench.costs.timing import Job
+    from rollbench.compare.wings.bench.costs.timing import Job
 
 
 def bench_jobs() -> Iterator[Job]:
     """Friction and ball motion as jobs of ``rollbench bench``."""
     if "friction" in registered():
-        from rollbench.comparison.sources.lin.bench import jobs
-        from rollbench.comparison.wings.bench.costs.timing import Job
+        from rollbench.compare.sources.lin.bench import jobs
+        from rollbench.compare.wings.bench.costs.timing import Job
 
         for row in jobs(5):
             text = f"{row.note}; target {row.target:g} s"
@@ -33,14 +33,14 @@ def timing_tables(step: Callable[[str], None]) -> Iterator[Table]:
 def stability_items() -> Iterator[Text | Table]:
     """What the report's section on stability says of friction."""
     if "friction" in registered():
-        from rollbench.comparison.sources.lin.extremes.items import table_section_items
+        from rollbench.compare.sources.lin.extremes.items import table_section_items
 
         yield from table_section_items()
 
 
 def friction_table(step: Callable[[str], None]) -> Table:
     """Friction and ball motion against their targets."""
-    from rollbench.comparison.sources.lin.bench import jobs
+    from rollbench.compare.sources.lin.bench import jobs
 
     step("friction")
     rows: list[dict[str, Cell]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]

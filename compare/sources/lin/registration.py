@@ -1,6 +1,6 @@
 """What Lin (2019) adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Lin (2019)",

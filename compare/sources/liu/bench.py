@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rollbench.comparison.sources.liu.evidence import case
-from rollbench.comparison.wings.bench.costs.timing import Job, timed
+from rollbench.compare.sources.liu.evidence import case
+from rollbench.compare.wings.bench.costs.timing import Job, timed
 from rollbench.lowfi.random_errors.chain import LAWS, Chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.random_errors.ensemble import draw_errors, solve_ensemble

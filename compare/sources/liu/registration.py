@@ -1,6 +1,6 @@
 """What Liu et al. (2025) add."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Liu et al. (2025)",

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.liu.evidence import bodies, case
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.sources.liu.evidence import bodies, case
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array

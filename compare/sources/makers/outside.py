@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.sources.makers.tables import Table as Printed
-from rollbench.comparison.sources.makers.tables import half_step
+from rollbench.compare.measure import error_percent
+from rollbench.compare.sources.makers.tables import Table as Printed
+from rollbench.compare.sources.makers.tables import half_step
 from rollbench.reports.content import Cell, Quantity, Table
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"

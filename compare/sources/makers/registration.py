@@ -1,6 +1,6 @@
 """What makers' tables add."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("bearings", "evidence", "friction"),

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.makers import outside
-from rollbench.comparison.sources.makers.laws import bearings, nuts, programs, torque
-from rollbench.comparison.sources.makers.tables import tables
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.sources.makers import outside
+from rollbench.compare.sources.makers.laws import bearings, nuts, programs, torque
+from rollbench.compare.sources.makers.tables import tables
 from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text

@@ -1,6 +1,6 @@
 """What Smith (1994) adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Smith (1994)", needs=("bearings", "evidence"), parts=(Part("smith", "sources.smith.section", page="sources"),)

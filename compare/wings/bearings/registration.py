@@ -1,6 +1,6 @@
 """What the wing of bearings adds: formulas that sources are computed by, and what makers print of pairs."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(
     folders=("lowfi/bearings",),

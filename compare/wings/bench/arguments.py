@@ -7,8 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, app
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Flag, Json, app
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command
@@ -32,8 +32,8 @@ def bench(
     store
         With --long: folder of stored runs to keep these times in, which a report then shows.
     """
-    from rollbench.comparison.errors import InputError
-    from rollbench.comparison.wings.bench.command import run_bench_command, run_long
+    from rollbench.compare.errors import InputError
+    from rollbench.compare.wings.bench.command import run_bench_command, run_long
 
     if not long and (names or store is not None):
         raise InputError("command line", "names, --store", "given", "with --long", "add --long")

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.comparison.scenes.catalogue import shipped
-from rollbench.comparison.wings.bench.costs.timing import Job, timed
+from rollbench.compare.scenes.catalogue import shipped
+from rollbench.compare.wings.bench.costs.timing import Job, timed
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.problem import forget_nominal
 from rollbench.lowfi.statics.static import solve_static

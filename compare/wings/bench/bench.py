@@ -17,12 +17,12 @@ from statistics import median
 
 import numpy as np
 
-from rollbench.comparison.models.study import with_balls
-from rollbench.comparison.scenes.catalogue import scene as shipped
-from rollbench.comparison.wings.bench.costs.timing import Job, launch, timed
-from rollbench.comparison.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
-from rollbench.comparison.wings.bench.startup import command_line_job, startup_jobs
-from rollbench.comparison.wings.members.ensemble import ENOUGH, run_ensemble
+from rollbench.compare.models.study import with_balls
+from rollbench.compare.scenes.catalogue import scene as shipped
+from rollbench.compare.wings.bench.costs.timing import Job, launch, timed
+from rollbench.compare.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
+from rollbench.compare.wings.bench.startup import command_line_job, startup_jobs
+from rollbench.compare.wings.members.ensemble import ENOUGH, run_ensemble
 from rollbench.lowfi.as_source import static as lin
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
@@ -242,7 +242,7 @@ def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 1
 def _jobs(repeats: int) -> Iterator[Job]:
     """The jobs as they are done, those of a group together."""
     for group in range(len(GROUPS)):
-        _, done = launch(["-c", f"from rollbench.comparison.wings.bench.bench import _child; _child({group}, {repeats})"])
+        _, done = launch(["-c", f"from rollbench.compare.wings.bench.bench import _child; _child({group}, {repeats})"])
         if done.returncode != 0:
             raise RuntimeError(f"bench: the timing process failed: {done.stderr.strip().splitlines()[-1:]}")
         yield from (Job(**json.loads(line)) for line in done.stdout.splitlines())

@@ -7,13 +7,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rollbench.comparison.commands.printing import Answer, cell, on_terminal
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.registration import offered
-from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
-from rollbench.comparison.wings.bench.bench import run_bench
-from rollbench.comparison.wings.bench.costs.timing import Job
-from rollbench.comparison.wings.bench.waits import CATALOGUED, TYPED, long_jobs
+from rollbench.compare.commands.printing import Answer, cell, on_terminal
+from rollbench.compare.commands.tables import ruled
+from rollbench.compare.registration import offered
+from rollbench.compare.wings.bench.axis_bench import jobs as axis_jobs
+from rollbench.compare.wings.bench.bench import run_bench
+from rollbench.compare.wings.bench.costs.timing import Job
+from rollbench.compare.wings.bench.waits import CATALOGUED, TYPED, long_jobs
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -1,6 +1,6 @@
 """What the wing of run times adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("members",),

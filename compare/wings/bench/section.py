@@ -12,20 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study, with_balls
-from rollbench.comparison.printed.printed_data import entry, load_table
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes.catalogue import scene as shipped
-from rollbench.comparison.system import machine
-from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
-from rollbench.comparison.wings.bench.bench import run_bench
-from rollbench.comparison.wings.bench.costs.kept import first_kept, save_rows, today
-from rollbench.comparison.wings.bench.costs.timing import Job
-from rollbench.comparison.wings.bench.waits import TYPED, kept, now_and_here, spent_table
-from rollbench.comparison.wings.members.members import run_members
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study, with_balls
+from rollbench.compare.printed.printed_data import entry, load_table
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes.catalogue import scene as shipped
+from rollbench.compare.system import machine
+from rollbench.compare.wings.bench.axis_bench import jobs as axis_jobs
+from rollbench.compare.wings.bench.bench import run_bench
+from rollbench.compare.wings.bench.costs.kept import first_kept, save_rows, today
+from rollbench.compare.wings.bench.costs.timing import Job
+from rollbench.compare.wings.bench.waits import TYPED, kept, now_and_here, spent_table
+from rollbench.compare.wings.members.members import run_members
+from rollbench.compare.writing import replace_file
 from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.kept import made_anew
 from rollbench.meshes.memory import peak_MB, reset_peak

@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 
-from rollbench.comparison.wings.bench.costs.timing import Job, launch
+from rollbench.compare.wings.bench.costs.timing import Job, launch
 
 
 def command_line_job() -> Job:
@@ -31,7 +31,7 @@ def startup_jobs() -> Iterator[Job]:
     code = (
         "from time import perf_counter as t; a = t()\n"
         "from rollbench.meshes.threads import one_thread; one_thread()\n"
-        "from rollbench.comparison.scenes.catalogue import scene\n"
+        "from rollbench.compare.scenes.catalogue import scene\n"
         "from rollbench.lowfi.statics.static import solve_static; b = t()\n"
         "s = scene('lin-case1'); solve_static(s, engine={engine!r}); c = t(); solve_static(s, engine={engine!r})\n"
         "print(b - a, c - b - (t() - c))"

@@ -18,13 +18,13 @@ from shlex import split
 from time import perf_counter, time_ns
 from typing import Literal
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.like import scene_like
-from rollbench.comparison.system import machine
-from rollbench.comparison.wings.bench.costs.kept import first_kept, save_rows, today
-from rollbench.comparison.wings.bench.costs.timing import Job, as_a_users, launch
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError
+from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.like import scene_like
+from rollbench.compare.system import machine
+from rollbench.compare.wings.bench.costs.kept import first_kept, save_rows, today
+from rollbench.compare.wings.bench.costs.timing import Job, as_a_users, launch
 from rollbench.reports.content import Quantity, Row, Table
 
 BASE = "import numpy, cyclopts, rich.console"
@@ -44,7 +44,7 @@ FILE, LIMIT = "waits.json", 7200.0
 _IN_TIME = '\n[motion]\nturns = "screw"\nspeed = "60 rpm"\n\n[time]\nangle = "90 deg"\nsteps = 200\noutput = "torque"\n'
 #: Work alone of a sample whose bodies change, or not: {count} solutions without records, after one that is not counted.
 _SOLVED = (
-    "from dataclasses import replace; from rollbench.comparison.scenes.catalogue import scene\n"
+    "from dataclasses import replace; from rollbench.compare.scenes.catalogue import scene\n"
     "from rollbench.lowfi.statics.elastic import solve_elastic; s = scene('lin-case1')\n"
     "for k in range({{count}}): solve_elastic({}, engine='compiled')"
 )
@@ -117,7 +117,7 @@ class Wait:
                 whole = self.each(self.words, places, ("-m", self.program))
             plain = replace(self, clock="CPU", caches="warm")
             floor = plain.each(self.base, places)
-            own = f"{self.base}; import rollbench.comparison.{self.module}"
+            own = f"{self.base}; import rollbench.compare.{self.module}"
             modules = plain.each(own, places) if self.module else None
         clock = f"CPU of a sample: {self.counts[1]} less {self.counts[0]} of them" if self.counts else CLOCKS[self.clock]
         note = f"{clock}, caches {self.caches}" if whole is not None else "not measured: the command failed"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, app, cache_folder
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Flag, Json, app, cache_folder
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command
@@ -36,8 +36,8 @@ def crosscheck(
     store
         Folder of the reference's runs, besides those shipped; computed where none is stored.
     """
-    from rollbench.comparison.reference.jobs import Engine
-    from rollbench.comparison.wings.crosscheck.command import run_crosscheck
+    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.wings.crosscheck.command import run_crosscheck
 
     where = Engine(cache=cache_folder())
     found = run_crosscheck(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.errors import InputError
+from rollbench.compare.errors import InputError
 
 #: Name of the deck and of its results in their folder.
 NAME = "deck"

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer, cell, on_terminal
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.estimate import Reference, reference
-from rollbench.comparison.reference.jobs import Engine, ensure, plan
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.system import need_gmsh
-from rollbench.comparison.wings.crosscheck import nut
-from rollbench.comparison.wings.crosscheck.data import CrossData, load, save, shipped
-from rollbench.comparison.wings.crosscheck.rows import COLUMNS, ContactRow, agreement, contact_rows
-from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
+from rollbench.compare.commands.printing import Answer, cell, on_terminal
+from rollbench.compare.commands.tables import ruled
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.compare.reference.jobs import Engine, ensure, plan
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.system import need_gmsh
+from rollbench.compare.wings.crosscheck import nut
+from rollbench.compare.wings.crosscheck.data import CrossData, load, save, shipped
+from rollbench.compare.wings.crosscheck.rows import COLUMNS, ContactRow, agreement, contact_rows
+from rollbench.compare.wings.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
 from rollbench.meshes.parts import Scene
 
 

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.errors import InputError
+from rollbench.compare.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 

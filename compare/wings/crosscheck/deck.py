@@ -8,12 +8,12 @@ from itertools import combinations
 
 import numpy as np
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.model_form import estimate
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.tasks import needed_sides
-from rollbench.comparison.wings.crosscheck.deck_contacts import (
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.tasks import needed_sides
+from rollbench.compare.wings.crosscheck.deck_contacts import (
     Place,
     ball_faces,
     fine_zone,

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.system import need_gmsh
-from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck, refuse
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.errors import InputError
+from rollbench.compare.system import need_gmsh
+from rollbench.compare.wings.crosscheck.deck import DeckOptions, build_deck, refuse
+from rollbench.compare.writing import replace_file
 from rollbench.meshes.exchange.deck import UNITS, write
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Scene, Support

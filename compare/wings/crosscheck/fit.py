@@ -28,7 +28,7 @@ from itertools import combinations, product
 
 import numpy as np
 
-from rollbench.comparison.wings.crosscheck.data import CrossRun
+from rollbench.compare.wings.crosscheck.data import CrossRun
 from rollbench.meshes.arrays import Array
 
 #: Orders tried: second-order elements have 4 where the field is smooth and 3 at the rim of a contact, whose pressure falls

@@ -14,11 +14,11 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.crosscheck.calculix import run_calculix
-from rollbench.comparison.wings.crosscheck.data import read
-from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.errors import InputError
+from rollbench.compare.wings.crosscheck.calculix import run_calculix
+from rollbench.compare.wings.crosscheck.data import read
+from rollbench.compare.wings.crosscheck.deck import DeckOptions, build_deck
+from rollbench.compare.writing import replace_file
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.rigid import rigid_modes

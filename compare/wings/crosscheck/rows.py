@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.wings.crosscheck.data import CrossData, CrossRun
-from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.wings.crosscheck.data import CrossData, CrossRun
+from rollbench.compare.wings.crosscheck.fit import Extrapolation, extrapolate
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Cell, Quantity
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.wings.crosscheck.data import CrossData, load, shipped
-from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate, mesh_of
-from rollbench.comparison.wings.crosscheck.nut import load_nut
-from rollbench.comparison.wings.crosscheck.rows import COLUMNS, agreement, contact_rows, mesh_columns
-from rollbench.comparison.wings.crosscheck.study import STUDIES, scene_key
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.wings.crosscheck.data import CrossData, load, shipped
+from rollbench.compare.wings.crosscheck.fit import Extrapolation, extrapolate, mesh_of
+from rollbench.compare.wings.crosscheck.nut import load_nut
+from rollbench.compare.wings.crosscheck.rows import COLUMNS, agreement, contact_rows, mesh_columns
+from rollbench.compare.wings.crosscheck.study import STUDIES, scene_key
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.levels import STUDIED
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, run_calculix
-from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, shipped
-from rollbench.comparison.wings.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
-from rollbench.comparison.wings.crosscheck.fit import extrapolate
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.levels import STUDIED
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.crosscheck.calculix import Outcome, digest, run_calculix
+from rollbench.compare.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, shipped
+from rollbench.compare.wings.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
+from rollbench.compare.wings.crosscheck.fit import extrapolate
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, write
 from rollbench.meshes.libraries import version

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rollbench.comparison.commands.arguments.terminal import Json, app
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Json, app
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command
@@ -20,6 +20,6 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     store
         Folder of the reference's runs.
     """
-    from rollbench.comparison.wings.doctor.command import run_doctor
+    from rollbench.compare.wings.doctor.command import run_doctor
 
     return print_answer(run_doctor(store), as_json)

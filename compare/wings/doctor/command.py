@@ -12,10 +12,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
-from rollbench.comparison import __version__
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.system import available_GB, cores, gmsh_fault, gmsh_remedy
-from rollbench.comparison.writing import need_writable
+from rollbench.compare import __version__
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.system import available_GB, cores, gmsh_fault, gmsh_remedy
+from rollbench.compare.writing import need_writable
 from rollbench.meshes.libraries import EXTRA, ONLY_FOR, PICTURES, fault, install, pip, version
 
 State = Literal["ok", "missing", "optional"]
@@ -150,7 +150,7 @@ def _folders(store: Path) -> Iterator[Check]:
 
 
 def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
-    from rollbench.comparison.errors import InputError
+    from rollbench.compare.errors import InputError
 
     near = folder
     while not near.exists() and near != near.parent:
@@ -180,9 +180,9 @@ def _size() -> Iterator[Check]:
 
 
 def _shipped() -> Iterator[Check]:
-    from rollbench.comparison.reference.estimate import reference
-    from rollbench.comparison.reference.store import PROGRAMS
-    from rollbench.comparison.scenes import catalogue
+    from rollbench.compare.reference.estimate import reference
+    from rollbench.compare.reference.store import PROGRAMS
+    from rollbench.compare.scenes import catalogue
 
     names = catalogue.with_role("referenced")
     held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]

@@ -1,5 +1,5 @@
 """What the wing of checks of the machine adds."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(commands={"doctor": "wings.doctor.arguments"})

@@ -7,8 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Json, app
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Json, app
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command
@@ -28,6 +28,6 @@ def audit(
         File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it, or with --only the
         verdicts.json of a source's folder.
     """
-    from rollbench.comparison.wings.evidence.command import run_audit
+    from rollbench.compare.wings.evidence.command import run_audit
 
     return print_answer(run_audit(only or (), write=write), as_json)

@@ -13,12 +13,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
-from rollbench.comparison import data
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import Printed, load_table, tables
-from rollbench.comparison.registration import ROOT, registered, source_files
-from rollbench.comparison.wings.evidence.record import Evidence, sentences
-from rollbench.comparison.wings.evidence.registry import by_table, evidence, not_computed
+from rollbench.compare import data
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import Printed, load_table, tables
+from rollbench.compare.registration import ROOT, registered, source_files
+from rollbench.compare.wings.evidence.record import Evidence, sentences
+from rollbench.compare.wings.evidence.registry import by_table, evidence, not_computed
 
 Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
 #: Verdicts, those that say something of the source's models first; in words.

@@ -7,12 +7,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer, cell
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import tables
-from rollbench.comparison.wings.evidence.audit import (
+from rollbench.compare.commands.printing import Answer, cell
+from rollbench.compare.commands.tables import ruled
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import tables
+from rollbench.compare.wings.evidence.audit import (
     APART,
     VERDICTS,
     Audited,
@@ -24,8 +24,8 @@ from rollbench.comparison.wings.evidence.audit import (
     misprints,
     trust,
 )
-from rollbench.comparison.wings.evidence.registry import traces
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.wings.evidence.registry import traces
+from rollbench.compare.writing import replace_file
 
 
 def run_audit(only: Sequence[str], *, write: Path | None) -> Answer:

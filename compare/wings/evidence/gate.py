@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.gate.gate import GateRow
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.compare.gate.gate import GateRow
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import evidence
 
 
 def evidence_row(entry: Evidence, max_error: float) -> GateRow:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.printed.printed_data import Printed, load_table, value_of
+from rollbench.compare.measure import error_percent
+from rollbench.compare.printed.printed_data import Printed, load_table, value_of
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What the wing of evidence adds: printed numbers beside what is computed for them."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"audit": "wings.evidence.arguments"},

@@ -9,10 +9,10 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import KINDS, Printed, load_table, tables
-from rollbench.comparison.registration import load, registered, source_files
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import KINDS, Printed, load_table, tables
+from rollbench.compare.registration import load, registered, source_files
+from rollbench.compare.wings.evidence.record import Evidence, Sheet
 
 #: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
 Behind = tuple[str, ...] | str
@@ -39,7 +39,7 @@ class Computation:
     @property
     def function(self) -> str:
         """``module:function`` of the computation."""
-        return f"rollbench.comparison.{self.computed_by}" if self.computed_by else "none"
+        return f"rollbench.compare.{self.computed_by}" if self.computed_by else "none"
 
     @property
     def every_scene(self) -> tuple[str, ...]:

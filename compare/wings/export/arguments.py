@@ -7,10 +7,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Word, app, cache_folder
-from rollbench.comparison.commands.printing import print_answer
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import needed
+from rollbench.compare.commands.arguments.terminal import Word, app, cache_folder
+from rollbench.compare.commands.printing import print_answer
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import needed
 
 
 @app.command
@@ -61,8 +61,8 @@ def export(
     stiffness
         Contact pressure per overclosure of the deck, in N/mm3.
     """
-    from rollbench.comparison.scenes import catalogue, scene_file
-    from rollbench.comparison.wings.export.command import run_export, run_step
+    from rollbench.compare.scenes import catalogue, scene_file
+    from rollbench.compare.wings.export.command import run_export, run_step
 
     if deck:
         if part or format or level != 1 or ball is not None:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.reference.tasks import Solvable, needed_sides, settings_of
-from rollbench.comparison.system import need_gmsh, need_packages
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_of
+from rollbench.compare.system import need_gmsh, need_packages
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, only, reduced, write_mesh
 from rollbench.meshes.parts import SIDES, Scene

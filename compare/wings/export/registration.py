@@ -1,5 +1,5 @@
 """What the wing of exports to other programs adds."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(folders=("meshes/exchange",), commands={"export": "wings.export.arguments"})

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rollbench.comparison.commands.arguments.terminal import Json, app
-from rollbench.comparison.commands.printing import print_answer
-from rollbench.comparison.errors import InputError
+from rollbench.compare.commands.arguments.terminal import Json, app
+from rollbench.compare.commands.printing import print_answer
+from rollbench.compare.errors import InputError
 
 
 @app.command
@@ -35,7 +35,7 @@ def stability(
     keep
         File to write the survey's record to, for the report's table; scenes that this file answers are not solved again.
     """
-    from rollbench.comparison.wings.extremes.command import run_drawn, run_stability
+    from rollbench.compare.wings.extremes.command import run_drawn, run_stability
 
     if survey is not None:
         return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)

@@ -8,10 +8,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.printing import Answer, cell
-from rollbench.comparison.commands.tables import aligned, ruled
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table, tally, wide_rows
+from rollbench.compare.commands.printing import Answer, cell
+from rollbench.compare.commands.tables import aligned, ruled
+from rollbench.compare.errors import InputError
+from rollbench.compare.wings.extremes.static import FORMULATIONS, Attempt, failures, table, tally, wide_rows
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -53,10 +53,10 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
 
     Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
     """
-    from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.wings.extremes.survey import run
-    from rollbench.comparison.wings.extremes.survey.draw import SCENES, SEED
-    from rollbench.comparison.writing import need_writable, replace_file
+    from rollbench.compare.commands.printing import on_terminal
+    from rollbench.compare.wings.extremes.survey import run
+    from rollbench.compare.wings.extremes.survey.draw import SCENES, SEED
+    from rollbench.compare.writing import need_writable, replace_file
 
     if not 1 <= count <= SCENES:
         raise InputError("command line", "--survey", str(count), f"1 to {SCENES}", "choose a number in that range")

@@ -1,6 +1,6 @@
 """What the wing of extreme scenes adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("sweep",),

@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.registration import offered
-from rollbench.comparison.sections.fit import WORDS
-from rollbench.comparison.wings.extremes.campaign import rows as campaign_rows
-from rollbench.comparison.wings.extremes.campaign import shipped
-from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
-from rollbench.comparison.wings.extremes.survey import run as survey
-from rollbench.comparison.wings.extremes.survey.record import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.registration import offered
+from rollbench.compare.sections.fit import WORDS
+from rollbench.compare.wings.extremes.campaign import rows as campaign_rows
+from rollbench.compare.wings.extremes.campaign import shipped
+from rollbench.compare.wings.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
+from rollbench.compare.wings.extremes.survey import run as survey
+from rollbench.compare.wings.extremes.survey.record import MODELS
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 #: Errors of a scene that the report's table shows.

@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import with_balls
-from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import with_balls
+from rollbench.compare.scenes.catalogue import scene as shipped
 from rollbench.lowfi.as_source.static import Start, solve_source
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column, text_width
-from rollbench.comparison.commands.solving.entries import entry
-from rollbench.comparison.commands.solving.output import closing_lines
-from rollbench.comparison.commands.tables import listed
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.quantities import number
+from rollbench.compare.commands.printing import Column, text_width
+from rollbench.compare.commands.solving.entries import entry
+from rollbench.compare.commands.solving.output import closing_lines
+from rollbench.compare.commands.tables import listed
+from rollbench.compare.measure import error_percent
+from rollbench.compare.quantities import number
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array, Mask
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.comparison.scenes.kinds import KindScene
+    from rollbench.compare.scenes.kinds import KindScene
 
 LUBRICANT = "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature"
 HYSTERESIS = "rolling hysteresis of the materials"

@@ -7,8 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Word, app
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Flag, Json, Word, app
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command
@@ -52,8 +52,8 @@ def friction(
     assumptions
         Also print the assumptions, what is left out, the balance and the solver.
     """
-    from rollbench.comparison.wings.friction.solve import run_friction
-    from rollbench.comparison.wings.friction.whole import Choices
+    from rollbench.compare.wings.friction.solve import run_friction
+    from rollbench.compare.wings.friction.whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     found = run_friction(scene, choices, balls=balls, details=assumptions, time_limit=time_limit, strict=strict)

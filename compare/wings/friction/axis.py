@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.answers import solve_sets
-from rollbench.comparison.models.registry import run_model
-from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction import output
-from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
-from rollbench.comparison.wings.friction.quick import sums
-from rollbench.comparison.wings.friction.whole import NO_SPEED, Choices, coefficients, status_of
+from rollbench.compare.commands.printing import Column
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.answers import solve_sets
+from rollbench.compare.models.registry import run_model
+from rollbench.compare.quantities import number
+from rollbench.compare.wings.friction import output
+from rollbench.compare.wings.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
+from rollbench.compare.wings.friction.quick import sums
+from rollbench.compare.wings.friction.whole import NO_SPEED, Choices, coefficients, status_of
 from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import AxisResult, SetResult

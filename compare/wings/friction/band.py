@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.models.loading import preload
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import Line, three
+from rollbench.compare.models.loading import preload
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.quantities import number
+from rollbench.compare.wings.friction.answer import Line, three
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import cell
-from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction import answer
-from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
-from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
+from rollbench.compare.commands.printing import cell
+from rollbench.compare.quantities import number
+from rollbench.compare.wings.friction import answer
+from rollbench.compare.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
+from rollbench.compare.wings.friction.screw_kinds import screw_warnings, sliding
 from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion
 from rollbench.lowfi.friction.contact.ellipse import Contacts

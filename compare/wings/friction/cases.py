@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.scenes.scene_file import kind_of
-from rollbench.comparison.wings.friction.answer import FrictionAnswer, three
-from rollbench.comparison.wings.friction.axis import solve_axis
-from rollbench.comparison.wings.friction.whole import Choices, solve_scene
+from rollbench.compare.quantities import number
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.scene_file import kind_of
+from rollbench.compare.wings.friction.answer import FrictionAnswer, three
+from rollbench.compare.wings.friction.axis import solve_axis
+from rollbench.compare.wings.friction.whole import Choices, solve_scene
 from rollbench.meshes.axis import Assembly
 
 COLUMNS = (

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.answer import FrictionAnswer
-from rollbench.comparison.wings.friction.bearing_kinds import solve_ball, solve_bearings
-from rollbench.comparison.wings.friction.linear_kinds import solve_linear
-from rollbench.comparison.wings.friction.screw_kinds import solve_run, solve_screw_pair
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.wings.friction.answer import FrictionAnswer
+from rollbench.compare.wings.friction.bearing_kinds import solve_ball, solve_bearings
+from rollbench.compare.wings.friction.linear_kinds import solve_linear
+from rollbench.compare.wings.friction.screw_kinds import solve_run, solve_screw_pair
 
 SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
     "bearing ball": solve_ball,

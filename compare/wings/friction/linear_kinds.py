@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.errors import Refusal
-from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction import answer
-from rollbench.comparison.wings.friction.kinds.linear import LinearScene
+from rollbench.compare.commands.printing import Column
+from rollbench.compare.errors import Refusal
+from rollbench.compare.quantities import number
+from rollbench.compare.wings.friction import answer
+from rollbench.compare.wings.friction.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, balanced_loads, diagonal_loads, directions, elastic_loads
 from rollbench.lowfi.friction.linear.chain import (
     ANOTHER,

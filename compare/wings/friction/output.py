@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import (
+from rollbench.compare.commands.printing import Column
+from rollbench.compare.quantities import number
+from rollbench.compare.wings.friction.answer import (
     BESIDES,
     WHOLE,
     Line,
@@ -22,7 +22,7 @@ from rollbench.comparison.wings.friction.answer import (
     rubbing_row,
     three,
 )
-from rollbench.comparison.wings.friction.quick import moves, sums
+from rollbench.compare.wings.friction.quick import moves, sums
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
 from rollbench.lowfi.friction.whole.losses import CAUSES

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.wings.friction.band import MEASURED, Solved
-from rollbench.comparison.wings.friction.output import lines_of, loss_rows
-from rollbench.comparison.wings.friction.run import Run, solve_run
-from rollbench.comparison.wings.friction.whole import drag_torques, status_of
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.wings.friction.band import MEASURED, Solved
+from rollbench.compare.wings.friction.output import lines_of, loss_rows
+from rollbench.compare.wings.friction.run import Run, solve_run
+from rollbench.compare.wings.friction.whole import drag_torques, status_of
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import friction_state

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from rollbench.comparison.models.registry import Options
-from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.compare.models.registry import Options
+from rollbench.compare.quantities import number
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.settled import torque_of
 from rollbench.lowfi.friction.whole.torque import ScrewTorque

@@ -1,6 +1,6 @@
 """What the wing of friction adds."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 #: Kinds of scenes that only friction solves.
 KINDS = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.quantities import number
-from rollbench.comparison.watch import bar
-from rollbench.comparison.wings.friction.answer import Line
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.quantities import number
+from rollbench.compare.watch import bar
+from rollbench.compare.wings.friction.answer import Line
 from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.screw.travel import UNCLEAR, History, StepError, resolved
 from rollbench.lowfi.friction.whole.balls import balls_of

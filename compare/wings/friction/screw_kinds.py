@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column, cell
-from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction import answer
-from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from rollbench.comparison.wings.friction.run import judged, run_data, run_lines, stepped
+from rollbench.compare.commands.printing import Column, cell
+from rollbench.compare.quantities import number
+from rollbench.compare.wings.friction import answer
+from rollbench.compare.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.compare.wings.friction.run import judged, run_data, run_lines, stepped
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
 from rollbench.lowfi.friction.screw.run import summarise

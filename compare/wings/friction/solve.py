@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.errors import InputError, one_line
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
-from rollbench.comparison.watch import checked, watched
-from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
-from rollbench.comparison.wings.friction.whole import Choices, solve_scene
+from rollbench.compare.commands.printing import Answer
+from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.compare.watch import checked, watched
+from rollbench.compare.wings.friction.answer import FrictionAnswer, as_table
+from rollbench.compare.wings.friction.whole import Choices, solve_scene
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
@@ -45,18 +45,18 @@ def solve_any(scene: Described, choices: Choices, origin: str) -> FrictionAnswer
     if isinstance(scene, Scene):
         return solve_scene(scene, choices)
     if isinstance(scene, DutyCycle):
-        from rollbench.comparison.wings.friction.cases import solve_cycle
+        from rollbench.compare.wings.friction.cases import solve_cycle
 
         return solve_cycle(scene, choices)
     if isinstance(scene, Assembly):
-        from rollbench.comparison.wings.friction.axis import solve_axis
+        from rollbench.compare.wings.friction.axis import solve_axis
 
         return solve_axis(scene, choices)
     if choices != Choices():
         advice = "leave them out: such a scene holds its own loads and coefficients"
         given = "--model, --mu, --member or --condensed"
         raise InputError("command line", given, origin, "with the scene of a whole screw or bearing", advice)
-    from rollbench.comparison.wings.friction.kind_solvers import solve_kind
+    from rollbench.compare.wings.friction.kind_solvers import solve_kind
 
     return solve_kind(scene)
 

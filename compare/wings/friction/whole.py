@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import load_answers, outside
-from rollbench.comparison.models.loading import preload
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.scene_file import kind_of
-from rollbench.comparison.wings.friction import output
-from rollbench.comparison.wings.friction.answer import FrictionAnswer, balance
-from rollbench.comparison.wings.friction.band import (
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.models.answers import load_answers, outside
+from rollbench.compare.models.loading import preload
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.quantities import number
+from rollbench.compare.scenes.scene_file import kind_of
+from rollbench.compare.wings.friction import output
+from rollbench.compare.wings.friction.answer import FrictionAnswer, balance
+from rollbench.compare.wings.friction.band import (
     Solved,
     band,
     band_lines,
@@ -26,8 +26,8 @@ from rollbench.comparison.wings.friction.band import (
     play,
     play_warning,
 )
-from rollbench.comparison.wings.friction.quick import sums
-from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
+from rollbench.compare.wings.friction.quick import sums
+from rollbench.compare.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
 from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import FrictionState

@@ -13,9 +13,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.comparison.models.loading import scaled
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.wings.members.ensemble import run_ensemble, work_of
+from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.wings.members.ensemble import run_ensemble, work_of
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, kernels
 from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared

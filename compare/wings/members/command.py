@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.registry import default_model
-from rollbench.comparison.quantities import number
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.scenes.scene_file import each_case
-from rollbench.comparison.wings.members.blocks import KEPT, OF_SET, WHOLE, columns, with_seed
-from rollbench.comparison.wings.members.members import Bands, Members, run_members, statistics
+from rollbench.compare.commands.printing import Answer, on_terminal
+from rollbench.compare.commands.tables import ruled
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.registry import default_model
+from rollbench.compare.quantities import number
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.wings.members.blocks import KEPT, OF_SET, WHOLE, columns, with_seed
+from rollbench.compare.wings.members.members import Bands, Members, run_members, statistics
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene

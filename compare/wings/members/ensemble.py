@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.comparison.models.study import Study
+from rollbench.compare.models.study import Study
 from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms

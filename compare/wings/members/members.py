@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
-from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.jobs import Engine, first_here
-from rollbench.comparison.wings.members.blocks import Block, contact_loads, places, solve_block, without_random_errors
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.registry import MODELS, Options, default_model, random_errors, run_model
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.wings.members.blocks import Block, contact_loads, places, solve_block, without_random_errors
 from rollbench.lowfi.jit import STATICS, cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

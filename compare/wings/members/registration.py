@@ -1,5 +1,5 @@
 """What the wing of members adds."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(functions={"members": "wings.members.command:run"})

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Where, app, engine
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Flag, Json, Where, app, engine
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command(name="mesh-study")
@@ -43,8 +43,8 @@ def mesh_study(
     bodies
         Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
-    from rollbench.comparison.commands.comparing.kinds import all_rolling
-    from rollbench.comparison.wings.mesh_study.command import run_mesh_study
+    from rollbench.compare.commands.comparing.kinds import all_rolling
+    from rollbench.compare.wings.mesh_study.command import run_mesh_study
 
     if rolling := all_rolling(scenes, bodies, "rolling study", {"--spread": spread}):
         answer = rolling(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)

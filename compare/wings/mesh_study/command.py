@@ -6,19 +6,19 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.comparing.study import code_of, named, unconverged
-from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.tables import aligned
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.referenced import Referenced, referenced
-from rollbench.comparison.reference.jobs import Engine, all_variants, ensure, plan
-from rollbench.comparison.reference.levels import ADVISED, LEVELS
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.reference.tasks import Solvable, Task
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import each_case
-from rollbench.comparison.wings.mesh_study.table import closing, level_rows, quantity_table, study_table
-from rollbench.comparison.writing import no_figure, write_csv, write_figure
+from rollbench.compare.commands.comparing.study import code_of, named, unconverged
+from rollbench.compare.commands.printing import Answer, on_terminal
+from rollbench.compare.commands.tables import aligned
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
+from rollbench.compare.reference.levels import ADVISED, LEVELS
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.reference.tasks import Solvable, Task
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.wings.mesh_study.table import closing, level_rows, quantity_table, study_table
+from rollbench.compare.writing import no_figure, write_csv, write_figure
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
@@ -30,7 +30,7 @@ def run_mesh_study(
 
     count: as for `levels_of`. Raises InputError for other levels, Refusal for a scene of which no run converged.
     """
-    from rollbench.comparison.wings.mesh_study.figure import study_figure
+    from rollbench.compare.wings.mesh_study.figure import study_figure
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
     stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.reference.estimate import Reference
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.estimate import Reference
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Curves of a panel.

@@ -1,6 +1,6 @@
 """What the wing of mesh studies adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"mesh-study": "wings.mesh_study.arguments"},

@@ -7,22 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import LoadError, error_percent, load_error
-from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.modelling import REFINED, VARIED, varied
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.total_uncertainty import SHARED, beside_face
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
-from rollbench.comparison.reference.measured import Measured, most_of
-from rollbench.comparison.reference.store import Run, load
-from rollbench.comparison.reference.variants import NOT_VARIED, VARIANTS
-from rollbench.comparison.sections.grid_coverage import MANY, Held, coverage, share_of
-from rollbench.comparison.sections.reference import case_studies, modelling
-from rollbench.comparison.wings.mesh_study.figure import study_figure
-from rollbench.comparison.wings.mesh_study.table import closing, studied, study_table
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.comparison import REFERENCED
+from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.modelling import REFINED, VARIED, varied
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.total_uncertainty import SHARED, beside_face
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
+from rollbench.compare.reference.measured import Measured, most_of
+from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
+from rollbench.compare.sections.grid_coverage import MANY, Held, coverage, share_of
+from rollbench.compare.sections.reference import case_studies, modelling
+from rollbench.compare.wings.mesh_study.figure import study_figure
+from rollbench.compare.wings.mesh_study.table import closing, studied, study_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
 

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.modelling import base_run
-from rollbench.comparison.reference.convergence import observe, pool
-from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
-from rollbench.comparison.reference.grid_parts import parts, read
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.measured import here
-from rollbench.comparison.reference.store import Run, load, shipped_store
-from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.modelling import base_run
+from rollbench.compare.reference.convergence import observe, pool
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
+from rollbench.compare.reference.grid_parts import parts, read
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.measured import here
+from rollbench.compare.reference.store import Run, load, shipped_store
+from rollbench.compare.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.parts import SIDES, Scene
 

@@ -1,5 +1,5 @@
 """What the wing of random errors adds: chains that a source is computed by, and nothing of its own."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(folders=("lowfi/random_errors",))

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 from joblib.externals.loky import get_reusable_executor
 
-from rollbench.comparison.scenes.catalogue import case as shipped_case
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.system import cores
-from rollbench.comparison.wings.bench.costs.timing import Job, timed
-from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.changes import DURATION, GAP
-from rollbench.comparison.wings.rolling.low_order import low_order
-from rollbench.comparison.wings.rolling.runs import LEVELS
+from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.system import cores
+from rollbench.compare.wings.bench.costs.timing import Job, timed
+from rollbench.compare.wings.rolling.cases import case_of
+from rollbench.compare.wings.rolling.changes import DURATION, GAP
+from rollbench.compare.wings.rolling.low_order import low_order
+from rollbench.compare.wings.rolling.runs import LEVELS
 from rollbench.hifi.rolling.balls import Choices, finite_patch, prepare_bodies, solve_rolling, unit_patch
 from rollbench.hifi.rolling.bodies import Sizes, forget_kernels
 from rollbench.hifi.rolling.kinematics import Rolling

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.comparison.errors import Refusal
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.linear import LinearScene
-from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
+from rollbench.compare.errors import Refusal
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.wings.friction.kinds.bearings import BearingBallScene
+from rollbench.compare.wings.friction.kinds.linear import LinearScene
+from rollbench.compare.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.hifi.rolling.balls import Choices, without_meetings
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.loads import Cell, cell_loads, solve_loaded

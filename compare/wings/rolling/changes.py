@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.reference.body_names import FINITE
-from rollbench.comparison.scenes.catalogue import case as shipped_case
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.kinds.linear import LinearPairScene
-from rollbench.comparison.wings.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
-from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.rows import stored_rows
-from rollbench.comparison.wings.rolling.runs import LEVELS, load
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.body_names import FINITE
+from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.wings.friction.kinds.linear import LinearPairScene
+from rollbench.compare.wings.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
+from rollbench.compare.wings.rolling.cases import case_of
+from rollbench.compare.wings.rolling.rows import stored_rows
+from rollbench.compare.wings.rolling.runs import LEVELS, load
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import Rolling

@@ -6,17 +6,17 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.tables import aligned, ruled
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.reference.body_names import HALF_SPACE
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.reference.parallel import as_done
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.rolling.rows import UNSTATED, RollingRow, load_state, rows, uncertainty
-from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
+from rollbench.compare.commands.printing import Answer, on_terminal
+from rollbench.compare.commands.tables import aligned, ruled
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.reference.body_names import HALF_SPACE
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.reference.parallel import as_done
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.wings.rolling.rows import UNSTATED, RollingRow, load_state, rows, uncertainty
+from rollbench.compare.wings.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 
 
 def runs_of(

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.linear import LinearScene
-from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
-from rollbench.comparison.wings.friction.linear_kinds import linear_loads
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.wings.friction.kinds.bearings import BearingBallScene
+from rollbench.compare.wings.friction.kinds.linear import LinearScene
+from rollbench.compare.wings.friction.kinds.screw_balls import ScrewPairScene
+from rollbench.compare.wings.friction.linear_kinds import linear_loads
 from rollbench.lowfi.friction.bearing.rotary import SIDES, solve_ball
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
 from rollbench.lowfi.friction.screw.pair import solve_pair

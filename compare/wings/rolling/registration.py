@@ -1,6 +1,6 @@
 """What the wing of rolling contact in 3D adds."""
 
-from rollbench.comparison.registration import Registration
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(
     folders=("hifi/rolling",),

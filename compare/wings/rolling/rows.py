@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.gate.gate import GateRow
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.reference.body_names import HALF_SPACE
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes.catalogue import case as shipped_case
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.rolling.body_sizes import choices_share
-from rollbench.comparison.wings.rolling.low_order import low_order
-from rollbench.comparison.wings.rolling.runs import LEVELS, RollingRun, load
+from rollbench.compare.gate.gate import GateRow
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.reference.body_names import HALF_SPACE
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.wings.rolling.body_sizes import choices_share
+from rollbench.compare.wings.rolling.low_order import low_order
+from rollbench.compare.wings.rolling.runs import LEVELS, RollingRun, load
 
 #: Factor on the scatter of the grids, as grid convergence indices have it for three grids.
 SAFETY = 1.25

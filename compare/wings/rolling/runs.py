@@ -17,14 +17,14 @@ from time import process_time
 
 import numpy as np
 
-from rollbench.comparison.errors import Refusal
-from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
-from rollbench.comparison.reference.measured import Measured, here
-from rollbench.comparison.reference.store import KEY
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.system import out_of_memory
-from rollbench.comparison.wings.rolling.cases import Case, case_of
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.errors import Refusal
+from rollbench.compare.reference.body_names import FINITE, HALF_SPACE
+from rollbench.compare.reference.measured import Measured, here
+from rollbench.compare.reference.store import KEY
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.system import out_of_memory
+from rollbench.compare.wings.rolling.cases import Case, case_of
+from rollbench.compare.writing import replace_file
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.hifi.rolling.kinematics import Rolling

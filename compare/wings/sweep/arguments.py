@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Json, Where, Word, app, engine
-from rollbench.comparison.commands.printing import print_answer
+from rollbench.compare.commands.arguments.terminal import Json, Where, Word, app, engine
+from rollbench.compare.commands.printing import print_answer
 
 
 @app.command
@@ -49,7 +49,7 @@ def sweep(
     out
         Folder of the records and the summary; samples stored there are not solved again.
     """
-    from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
+    from rollbench.compare.wings.sweep.command import run_sweep, sweep_of
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
     what = sweep_of(scene, vary, samples, method, seed, model, names)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import count
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes.catalogue import scene, scene_text
-from rollbench.comparison.wings.bench.costs.timing import Job, timed
-from rollbench.comparison.wings.sweep.keys import Vary, read_vary
-from rollbench.comparison.wings.sweep.sample import solve_sample
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes.catalogue import scene, scene_text
+from rollbench.compare.wings.bench.costs.timing import Job, timed
+from rollbench.compare.wings.sweep.keys import Vary, read_vary
+from rollbench.compare.wings.sweep.sample import solve_sample
 
 SCENE, MODEL = "lin-pitch", "refined"
 #: Varied key by what it changes, and time of a sample that is aimed at [s].

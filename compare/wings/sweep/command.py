@@ -9,19 +9,19 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer, cell, on_terminal
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.models.registry import DEFAULT, default_model
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.sweep import run as sweeping
-from rollbench.comparison.wings.sweep.design import Method
-from rollbench.comparison.wings.sweep.keys import Vary, read_vary
-from rollbench.comparison.wings.sweep.outputs import MAIN, OUTPUTS
-from rollbench.comparison.wings.sweep.run import Sweep
-from rollbench.comparison.wings.sweep.store import Record
-from rollbench.comparison.wings.sweep.summary import converged, summary
-from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.compare.commands.printing import Answer, cell, on_terminal
+from rollbench.compare.commands.tables import ruled
+from rollbench.compare.models.registry import DEFAULT, default_model
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.sweep import run as sweeping
+from rollbench.compare.wings.sweep.design import Method
+from rollbench.compare.wings.sweep.keys import Vary, read_vary
+from rollbench.compare.wings.sweep.outputs import MAIN, OUTPUTS
+from rollbench.compare.wings.sweep.run import Sweep
+from rollbench.compare.wings.sweep.store import Record
+from rollbench.compare.wings.sweep.summary import converged, summary
+from rollbench.compare.writing import no_figure, replace_file, write_figure
 from rollbench.meshes.axis import Assembly
 
 
@@ -59,7 +59,7 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
 
 def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures into the folder."""
-    from rollbench.comparison.wings.sweep.figures import figures
+    from rollbench.compare.wings.sweep.figures import figures
 
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

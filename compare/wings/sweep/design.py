@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from scipy.stats import qmc
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.wings.sweep.keys import Vary
+from rollbench.compare.errors import InputError
+from rollbench.compare.wings.sweep.keys import Vary
 from rollbench.meshes.arrays import Array
 
 Method = Literal["sobol", "lhs", "grid"]

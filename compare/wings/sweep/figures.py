@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.wings.sweep.keys import Vary
-from rollbench.comparison.wings.sweep.outputs import MAIN, OUTPUTS
-from rollbench.comparison.wings.sweep.store import Record
-from rollbench.comparison.wings.sweep.summary import column, inputs
+from rollbench.compare.wings.sweep.keys import Vary
+from rollbench.compare.wings.sweep.outputs import MAIN, OUTPUTS
+from rollbench.compare.wings.sweep.store import Record
+from rollbench.compare.wings.sweep.summary import column, inputs
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Most panels of a figure, and most points of a scatter.

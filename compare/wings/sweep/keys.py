@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes.units import COMMA, has_comma, number_and_unit, show
+from rollbench.compare.errors import InputError
+from rollbench.compare.scenes.units import COMMA, has_comma, number_and_unit, show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.models.answers import unloaded_place
-from rollbench.comparison.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.together import cycle_life, loads_of
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
+from rollbench.compare.models.answers import unloaded_place
+from rollbench.compare.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.together import cycle_life, loads_of
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts

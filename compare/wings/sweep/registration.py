@@ -1,6 +1,6 @@
 """What the wing of sweeps adds."""
 
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"sweep": "wings.sweep.arguments"},

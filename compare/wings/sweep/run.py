@@ -8,17 +8,17 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
-from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.jobs import Engine, first_here
-from rollbench.comparison.scenes import scene_file, scene_tables
-from rollbench.comparison.wings.sweep import store
-from rollbench.comparison.wings.sweep.design import Method, points, values
-from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced
-from rollbench.comparison.wings.sweep.outputs import MAIN, OUTPUTS
-from rollbench.comparison.wings.sweep.sample import attempt, reason, solve_batch
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.scenes import scene_file, scene_tables
+from rollbench.compare.wings.sweep import store
+from rollbench.compare.wings.sweep.design import Method, points, values
+from rollbench.compare.wings.sweep.keys import Vary, changed, displaced
+from rollbench.compare.wings.sweep.outputs import MAIN, OUTPUTS
+from rollbench.compare.wings.sweep.sample import attempt, reason, solve_batch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 

@@ -9,13 +9,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import scene_file, scene_tables
-from rollbench.comparison.scenes.duty_cycle import DutyCycle
-from rollbench.comparison.wings.sweep import store
-from rollbench.comparison.wings.sweep.keys import Vary, changed
-from rollbench.comparison.wings.sweep.outputs import OUTPUTS, axis_outputs, cycle_outputs, outputs
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes import scene_file, scene_tables
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.wings.sweep import store
+from rollbench.compare.wings.sweep.keys import Vary, changed
+from rollbench.compare.wings.sweep.outputs import OUTPUTS, axis_outputs, cycle_outputs, outputs
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene

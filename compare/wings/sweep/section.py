@@ -8,10 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.sweep.figures import of_summary
-from rollbench.comparison.wings.sweep.keys import Vary, read_vary
-from rollbench.comparison.wings.sweep.outputs import MAIN
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.sweep.figures import of_summary
+from rollbench.compare.wings.sweep.keys import Vary, read_vary
+from rollbench.compare.wings.sweep.outputs import MAIN
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: The shipped summary: the ``summary.json`` of the command that it names.

@@ -20,8 +20,8 @@ from time import monotonic
 from typing import Any
 from uuid import uuid4
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.writing import replace_file
+from rollbench.compare.errors import InputError
+from rollbench.compare.writing import replace_file
 
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
 #: Longest wait for processes of an earlier run [s].

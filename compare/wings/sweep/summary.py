@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import sobol_indices
 
-from rollbench.comparison.scenes.scene_file import scene_hash
-from rollbench.comparison.wings.sweep.design import base_points
-from rollbench.comparison.wings.sweep.keys import Vary
-from rollbench.comparison.wings.sweep.outputs import MAIN
-from rollbench.comparison.wings.sweep.run import Sweep
-from rollbench.comparison.wings.sweep.sample import CONVERGED
-from rollbench.comparison.wings.sweep.store import Record
+from rollbench.compare.scenes.scene_file import scene_hash
+from rollbench.compare.wings.sweep.design import base_points
+from rollbench.compare.wings.sweep.keys import Vary
+from rollbench.compare.wings.sweep.outputs import MAIN
+from rollbench.compare.wings.sweep.run import Sweep
+from rollbench.compare.wings.sweep.sample import CONVERGED
+from rollbench.compare.wings.sweep.store import Record
 from rollbench.meshes.arrays import Array
 
 #: Worst samples listed, bins of a range in main effects, levels of the statistics.

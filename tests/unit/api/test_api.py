@@ -55,7 +55,7 @@ def test_a_scene_is_a_record_that_can_be_changed(tmp_path: Path) -> None:
 
 
 def test_compare_and_check_take_stored_references(tmp_path: Path) -> None:
-    beside = rollbench.compare("lin-case1", ["lin"], store=tmp_path)
+    beside = rollbench.compare_models("lin-case1", ["lin"], store=tmp_path)
     assert beside["models.lin.largest_error_percent"] == pytest.approx(6.15, abs=0.1)
     assert "lin is off by" in str(beside)
     judged = rollbench.check("lin-case1", max_error=1e-3, compute=False, store=tmp_path)

@@ -4,9 +4,9 @@ from itertools import chain
 
 from tests.shipped_texts import own_text
 
-from rollbench.comparison.definitions import _known, definition
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.definitions import _known, definition
+from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.template import template
 
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (

@@ -7,7 +7,7 @@ from unicodedata import normalize
 
 import pytest
 
-from rollbench.comparison.examples import catalogue_page, judge_a_spreadsheet
+from rollbench.compare.examples import catalogue_page, judge_a_spreadsheet
 
 
 def test_a_catalogue_page_gives_stiffness_and_pressure(capsys: pytest.CaptureFixture[str]) -> None:
@@ -29,7 +29,7 @@ def shown(value) -> str:
 
 def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
-    text = resources.files("rollbench.comparison").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
+    text = resources.files("rollbench.compare").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
     names = {}
     for cell in json.loads(text)["cells"]:
         if cell["cell_type"] == "code":

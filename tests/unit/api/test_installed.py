@@ -16,9 +16,9 @@ from tests.processes import python as here_python
 from tests.processes import ran
 
 import rollbench
-from rollbench.comparison.provenance import inputs
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.provenance import inputs
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue
 
 ROOT = Path(__file__).parents[3]
 ALONE = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
@@ -65,7 +65,7 @@ def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_one_package(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0] for name in names} == {"rollbench", f"rollbench-{rollbench.__version__}.dist-info"}
-    files = ("__main__.py", "py.typed", "fixture.py", "comparison/api/calls.py", "lowfi/jit.py")
+    files = ("__main__.py", "py.typed", "fixture.py", "compare/api/calls.py", "lowfi/jit.py")
     assert {f"rollbench/{file}" for file in files} <= set(names)
     assert not [name for name in names if name.startswith("rollbench/reports/validation")]
     assert len(names) == len(set(names))
@@ -78,7 +78,7 @@ def unzipped(tmp_path: Path) -> Path:
     folder = tmp_path / "unzipped"
     left = shutil.ignore_patterns(".git", ".venv*", "__pycache__", "validation", ".*_cache", ".hypothesis")
     shutil.copytree(ROOT, folder, symlinks=True, ignore=left)
-    for link in [path for path in (folder / ".import/rollbench").iterdir() if path.is_symlink()]:
+    for link in [path for path in (folder / "src/rollbench").iterdir() if path.is_symlink()]:
         text = os.readlink(link)
         link.unlink()
         link.write_text(text)
@@ -126,7 +126,7 @@ def test_a_source_archive_runs_its_own_tests(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
     done = here_python("-m", "pytest", *options, "tests/unit/statics/test_beam.py", cwd=source, env=ALONE)
     assert done.returncode == 0, done.stdout
-    assert (source / ".import/rollbench/lowfi").is_symlink()
+    assert (source / "src/rollbench/lowfi").is_symlink()
 
 
 def test_a_wheel_by_way_of_the_source_archive_is_the_same(wheel: Path, tmp_path: Path) -> None:
@@ -151,9 +151,9 @@ def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, 
 def test_a_report_is_verified_alike_from_the_wheel_and_from_here(python: Path) -> None:
     """Hashes of the sources, scenes, printed data and stored runs: every one that a report rests on."""
     code = (
-        "import json; from rollbench.comparison.provenance import inputs; "
-        "from rollbench.comparison.scenes.catalogue import scene_names, scene_text; "
-        "from rollbench.comparison.reference.store import shipped_store; "
+        "import json; from rollbench.compare.provenance import inputs; "
+        "from rollbench.compare.scenes.catalogue import scene_names, scene_text; "
+        "from rollbench.compare.reference.store import shipped_store; "
         "print(json.dumps(inputs([shipped_store()], {name: scene_text(name) for name in scene_names()})))"
     )
     there = json.loads(ran(python, "-P", "-c", code, env=ALONE).stdout)

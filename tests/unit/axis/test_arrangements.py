@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.registry import run_model
-from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.axis_file import preload_of_set
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.registry import run_model
+from rollbench.compare.registration import offered
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.axis_file import preload_of_set
+from rollbench.compare.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
 from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing

@@ -8,7 +8,7 @@ import pytest
 from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
-from rollbench.comparison.models.registry import MODELS
+from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.bearings import angular_contact, combined_load
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
 from rollbench.lowfi.rollers.tapered_roller import RollerRow as ThrustRow

@@ -7,7 +7,7 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, double_nut, nut
 from tests.helpers import relative
 
-from rollbench.comparison.models.registry import MODELS
+from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers.line_contact import LineLaw
 from rollbench.lowfi.statics.axis import sides

@@ -7,7 +7,7 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved, with_nominal_arms
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
-from rollbench.comparison.models.registry import MODELS
+from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.compliance.parts import LADDER, geometry_only, smooth_body
 from rollbench.lowfi.statics import kernel
 from rollbench.lowfi.statics.axis import elastic

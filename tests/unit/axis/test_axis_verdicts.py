@@ -9,8 +9,8 @@ from tests.axes import TURNING, assembly, bearing, double_nut, one_set, solved
 from tests.helpers import relative, small_screw
 from tests.shipped_texts import own_text
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import scene_file
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve, summary
 from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.system import build

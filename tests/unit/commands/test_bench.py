@@ -11,13 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison import __version__, errors
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, prepared, section, startup, waits
-from rollbench.comparison.wings.bench.arguments import bench as bench_command
-from rollbench.comparison.wings.bench.costs import timing
+from rollbench.compare import __version__, errors
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.sources.liu import bench as chain_bench
+from rollbench.compare.wings.bench import bench, prepared, section, startup, waits
+from rollbench.compare.wings.bench.arguments import bench as bench_command
+from rollbench.compare.wings.bench.costs import timing
 from rollbench.lowfi.jit import code_folder
 from rollbench.lowfi.statics.kernel.ball import MZ
 
@@ -55,10 +55,10 @@ def test_failed_source_gives_no_ratio_and_a_power_law_its_exponent():
 
 
 def test_command_line_that_fails_is_not_measured(monkeypatch):
-    done = type("Done", (), {"stdout": "", "stderr": "No module named rollbench.comparison.__main__\n", "returncode": 1})
+    done = type("Done", (), {"stdout": "", "stderr": "No module named rollbench.compare.__main__\n", "returncode": 1})
     monkeypatch.setattr(startup, "launch", lambda _: (0.1, done))
     job = startup.command_line_job()
-    assert (job.seconds, job.note) == (None, "not measured: No module named rollbench.comparison.__main__")
+    assert (job.seconds, job.note) == (None, "not measured: No module named rollbench.compare.__main__")
 
 
 def once_alike():

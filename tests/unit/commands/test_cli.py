@@ -12,10 +12,10 @@ from unittest.mock import Mock
 import pytest
 from tests.processes import python
 
-from rollbench.comparison.commands import listing
-from rollbench.comparison.commands.arguments import commands, order
-from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
+from rollbench.compare.commands import listing
+from rollbench.compare.commands.arguments import commands, order
+from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]
@@ -103,7 +103,7 @@ def test_list_and_schema(command) -> None:
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
 def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     code = (
-        f"import sys\nfrom rollbench.comparison.cli import main\ntry:\n    main({tokens!r})\nexcept SystemExit:\n    "
+        f"import sys\nfrom rollbench.compare.cli import main\ntry:\n    main({tokens!r})\nexcept SystemExit:\n    "
         f"pass\nprint([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
     )
     assert python("-c", code).stderr.strip() == "[]"

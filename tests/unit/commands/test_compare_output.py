@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from rollbench.comparison.commands.comparing import compare_output as output
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.comparison import RULE, Loads, compared_models, options_for
-from rollbench.comparison.models.model_form import estimate, shipped_points
-from rollbench.comparison.models.registry import MODELS, run_model
-from rollbench.comparison.models.total_uncertainty import Choices, Total, total
-from rollbench.comparison.reference import grid_parts, store
-from rollbench.comparison.reference.estimate import Reference, reference
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.commands.comparing import compare_output as output
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.comparison import RULE, Loads, compared_models, options_for
+from rollbench.compare.models.model_form import estimate, shipped_points
+from rollbench.compare.models.registry import MODELS, run_model
+from rollbench.compare.models.total_uncertainty import Choices, Total, total
+from rollbench.compare.reference import grid_parts, store
+from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
 TOTAL = Total(0.2, True, Choices("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False)

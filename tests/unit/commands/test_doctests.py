@@ -6,8 +6,8 @@ import importlib
 import pytest
 from tests.copies import ROOT
 
-SOURCES = ROOT / ".import"
-PACKAGES = ("lowfi", "hifi", "meshes", "comparison", "reports")
+SOURCES = ROOT / "src"
+PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
 FILES = [path for package in PACKAGES for path in (SOURCES / "rollbench" / package).rglob("*.py")]
 WITH_EXAMPLES = [path.relative_to(SOURCES).with_suffix("") for path in FILES if ">>> " in path.read_text(encoding="utf-8")]
 MODULES = ["rollbench", *sorted(".".join(path.parts) for path in WITH_EXAMPLES)]

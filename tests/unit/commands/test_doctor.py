@@ -7,8 +7,8 @@ from importlib import metadata
 import pytest
 from tests.copies import ROOT
 
-from rollbench.comparison import system
-from rollbench.comparison.wings.doctor import command as doctor
+from rollbench.compare import system
+from rollbench.compare.wings.doctor import command as doctor
 from rollbench.meshes import libraries
 from rollbench.reports import offscreen
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.helpers import with_ingredients
 
-from rollbench.comparison.scenes.catalogue import scene as shipped
-from rollbench.comparison.wings.members.ensemble import one_pass, run_ensemble, work_of
+from rollbench.compare.scenes.catalogue import scene as shipped
+from rollbench.compare.wings.members.ensemble import one_pass, run_ensemble, work_of
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 

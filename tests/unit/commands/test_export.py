@@ -16,12 +16,12 @@ from skfem.quadrature import get_quadrature
 from tests import two_balls
 from tests.fe_meshes import boundary_faces, jacobians, nodal_areas
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.crosscheck.calculix import run_calculix
-from rollbench.comparison.wings.export import command as export_command
-from rollbench.comparison.wings.export.command import parts_of, run_export
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.crosscheck.calculix import run_calculix
+from rollbench.compare.wings.export import command as export_command
+from rollbench.compare.wings.export.command import parts_of, run_export
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.elements import assembly, forms
 from rollbench.meshes import parts, solid

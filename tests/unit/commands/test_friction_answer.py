@@ -8,12 +8,12 @@ import pytest
 from tests.feed_drive import MINE, answer, mine
 from tests.helpers import small_screw
 
-from rollbench.comparison.commands import printing
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.friction.answer import as_table, increase
-from rollbench.comparison.wings.friction.solve import run_friction, solve_friction
-from rollbench.comparison.wings.friction.whole import Choices
+from rollbench.compare.commands import printing
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.friction.answer import as_table, increase
+from rollbench.compare.wings.friction.solve import run_friction, solve_friction
+from rollbench.compare.wings.friction.whole import Choices
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.whole import state
 from rollbench.meshes.parts import Friction

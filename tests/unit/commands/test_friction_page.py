@@ -6,8 +6,8 @@ import pytest
 from tests.friction_runs import MU, TURN
 from tests.helpers import small_screw
 
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.wings.friction import page, run, whole
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.wings.friction import page, run, whole
 from rollbench.meshes.parts import Time
 
 pytestmark = pytest.mark.xdist_group("run in time")

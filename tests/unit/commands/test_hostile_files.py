@@ -10,8 +10,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference.sealing import DEEPEST, sealed, unsealed
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.compare.reference.sealing import DEEPEST, sealed, unsealed
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes import condensed
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 

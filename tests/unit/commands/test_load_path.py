@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.scenes import catalogue, like
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.scenes import catalogue, like
+from rollbench.compare.scenes.template import template
 
 FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison import commands
-from rollbench.comparison.commands.printing import Answer, cell, print_answer
+from rollbench.compare import commands
+from rollbench.compare.commands.printing import Answer, cell, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
 WRITERS = {"printing.py", "validation.py", "report.py"}

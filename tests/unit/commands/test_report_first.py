@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from tests.report_samples import screw
 
-from rollbench.comparison.commands.reporting import first as report_first
-from rollbench.comparison.commands.reporting import report
-from rollbench.comparison.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
-from rollbench.comparison.commands.reporting.parts import PARTS
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.store import load, shipped_store
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.kalker import section as rolling
+from rollbench.compare.commands.reporting import first as report_first
+from rollbench.compare.commands.reporting import report
+from rollbench.compare.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
+from rollbench.compare.commands.reporting.parts import PARTS
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.kalker import section as rolling
 from rollbench.reports.content import Section
 
 

@@ -4,19 +4,19 @@ from importlib import import_module
 
 import pytest
 
-from rollbench.comparison.commands.reporting import first, report
-from rollbench.comparison.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models import applicability, ladder, model_form
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.compare.commands.reporting import first, report
+from rollbench.compare.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
+from rollbench.compare.errors import InputError
+from rollbench.compare.models import applicability, ladder, model_form
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import shipped_store
 from rollbench.reports.content import Section, Table
 
 
 def test_every_part_has_a_module_with_a_section_and_stands_on_one_of_twelve_pages_at_most():
     assert len({part.name for part in PARTS}) == len(PARTS)
     for part in PARTS:
-        assert callable(import_module(f"rollbench.comparison.{part.module}").section)
+        assert callable(import_module(f"rollbench.compare.{part.module}").section)
     assert {part.page for part in PARTS} <= PAGES.keys()
     assert len([name for name in PAGES if name not in WHOLE]) + 1 <= 12  # and the first one
 

@@ -5,13 +5,13 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.comparison.commands.comparing import kinds as rolling_choices
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.rolling import commands as rolling
-from rollbench.comparison.wings.rolling import runs
-from rollbench.comparison.wings.rolling.rows import RollingRow, uncertainty, within
+from rollbench.compare.commands.comparing import kinds as rolling_choices
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.rolling import commands as rolling
+from rollbench.compare.wings.rolling import runs
+from rollbench.compare.wings.rolling.rows import RollingRow, uncertainty, within
 from rollbench.hifi.rolling import balls, bodies
 
 

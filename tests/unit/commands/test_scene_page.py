@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.commands.reporting import scene_page, verify
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.commands.reporting import scene_page, verify
+from rollbench.compare.scenes import catalogue
 from rollbench.reports.cells import typeset
 from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
 

@@ -12,19 +12,19 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.comparison.commands.comparing.compare_output import compared
-from rollbench.comparison.commands.solving.entries import block, entries
-from rollbench.comparison.commands.solving.files import dmig, market
-from rollbench.comparison.commands.solving.summary import answers_json
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import gather, tangent_of
-from rollbench.comparison.models.load_cases import Solved
-from rollbench.comparison.models.loading import lift_off, preload, solve_scaled
-from rollbench.comparison.models.model_form import estimate
-from rollbench.comparison.models.registry import MODELS, Options, run_model
-from rollbench.comparison.reference.estimate import reference
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue, like
+from rollbench.compare.commands.comparing.compare_output import compared
+from rollbench.compare.commands.solving.entries import block, entries
+from rollbench.compare.commands.solving.files import dmig, market
+from rollbench.compare.commands.solving.summary import answers_json
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.models.answers import gather, tangent_of
+from rollbench.compare.models.load_cases import Solved
+from rollbench.compare.models.loading import lift_off, preload, solve_scaled
+from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.reference.estimate import reference
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue, like
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import body_checks, catalogue
-from rollbench.comparison.wings.extremes import static
+from rollbench.compare.scenes import body_checks, catalogue
+from rollbench.compare.wings.extremes import static
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.lowfi.statics.static import solve_static

@@ -4,8 +4,8 @@ import inspect
 
 import pytest
 
-from rollbench.comparison.commands.arguments import commands as complete
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.commands.arguments import commands as complete
+from rollbench.compare.scenes import catalogue
 
 #: Shipped scenes, the smallest of each kind that `solve` and `friction` take, and of those that only `friction` does.
 WHOLE = ("two-balls", "bearing-9", "bearing-9-preload", "lin-random", "axis-fixed-fixed")

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 import pytest
 from tests.processes import COMMAND, python, ran
 
-from rollbench.comparison import cli, errors, provenance, writing
-from rollbench.comparison.commands.reporting import report, scene_page, verify
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.compare import cli, errors, provenance, writing
+from rollbench.compare.commands.reporting import report, scene_page, verify
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
 from rollbench.reports.cells import harmless
@@ -47,7 +47,7 @@ def test_a_process_whose_output_is_full_or_closed_says_nothing_more_at_its_end(t
 
 @pytest.mark.parametrize("words", [("list",), ("solve", "--help"), ("list", "--json")])
 def test_a_reader_who_goes_away_is_told_by_the_code(words):
-    code = "import sys; from rollbench.comparison.cli import main; sys.argv[0] = 'rollbench'; main(sys.argv[1:])"
+    code = "import sys; from rollbench.compare.cli import main; sys.argv[0] = 'rollbench'; main(sys.argv[1:])"
     with subprocess.Popen([sys.executable, "-c", code, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         process.stdout.close()
         said = process.stderr.read()
@@ -95,10 +95,10 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     code = (
         "import sys, runpy; from rollbench.reports import offscreen\ntry: "
         "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
-        "print(error)\nfrom rollbench.comparison.wings.bench.costs.timing import launch\nprint(launch(['-c', 'import "
+        "print(error)\nfrom rollbench.compare.wings.bench.costs.timing import launch\nprint(launch(['-c', 'import "
         "numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
-    root = str(Path(__file__).parents[3] / ".import")
+    root = str(Path(__file__).parents[3] / "src")
     done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": root})
     assert "working folder ran" not in done.stdout + done.stderr
     assert "rollbench.reports.nowhere" in done.stdout

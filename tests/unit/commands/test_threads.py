@@ -17,7 +17,7 @@ def count():
     print(json.dumps(found), file=sys.__stderr__)
 atexit.register(count)
 """
-COMMAND = f"{COUNT}\nfrom rollbench.comparison.cli import main\nmain()\n"
+COMMAND = f"{COUNT}\nfrom rollbench.compare.cli import main\nmain()\n"
 LIN = ("solve", "lin-case1", "--model", "lin")
 SWEEP = ("sweep", "lin-case1-cut", "--vary", "errors.balls.oversize=1 um:3 um", "--samples", "8", "--model", "lin")
 
@@ -57,7 +57,7 @@ def test_each_kind_of_command_ends_with_one_thread(words, tmp_path):
 def test_workers_have_one_thread_each_and_share_the_work(tmp_path):
     code = (
         f"{COUNT}\nimport numpy\nfrom threadpoolctl import threadpool_info\n"
-        "from rollbench.comparison.reference.parallel import as_done\n"
+        "from rollbench.compare.reference.parallel import as_done\n"
         "for _, found in as_done([(threadpool_info, ())] * 2, workers=2):\n"
         "    print([x['num_threads'] for x in found if x['user_api'] == 'blas'])\n"
     )

@@ -2,7 +2,7 @@ import pytest
 from tests.copies import ROOT
 from tests.processes import COMMAND, ran
 
-from rollbench.comparison import watch
+from rollbench.compare import watch
 
 
 @pytest.mark.parametrize(

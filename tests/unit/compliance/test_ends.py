@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.ends import end_response
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, smooth_body

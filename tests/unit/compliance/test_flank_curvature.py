@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ive
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.flank import NARROW, at_size, curvatures, half_space, size_slope
 from rollbench.lowfi.compliance.groove import equal_loads, flank_normals, normal_load, own_motion
 from rollbench.lowfi.compliance.parts import flank_of, geometry_only

@@ -10,7 +10,7 @@ from scipy.interpolate import BarycentricInterpolator
 from scipy.sparse.linalg import spsolve
 from tests.helpers import relative
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance import fourier
 from rollbench.lowfi.compliance.between import contact_frames, smooth_compliance
 from rollbench.lowfi.compliance.flank import half_space

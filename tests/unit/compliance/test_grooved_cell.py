@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.lowfi.compliance import cell
 from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.catalogue import scene
-from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.catalogue import scene
+from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
 from rollbench.lowfi.compliance.bodies import forget

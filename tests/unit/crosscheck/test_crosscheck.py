@@ -7,18 +7,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison import errors, measure
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference import estimate, grid_parts
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.crosscheck import section as crosscheck
-from rollbench.comparison.wings.crosscheck import study as crosscheck_study
-from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
-from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
-from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
-from rollbench.comparison.wings.crosscheck.fit import LENGTHS, element_error, extrapolate
-from rollbench.comparison.wings.crosscheck.rows import agreement, contact_rows, series
-from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
+from rollbench.compare import errors, measure
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference import estimate, grid_parts
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.crosscheck import section as crosscheck
+from rollbench.compare.wings.crosscheck import study as crosscheck_study
+from rollbench.compare.wings.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
+from rollbench.compare.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
+from rollbench.compare.wings.crosscheck.deck import DeckOptions, build_deck
+from rollbench.compare.wings.crosscheck.fit import LENGTHS, element_error, extrapolate
+from rollbench.compare.wings.crosscheck.rows import agreement, contact_rows, series
+from rollbench.compare.wings.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.fe_meshes import cube
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.crosscheck import calculix, export_deck
-from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck, without_turning
-from rollbench.comparison.wings.crosscheck.nut import check_nut, load_nut, save_nut
+from rollbench.compare.errors import InputError
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.crosscheck import calculix, export_deck
+from rollbench.compare.wings.crosscheck.deck import DeckOptions, build_deck, without_turning
+from rollbench.compare.wings.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes import helix, parts
 from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 

@@ -8,11 +8,11 @@ from tests.load_cases import SHIPPED, written
 from tests.load_cases import TEXT as WITH_STORED
 
 import rollbench
-from rollbench.comparison.gate import user
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.store import load, save
-from rollbench.comparison.reference.tasks import groups, plain, settings_of
-from rollbench.comparison.scenes import scene_file
+from rollbench.compare.gate import user
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.store import load, save
+from rollbench.compare.reference.tasks import groups, plain, settings_of
+from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.rating.life import life, over_cases
 
 #: No case has a shipped run.
@@ -86,7 +86,7 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}
-    same = rollbench.compare(written(tmp_path, TEXT), ["lin"], store=tmp_path / "store")
+    same = rollbench.compare_models(written(tmp_path, TEXT), ["lin"], store=tmp_path / "store")
     assert same["summary"] == whole
     assert [one["case"] for one in same["cases"]] == ["rest", "push", "loose"]
 

@@ -5,17 +5,17 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate import judged as judging
-from rollbench.comparison.gate.further import not_judged, value_verdict
-from rollbench.comparison.gate.loads_file import column, read_loads
-from rollbench.comparison.gate.user import asked, check_scenes
-from rollbench.comparison.gate.values_file import GivenValue, read_values
-from rollbench.comparison.gate.verdict import LARGEST, Limits, Verdict
-from rollbench.comparison.models import loading, u_val
-from rollbench.comparison.models.referenced import referenced
-from rollbench.comparison.reference import jobs, store, tasks
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate import judged as judging
+from rollbench.compare.gate.further import not_judged, value_verdict
+from rollbench.compare.gate.loads_file import column, read_loads
+from rollbench.compare.gate.user import asked, check_scenes
+from rollbench.compare.gate.values_file import GivenValue, read_values
+from rollbench.compare.gate.verdict import LARGEST, Limits, Verdict
+from rollbench.compare.models import loading, u_val
+from rollbench.compare.models.referenced import referenced
+from rollbench.compare.reference import jobs, store, tasks
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
 
 SCENE = "lin-case1"
@@ -124,7 +124,7 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
         loads.append(sets[0][1].load)
         return float(sets[0][1].load.sum())
 
-    monkeypatch.setattr("rollbench.comparison.gate.judged.offered", lambda hook: [torque] if hook == "torque" else [])
+    monkeypatch.setattr("rollbench.compare.gate.judged.offered", lambda hook: [torque] if hook == "torque" else [])
     (found,) = judged(values=values(tmp_path / "v.csv", "torque,15,N m,"))
     reference = stored()
     assert found.pair == ("torque_Nmm", pytest.approx(15e3), pytest.approx(reference.load.sum()))
@@ -155,7 +155,7 @@ def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
 
 
 def test_a_place_without_load_is_counted_from(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rollbench.comparison.gate.judged.unloaded_place", lambda *_: 2e-6)
+    monkeypatch.setattr("rollbench.compare.gate.judged.unloaded_place", lambda *_: 2e-6)
     verdict = value_verdict("x", GivenValue(judging.DISPLACEMENT, 2.005e-5), GIVEN, stored(), Limits())
     assert (verdict.word, verdict.detail) == ("pass", "from the place without loads, by refined 2 um")
 

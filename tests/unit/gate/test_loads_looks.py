@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.gate.verdict import ALIKE, UNITS, looks
+from rollbench.compare.gate.verdict import ALIKE, UNITS, looks
 
 FLANKS = ("SL", "NR")
 NEWTONS = {"kilonewtons": 1e3, "pounds": 0.45359237 * 9.80665, "kiloponds": 9.80665, "millinewtons": 1e-3}

@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from rollbench.comparison.commands.reporting.scene_page import page_of
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.reference_file import exceeding, read_reference
-from rollbench.comparison.reference import estimate, store
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.commands.reporting.scene_page import page_of
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.reference_file import exceeding, read_reference
+from rollbench.compare.reference import estimate, store
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
 
 SCENE = "two-balls"

@@ -9,9 +9,9 @@ from importlib import import_module
 import pytest
 from tests.copies import ROOT
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.pytest_plugin import Rollbench
-from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.pytest_plugin import Rollbench
+from rollbench.compare.scenes.catalogue import scene_text
 
 
 def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:
@@ -32,7 +32,7 @@ def test_files_are_sought_in_the_folder_of_the_test(tmp_path, monkeypatch: pytes
         given.update(keywords)
         raise InputError("two-balls", "nothing", "none", "any", "")
 
-    monkeypatch.setattr("rollbench.comparison.gate.user.asked", asked)
+    monkeypatch.setattr("rollbench.compare.gate.user.asked", asked)
     names = ("loads", "values", "reference", "stored", "store")
     with pytest.raises(pytest.fail.Exception, match="nothing"):
         Rollbench(tmp_path).check("two-balls", limits={"life": 3.0}, **{name: f"{name}-here" for name in names})
@@ -55,7 +55,7 @@ def test_in_a_pytest_of_its_own(tmp_path) -> None:
         encoding="utf-8",
     )
     command = [sys.executable, "-m", "pytest", "-q", "-p", "rollbench.fixture", "-p", "no:cacheprovider", "."]
-    path = str(ROOT / ".import")
+    path = str(ROOT / "src")
     alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": path, "PYTEST_ADDOPTS": ""}
     done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, text=True, timeout=250, check=False)
     assert done.returncode == 1, done.stdout + done.stderr

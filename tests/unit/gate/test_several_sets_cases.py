@@ -8,9 +8,9 @@ import pytest
 from tests.load_cases import case
 
 import rollbench
-from rollbench.comparison.reference.tasks import groups
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.compare.reference.tasks import groups
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.lowfi.rating.life import life, over_cases
 
 PARTS = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.0")

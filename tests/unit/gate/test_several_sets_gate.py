@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models import referenced as references
-from rollbench.comparison.reference.store import load, shipped_store
-from rollbench.comparison.reference.tasks import balls_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models import referenced as references
+from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.tasks import balls_of
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.loads import BARELY
 
 pytestmark = pytest.mark.xdist_group("several sets against 3D")

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.loads_file import read_loads
-from rollbench.comparison.gate.reference_file import read_reference
-from rollbench.comparison.gate.values_file import read_values
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.loads_file import read_loads
+from rollbench.compare.gate.reference_file import read_reference
+from rollbench.compare.gate.values_file import read_values
+from rollbench.compare.scenes import catalogue
 
 TWO = catalogue.scene("two-balls")
 PLACES = [(ball, side) for ball in (1, 2) for side in ("SL", "SR", "NL", "NR")]

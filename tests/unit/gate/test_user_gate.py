@@ -8,13 +8,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate import loads_file, user
-from rollbench.comparison.gate.publish import HEADS, Outcome, junit, markdown, publish, table
-from rollbench.comparison.gate.user import Asked, asked, check_scenes, limits_of
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference import estimate, jobs, store
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.gate import loads_file, user
+from rollbench.compare.gate.publish import HEADS, Outcome, junit, markdown, publish, table
+from rollbench.compare.gate.user import Asked, asked, check_scenes, limits_of
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference import estimate, jobs, store
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.parts import SIDES
 
 TWO = catalogue.scene("two-balls")

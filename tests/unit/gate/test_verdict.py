@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison.gate.gate import GateRow
-from rollbench.comparison.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
-from rollbench.comparison.models.comparison import RULE
-from rollbench.comparison.reference import estimate, grid_parts
+from rollbench.compare.gate.gate import GateRow
+from rollbench.compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
+from rollbench.compare.models.comparison import RULE
+from rollbench.compare.reference import estimate, grid_parts
 
 LOAD = np.array([[100.0, 0.0, 0.0, 100.0], [100.0, 0.0, 0.0, 100.0]])
 

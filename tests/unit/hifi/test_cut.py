@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft import cell
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube, uniform_cantilever

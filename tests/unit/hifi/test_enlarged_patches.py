@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference import computing
-from rollbench.comparison.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
-from rollbench.comparison.reference.tasks import Task, settings_of
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.reference import computing
+from rollbench.compare.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
+from rollbench.compare.reference.tasks import Task, settings_of
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
 from rollbench.hifi.reference import AT_RIM

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.models.study import with_groove
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.study import with_groove
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.meshing.expected import ExpectedContacts, closing, expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import socket_size

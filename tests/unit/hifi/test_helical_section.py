@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.beam import round_section
 from rollbench.hifi.shaft.cell import meshed_shaft
 from rollbench.hifi.shaft.helical_section import helical_stiffness

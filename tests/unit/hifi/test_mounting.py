@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import beam_stiffness, round_section
 from rollbench.hifi.shaft.cut import at_high, at_low

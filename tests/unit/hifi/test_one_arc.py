@@ -7,7 +7,7 @@ import pytest
 from tests.two_balls import SMALL
 from tests.unit.statics.test_one_arc import bearing
 
-from rollbench.comparison.reference.tasks import needed_sides
+from rollbench.compare.reference.tasks import needed_sides
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.lowfi.statics.elastic import solve_elastic

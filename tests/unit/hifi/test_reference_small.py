@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.two_balls import SMALL
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi import coupling, reference, setup
 from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
 

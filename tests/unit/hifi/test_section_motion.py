@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies.coarse import end_transform
 from rollbench.hifi.condensation.responses import section_motion
 from rollbench.hifi.elements.assembly import assemble

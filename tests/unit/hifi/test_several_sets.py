@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.two_balls import SMALL
 
-from rollbench.comparison.reference.tasks import balls_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.reference.tasks import balls_of
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.expected import expected_by_set, expected_contacts
 from rollbench.hifi.meshing.settings import Settings, rounded
 from rollbench.hifi.reference import solve_reference

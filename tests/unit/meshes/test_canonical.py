@@ -9,8 +9,8 @@ import pytest
 import scipy.sparse as sp
 from tests.keyed_records import built, changed, default, example, keyed_records, names, other
 
-from rollbench.comparison.reference.store import UNSAID, bodies_key, key_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.reference.store import UNSAID, bodies_key, key_of
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import Status
 from rollbench.meshes import canonical as module
 from rollbench.meshes.canonical import Fields, canonical, digest
@@ -83,7 +83,7 @@ def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name
 def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     field: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rollbench.comparison.reference.store.dimensions", lambda _: example(RECORDS["Dimensions"]))
+    monkeypatch.setattr("rollbench.compare.reference.store.dimensions", lambda _: example(RECORDS["Dimensions"]))
     scene = catalogue.scene("lin-case3-offset")
     value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
     assert key_of(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != key_of(scene, "", {}, (0, 3))

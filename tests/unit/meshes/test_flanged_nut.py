@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.fe_meshes import area_of, outer_faces, volume_of
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation.responses import nut_transform
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity

@@ -8,7 +8,7 @@ import pytest
 from tests.fe_meshes import area_of, outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
-from rollbench.comparison.scenes.catalogue import scene
+from rollbench.compare.scenes.catalogue import scene
 from rollbench.meshes import shell as shells
 from rollbench.meshes.fem import nodes_on
 from rollbench.meshes.groove import BodySpec

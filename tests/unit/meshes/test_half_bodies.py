@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.fe_meshes import volume as volume_of_cells
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.whole_bodies import HalfRing, half_sphere
 from rollbench.meshes.groove import BodySpec

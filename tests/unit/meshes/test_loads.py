@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.commands.solving.summary import loads_json
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.commands.solving.summary import loads_json
+from rollbench.compare.measure import load_error
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics import nominal, static
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import BallErrors, Errors

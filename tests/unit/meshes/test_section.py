@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import STEEL, small_screw, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
 
 LIN = catalogue.scene("lin-case1")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw, sockets_of, solid_sizes
 
-from rollbench.comparison.scenes.catalogue import scene
+from rollbench.compare.scenes.catalogue import scene
 from rollbench.meshes import sockets as rules
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.meshes.parts import Solid
 from rollbench.meshes.solid import dimensions, groove_depths

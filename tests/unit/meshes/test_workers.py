@@ -33,7 +33,7 @@ make([Job("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OW
 def command(program: str) -> str:
     """A program as the command line runs it."""
     return f"""
-from rollbench.comparison import cli
+from rollbench.compare import cli
 cli.commands = lambda _: lambda *_, **__: exec({program!r}, {{"__name__": "jobs"}})
 cli.main([])
 """

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.models.study import with_balls, with_groove
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.study import with_balls, with_groove
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.problem import nominal_curvatures
 
 

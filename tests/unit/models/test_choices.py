@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import pytest
 
-from rollbench.comparison.sections.ladder import CHOICES
+from rollbench.compare.sections.ladder import CHOICES
 from rollbench.lowfi.compliance.parts import REFINED
 
 #: What words of a name say of the part that they are of.

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.model_form import FLANGE, QUANTITIES, carried_across, estimate, left_out, shipped_points
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.model_form import FLANGE, QUANTITIES, carried_across, estimate, left_out, shipped_points
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Load, Material, Support
 
 SCENE = catalogue.scene("lin-case1")

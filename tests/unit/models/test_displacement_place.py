@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.models.compared_point import SectionAnswer, pull, rigidity, section
-from rollbench.comparison.models.comparison import finest_bodies, from_result, from_run
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.compare.models.compared_point import SectionAnswer, pull, rigidity, section
+from rollbench.compare.models.comparison import finest_bodies, from_result, from_run
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import shipped_store
 from rollbench.lowfi.statics.static import solve_static
 
 STUDY = Study()

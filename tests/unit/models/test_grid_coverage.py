@@ -7,16 +7,16 @@ import pytest
 from scipy.optimize import nnls
 from tests.judging_levels import COUNT, chosen, name_of
 
-from rollbench.comparison.models import answers, modelling, study, total_uncertainty
-from rollbench.comparison.reference import convergence, grid_parts, store
-from rollbench.comparison.reference.levels import ADVISED, LEVELS
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.sections import grid_coverage
-from rollbench.comparison.wings.crosscheck.data import load, shipped
-from rollbench.comparison.wings.crosscheck.fit import extrapolate
-from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
-from rollbench.comparison.wings.mesh_study.section import coverage_table, shared_text
-from rollbench.comparison.wings.mesh_study.table import study_table
+from rollbench.compare.models import answers, modelling, study, total_uncertainty
+from rollbench.compare.reference import convergence, grid_parts, store
+from rollbench.compare.reference.levels import ADVISED, LEVELS
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.sections import grid_coverage
+from rollbench.compare.wings.crosscheck.data import load, shipped
+from rollbench.compare.wings.crosscheck.fit import extrapolate
+from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.wings.mesh_study.section import coverage_table, shared_text
+from rollbench.compare.wings.mesh_study.table import study_table
 from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.models import loading
-from rollbench.comparison.models.registry import Options, run_model
+from rollbench.compare.models import loading
+from rollbench.compare.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement
 from rollbench.lowfi.statics.result import Status
 

@@ -13,14 +13,14 @@ from scipy.special import bdtr
 from scipy.stats import binom, norm
 from tests.axes import double_nut, fixed_axis
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.loading import scaled
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.members import members
-from rollbench.comparison.wings.members.blocks import KEPT, STEP, columns, contact_loads, life_sum, with_seed
-from rollbench.comparison.wings.members.members import LEVELS, _binomial_quantile, run_members, statistics
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.members import members
+from rollbench.compare.wings.members.blocks import KEPT, STEP, columns, contact_loads, life_sum, with_seed
+from rollbench.compare.wings.members.members import LEVELS, _binomial_quantile, run_members, statistics
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.errors import without_draws
 from rollbench.meshes.parts import BallErrors, FourierTerm, SideErrors

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.models.answers import outside
+from rollbench.compare.models.answers import outside
 from rollbench.lowfi.rating.life import rating
 
 SCENE = small_screw()

@@ -2,11 +2,11 @@
 
 import pytest
 
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.sections.grid_coverage import judges, levelled
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.sections.grid_coverage import judges, levelled
 from rollbench.lowfi.statics.nominal import nominal_contacts
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models import comparison, ladder, model_form
-from rollbench.comparison.models.registry import DEFAULT, MODELS, Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.extremes.static import BACKENDS
+from rollbench.compare.errors import InputError
+from rollbench.compare.models import comparison, ladder, model_form
+from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.extremes.static import BACKENDS
 from rollbench.meshes.parts import Load
 
 QUIET = Options(discretisation=False, engine="interpreted")

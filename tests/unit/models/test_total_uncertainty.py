@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models import total_uncertainty
-from rollbench.comparison.models.answers import load_answers
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.total_uncertainty import Choices, Total, read, save, second_order, spoken_for, total
-from rollbench.comparison.models.u_val import QUANTITIES, input_parts, input_uncertainty
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.compare.models import total_uncertainty
+from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.total_uncertainty import Choices, Total, read, save, second_order, spoken_for, total
+from rollbench.compare.models.u_val import QUANTITIES, input_parts, input_uncertainty
+from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.meshes.parts import Material
 
 pytestmark = pytest.mark.xdist_group("u_val")

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison import data
-from rollbench.comparison.models import u_val
-from rollbench.comparison.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
-from rollbench.comparison.models.comparison import from_run
-from rollbench.comparison.models.model_form import estimate
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sections.applicability import range_figure, range_table
+from rollbench.compare import data
+from rollbench.compare.models import u_val
+from rollbench.compare.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
+from rollbench.compare.models.comparison import from_run
+from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.sections.applicability import range_figure, range_table
 
 pytestmark = pytest.mark.xdist_group("u_val")
 

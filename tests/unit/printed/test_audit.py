@@ -8,8 +8,8 @@ from fnmatch import fnmatchcase
 import pytest
 from tests.copies import ROOT
 
-from rollbench.comparison.printed.printed_data import Printed, load_table, tables
-from rollbench.comparison.wings.evidence import audit, record
+from rollbench.compare.printed.printed_data import Printed, load_table, tables
+from rollbench.compare.wings.evidence import audit, record
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")

@@ -2,7 +2,7 @@
 
 from tests.copies import ROOT
 
-from rollbench.comparison import __version__
+from rollbench.compare import __version__
 
 
 def test_the_citation_is_of_this_version_and_its_authors():

@@ -2,11 +2,11 @@
 
 import pytest
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, load_table
-from rollbench.comparison.wings.evidence import audit, registry
-from rollbench.comparison.wings.evidence.record import Evidence, Sheet
-from rollbench.comparison.wings.evidence.sections.finding_table import FAULTS, printed_table
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, load_table
+from rollbench.compare.wings.evidence import audit, registry
+from rollbench.compare.wings.evidence.record import Evidence, Sheet
+from rollbench.compare.wings.evidence.sections.finding_table import FAULTS, printed_table
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():

@@ -6,9 +6,9 @@ import re
 
 import pytest
 
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.rolling import body_sizes
-from rollbench.comparison.wings.rolling.body_sizes import LIVE, NAMES, Variant, sizes, variants
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.wings.rolling import body_sizes
+from rollbench.compare.wings.rolling.body_sizes import LIVE, NAMES, Variant, sizes, variants
 
 
 @pytest.fixture

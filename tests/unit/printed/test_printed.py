@@ -6,13 +6,13 @@ from collections import Counter
 import pytest
 from tests.copies import ROOT
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.printed import printed_data
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.evidence.audit import VERDICTS, Audited, judge
-from rollbench.comparison.wings.evidence.audit import counts as audit_counts
-from rollbench.comparison.wings.evidence.record import Evidence, sentences
-from rollbench.comparison.wings.evidence.sections import verdicts
+from rollbench.compare.errors import InputError
+from rollbench.compare.printed import printed_data
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.evidence.audit import VERDICTS, Audited, judge
+from rollbench.compare.wings.evidence.audit import counts as audit_counts
+from rollbench.compare.wings.evidence.record import Evidence, sentences
+from rollbench.compare.wings.evidence.sections import verdicts
 from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()

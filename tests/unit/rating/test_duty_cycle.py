@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, halves
 from rollbench.lowfi.rating.life import contact_capacity, life, over_cases, rating
 from rollbench.meshes.parts import Errors, Load, Scene

@@ -4,7 +4,7 @@ from math import atan, pi, tan
 
 import pytest
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.overall_friction import efficiency, overall_warnings
 from rollbench.meshes.parts import Friction, Track
 

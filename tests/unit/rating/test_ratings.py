@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import contacts, static
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of

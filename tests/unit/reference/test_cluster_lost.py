@@ -11,8 +11,8 @@ from contextlib import contextmanager
 import pytest
 from tests.jobs_in_order import run
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference import parallel
+from rollbench.compare.errors import InputError
+from rollbench.compare.reference import parallel
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.reference.measured import Measured
-from rollbench.comparison.wings.bench.costs import cold
-from rollbench.comparison.wings.bench.costs.kept import Kept, load_times, save_times
-from rollbench.comparison.wings.bench.sections.reference_time import level_table
+from rollbench.compare.reference.measured import Measured
+from rollbench.compare.wings.bench.costs import cold
+from rollbench.compare.wings.bench.costs.kept import Kept, load_times, save_times
+from rollbench.compare.wings.bench.sections.reference_time import level_table
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:

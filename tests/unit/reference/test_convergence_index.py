@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference import convergence
+from rollbench.compare.reference import convergence
 
 SIZES = {3: 1.0 / np.array([1.6, 2.2, 3.0]), 4: 1.0 / np.array([1.6, 2.2, 3.0, 4.1])}
 

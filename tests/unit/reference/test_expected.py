@@ -7,13 +7,13 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.comparison import errors, watch, writing
-from rollbench.comparison.reference import computing, jobs, store
-from rollbench.comparison.reference import expected as module
-from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.bench.costs.kept import load_times
+from rollbench.compare import errors, watch, writing
+from rollbench.compare.reference import computing, jobs, store
+from rollbench.compare.reference import expected as module
+from rollbench.compare.reference.expected import Progress, duration, expected, need_memory
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.bench.costs.kept import load_times
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.leftovers import for_group

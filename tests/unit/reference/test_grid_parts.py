@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference.grid_parts import COVER, Experience, both_flanks, measured, moving, parts, read, save
-from rollbench.comparison.reference.levels import LEVELS
+from rollbench.compare.reference.grid_parts import COVER, Experience, both_flanks, measured, moving, parts, read, save
+from rollbench.compare.reference.levels import LEVELS
 
 KNOWN = Experience(0.02, 0.015, (0.11, 0.23), ("a", "b"))
 MANY = 4000

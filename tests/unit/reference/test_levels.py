@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from rollbench.comparison.reference import levels, variants
+from rollbench.compare.reference import levels, variants
 from rollbench.hifi.meshing.settings import Settings
 
 #: Lengths; all other settings are counts and ratios.

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.measure import error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error
 
 
 def test_definition_no_error_of_equal_values_even_at_zero_and_no_percentage_of_nothing() -> None:

@@ -8,11 +8,11 @@ import pytest
 from skfem import MeshHex
 from tests.reference_records import run_of
 
-from rollbench.comparison.models.modelling import VARIED, combined, effect, modelling_percent, varied
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.reference.store import save
-from rollbench.comparison.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.modelling import VARIED, combined, effect, modelling_percent, varied
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.reference.store import save
+from rollbench.compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation.responses import nut_transform
 from rollbench.meshes import parts, solid
 

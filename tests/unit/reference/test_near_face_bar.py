@@ -8,11 +8,11 @@ import pytest
 from scipy.optimize import brentq
 from tests.near_face import CASES, measured, scene_of
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.total_uncertainty import beside_face, total
-from rollbench.comparison.reference.near_face import AWAY, FILE, left_out, read, too_large
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.total_uncertainty import beside_face, total
+from rollbench.compare.reference.near_face import AWAY, FILE, left_out, read, too_large
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.expected import hertz_units
 from rollbench.meshes.helix import ball_layout
 

@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.comparison.commands.comparing import study
-from rollbench.comparison.commands.comparing.compare_output import levels_text
-from rollbench.comparison.commands.comparing.study import code_of, parse_levels, unconverged
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.verdict import Limits, judge
-from rollbench.comparison.models import comparison
-from rollbench.comparison.models.ladder import DEEP, UNSEEN
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.total_uncertainty import total
-from rollbench.comparison.reference import computing, jobs
-from rollbench.comparison.reference.estimate import reference_of
-from rollbench.comparison.reference.levels import LEVELS, STUDIED
-from rollbench.comparison.reference.store import Run, bodies_path, load, path_in, save, shipped_store
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.reference.variants import VARIANTS
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.mesh_study.command import run_mesh_study
+from rollbench.compare.commands.comparing import study
+from rollbench.compare.commands.comparing.compare_output import levels_text
+from rollbench.compare.commands.comparing.study import code_of, parse_levels, unconverged
+from rollbench.compare.errors import InputError
+from rollbench.compare.gate.verdict import Limits, judge
+from rollbench.compare.models import comparison
+from rollbench.compare.models.ladder import DEEP, UNSEEN
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.total_uncertainty import total
+from rollbench.compare.reference import computing, jobs
+from rollbench.compare.reference.estimate import reference_of
+from rollbench.compare.reference.levels import LEVELS, STUDIED
+from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save, shipped_store
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.mesh_study.command import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies
 
 
@@ -192,7 +192,7 @@ def test_levels_of_the_command_line() -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rollbench.comparison.commands.reporting.report import compute_references
+    from rollbench.compare.commands.reporting.report import compute_references
 
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from tests.reference_records import run_of
 
-from rollbench.comparison.gate import gate
-from rollbench.comparison.models import comparison
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference import grid_parts, near_face, store
-from rollbench.comparison.reference.estimate import Reference, reference, reference_of
-from rollbench.comparison.reference.levels import LEVELS, STUDIED
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.mesh_study.figure import study_figure
-from rollbench.comparison.wings.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
+from rollbench.compare.gate import gate
+from rollbench.compare.models import comparison
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference import grid_parts, near_face, store
+from rollbench.compare.reference.estimate import Reference, reference, reference_of
+from rollbench.compare.reference.levels import LEVELS, STUDIED
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.mesh_study.figure import study_figure
+from rollbench.compare.wings.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.comparison.reference import jobs, levels, store
-from rollbench.comparison.reference.store import bodies_path, key_of, load, path_in, save
-from rollbench.comparison.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.reference import jobs, levels, store
+from rollbench.compare.reference.store import bodies_path, key_of, load, path_in, save
+from rollbench.compare.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes import condensed, solid
 
 CASE1 = catalogue.scene("lin-case1")

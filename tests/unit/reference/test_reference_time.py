@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from tests.assembly_ways import OURS, VECTOR, WAYS, assembly_costs, meshes
 
-from rollbench.comparison.models import comparison, ladder, study
-from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.sections.reference import LABELS as NAMES
-from rollbench.comparison.wings.bench.sections import reference_time
-from rollbench.comparison.wings.bench.sections.reference_time import (
+from rollbench.compare.models import comparison, ladder, study
+from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.sections.reference import LABELS as NAMES
+from rollbench.compare.wings.bench.sections import reference_time
+from rollbench.compare.wings.bench.sections.reference_time import (
     FLOOR,
     Largest,
     TimePoint,
@@ -19,7 +19,7 @@ from rollbench.comparison.wings.bench.sections.reference_time import (
     time_panel,
     time_table,
 )
-from rollbench.comparison.wings.mesh_study import section as reference_mesh
+from rollbench.compare.wings.mesh_study import section as reference_mesh
 from rollbench.reports import content, figures
 
 STUDY = study.Study()

@@ -3,9 +3,9 @@
 import json
 from dataclasses import asdict, replace
 
-from rollbench.comparison.reference import expected, store
-from rollbench.comparison.wings.bench.costs.kept import SET_UP_COSTS, Costs, SetUp, Way, load_costs
-from rollbench.comparison.wings.bench.sections.reference_time import cost_tables
+from rollbench.compare.reference import expected, store
+from rollbench.compare.wings.bench.costs.kept import SET_UP_COSTS, Costs, SetUp, Way, load_costs
+from rollbench.compare.wings.bench.sections.reference_time import cost_tables
 
 JOB = SetUp(
     "a screw", 1, 64, {"nut": {"all": 3.0, "elimination": 2.0, "dense": 1.0}, "meshes": {"all": 1.0, "meshing": 0.5}}

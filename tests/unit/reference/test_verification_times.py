@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from rollbench.comparison.sections import verification
+from rollbench.compare.sections import verification
 
 
 def test_the_column_mesh_names_the_mesh():

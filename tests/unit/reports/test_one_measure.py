@@ -4,13 +4,13 @@ import re
 
 import pytest
 
-from rollbench.comparison.gate.verdict import Limits, judge
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models import comparison, ladder, registry, study
-from rollbench.comparison.sections.ladder import ladder_table
-from rollbench.comparison.sections.reference import error_table, exceedance_table
-from rollbench.comparison.wings.bench.sections.overview import standing_table, standings
-from rollbench.comparison.wings.bench.sections.reference_time import time_points, time_table
+from rollbench.compare.gate.verdict import Limits, judge
+from rollbench.compare.measure import load_error
+from rollbench.compare.models import comparison, ladder, registry, study
+from rollbench.compare.sections.ladder import ladder_table
+from rollbench.compare.sections.reference import error_table, exceedance_table
+from rollbench.compare.wings.bench.sections.overview import standing_table, standings
+from rollbench.compare.wings.bench.sections.reference_time import time_points, time_table
 
 NAME = "unseen-thin-nut"
 STUDY = study.Study()

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.applicability import shipped_places, survey
-from rollbench.comparison.models.model_form import shipped_points
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.bench.sections import overview
-from rollbench.comparison.wings.bench.sections.reference_time import Largest, TimePoint
+from rollbench.compare.models.applicability import shipped_places, survey
+from rollbench.compare.models.model_form import shipped_points
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.bench.sections import overview
+from rollbench.compare.wings.bench.sections.reference_time import Largest, TimePoint
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:

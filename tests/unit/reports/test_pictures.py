@@ -7,7 +7,7 @@ import pytest
 from tests.fe_meshes import cube
 from tests.report_samples import image
 
-from rollbench.comparison.sections import pressures
+from rollbench.compare.sections import pressures
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.fields import ContactPressure
 from rollbench.reports import content, field3d, figures

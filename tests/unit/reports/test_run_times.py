@@ -6,18 +6,18 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.comparison.commands.comparing.compare_output import Beside, older_times, table
-from rollbench.comparison.models.comparison import from_run
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference import store
-from rollbench.comparison.reference.measured import Measured, here, most_of, one_run
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.sources.lin.sections.reconstruction import _times
-from rollbench.comparison.wings.bench.costs import kept as kept_times
-from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel
-from rollbench.comparison.wings.bench.sections import overview, reference_time
-from rollbench.comparison.wings.mesh_study import section as mesh_section
-from rollbench.comparison.wings.mesh_study.table import closing, level_rows
+from rollbench.compare.commands.comparing.compare_output import Beside, older_times, table
+from rollbench.compare.models.comparison import from_run
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference import store
+from rollbench.compare.reference.measured import Measured, here, most_of, one_run
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.sources.lin.sections.reconstruction import _times
+from rollbench.compare.wings.bench.costs import kept as kept_times
+from rollbench.compare.wings.bench.costs.cold import Cold, ColdLevel
+from rollbench.compare.wings.bench.sections import overview, reference_time
+from rollbench.compare.wings.mesh_study import section as mesh_section
+from rollbench.compare.wings.mesh_study.table import closing, level_rows
 
 OLD, OTHER = Measured("0.7.0", "", "a machine"), Measured("0.9.0", "abc", "a machine")
 KEPT = kept_times.Kept(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.report_samples import image, screw
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.reports import scene3d
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from rollbench.comparison.gate.verdict import LIMIT, Limits, judge
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models import ladder
-from rollbench.comparison.models.compared_point import point
-from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sections import fit
-from rollbench.comparison.wings.bench.sections import overview
+from rollbench.compare.gate.verdict import LIMIT, Limits, judge
+from rollbench.compare.measure import load_error
+from rollbench.compare.models import ladder
+from rollbench.compare.models.compared_point import point
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.sections import fit
+from rollbench.compare.wings.bench.sections import overview
 
 STUDY = Study()
 CASE = "lin-case1"  # lin is off by 6.15 % of the mean load there, and by 7.26 % by the gate's rule

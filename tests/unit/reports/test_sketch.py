@@ -6,11 +6,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from rollbench.comparison.gate.verdict import Limits, judge
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections import sheets
-from rollbench.comparison.sections.sketch import sketch_of
+from rollbench.compare.gate.verdict import Limits, judge
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sections import sheets
+from rollbench.compare.sections.sketch import sketch_of
 from rollbench.reports.content import Sketch, Table, Text
 from rollbench.reports.sketch import FORCE, INK, WIDTH, _held, draw, faces
 

@@ -9,11 +9,11 @@ import pytest
 from scipy.io import mmread
 from tests.shipped_texts import axis_names, own_text
 
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
-from rollbench.comparison.scenes import catalogue, kinds, scene_file
-from rollbench.comparison.scenes.template import AXES, BEARINGS, template
-from rollbench.comparison.scenes.units import show
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.models.registry import AXIS_MODELS, MODELS, Model, run_model
+from rollbench.compare.scenes import catalogue, kinds, scene_file
+from rollbench.compare.scenes.template import AXES, BEARINGS, template
+from rollbench.compare.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
 
 ROLLERS = own_text("rollers")

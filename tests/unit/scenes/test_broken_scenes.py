@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.shipped_texts import changed
 
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.template import template
 
 GOOD = template()
 BEARING = {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "turns = 1", "count = 32": "count = 16"}

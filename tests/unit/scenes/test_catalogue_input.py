@@ -9,11 +9,11 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models import loading, registry
-from rollbench.comparison.scenes import catalogue, catalogue_input, keys, kinds, preload, scene_file
-from rollbench.comparison.scenes.like import double_nut_like, scene_like
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.models import loading, registry
+from rollbench.compare.scenes import catalogue, catalogue_input, keys, kinds, preload, scene_file
+from rollbench.compare.scenes.like import double_nut_like, scene_like
+from rollbench.compare.scenes.template import template
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import axis, helix, parts

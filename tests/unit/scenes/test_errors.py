@@ -4,7 +4,7 @@ import pickle
 
 import pytest
 
-from rollbench.comparison.errors import InputError, Refusal, one_line
+from rollbench.compare.errors import InputError, Refusal, one_line
 
 REASON = "no room " + "for a long reason with numbers, " * 20 + "deepen the groove"
 

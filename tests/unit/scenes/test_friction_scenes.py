@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from tests.shipped_texts import axis_names, changed
 
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.friction.answer import left_out_of_kind
-from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-from rollbench.comparison.wings.friction.kinds.table import KINDS
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.friction.answer import left_out_of_kind
+from rollbench.compare.wings.friction.kind_solvers import solve_kind
+from rollbench.compare.wings.friction.kinds.table import KINDS
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain

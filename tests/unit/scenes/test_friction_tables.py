@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from tests.feed_drive import mine
 
-from rollbench.comparison.errors import SceneError
-from rollbench.comparison.reference.store import key_of
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.compare.errors import SceneError
+from rollbench.compare.reference.store import key_of
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.parts import Friction, Motion, Time
 
 FORMER = [("none", False, False), ("ball", True, False), ("balls", False, True)]

@@ -2,9 +2,9 @@
 
 import pytest
 
-from rollbench.comparison.errors import SceneError
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.errors import SceneError
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.template import template
 from rollbench.meshes import parts, solid
 
 FLANGE = '[nut.flange]\ndiameter = "72 mm"\nthickness = "11 mm"\n'

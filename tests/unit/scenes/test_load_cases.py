@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from tests.load_cases import SHIPPED, TEXT, case
 
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue, like, scene_file
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.scenes import catalogue, like, scene_file
 
 LIKE = like.scene_like("40x10")
 TIMED = case("cutting", "8 kN", time="30 s", speed="200 rpm") + case("rapid", time="10 s", speed="-1000 rpm")

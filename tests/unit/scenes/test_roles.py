@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.errors import SceneError
-from rollbench.comparison.models import comparison, ladder
-from rollbench.comparison.reference.store import key_of
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.crosscheck.study import STUDIES
+from rollbench.compare.errors import SceneError
+from rollbench.compare.models import comparison, ladder
+from rollbench.compare.reference.store import key_of
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.crosscheck.study import STUDIES
 
 
 def test_roles_group_the_scenes_of_the_report():
@@ -49,11 +49,11 @@ def test_no_slow_package_is_imported():
     of scenes need no meshes and pictures, common units no pint, records of a report nothing that draws."""
     for code, heavy in (
         ("import rollbench.reports.content", {"matplotlib", "pyvista", "vtk", "jinja2"}),
-        ("import rollbench.comparison.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
-        ("import rollbench.comparison.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
-        ("import rollbench.comparison.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),
-        ("from rollbench.comparison.scenes import catalogue; catalogue.scene_names()", DRAWING),
-        ("from rollbench.comparison.scenes import units; units.parse('2 mm', 'length')", {"pint"}),
+        ("import rollbench.compare.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
+        ("import rollbench.compare.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
+        ("import rollbench.compare.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),
+        ("from rollbench.compare.scenes import catalogue; catalogue.scene_names()", DRAWING),
+        ("from rollbench.compare.scenes import units; units.parse('2 mm', 'length')", {"pint"}),
     ):
         asked = f"import sys; {code}; print({heavy!r} & sys.modules.keys() or 'none')"
         out = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)

@@ -8,8 +8,8 @@ from dataclasses import fields, is_dataclass, replace
 
 import pytest
 
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.template import template
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.template import template
 from rollbench.meshes.parts import SIDES, FourierTerm, Scene
 
 NAMES = catalogue.whole_names()

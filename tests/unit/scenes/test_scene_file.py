@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 from tests.shipped_texts import axis_names
 
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue, scene_file, scene_tables, schema
-from rollbench.comparison.scenes.template import template
-from rollbench.comparison.wings.friction.kinds import screw_balls, table
-from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables, schema
+from rollbench.compare.scenes.template import template
+from rollbench.compare.wings.friction.kinds import screw_balls, table
+from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()

@@ -9,15 +9,15 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.registration import ROOT
-from rollbench.comparison.scenes import catalogue, names, scene_file
-from rollbench.comparison.scenes.keys import tidy_schema
-from rollbench.comparison.scenes.kinds import json_schema
-from rollbench.comparison.scenes.schema import SceneKeys
-from rollbench.comparison.scenes.template import template
-from rollbench.comparison.wings.friction.kinds.table import KINDS
-from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
+from rollbench.compare.errors import InputError
+from rollbench.compare.registration import ROOT
+from rollbench.compare.scenes import catalogue, names, scene_file
+from rollbench.compare.scenes.keys import tidy_schema
+from rollbench.compare.scenes.kinds import json_schema
+from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.compare.scenes.template import template
+from rollbench.compare.wings.friction.kinds.table import KINDS
+from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
@@ -112,7 +112,7 @@ def schema_keys(schema: dict) -> set[str]:
 def model_keys(model: type) -> set[str]:
     found = set(model.model_fields)
     for field in model.model_fields.values():
-        for module, inner in re.findall(r"(rollbench\.comparison\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
+        for module, inner in re.findall(r"(rollbench\.compare\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
             found |= model_keys(getattr(sys.modules[module], inner))
     return found
 

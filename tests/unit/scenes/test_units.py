@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from rollbench.comparison.scenes import units
+from rollbench.compare.scenes import units
 
 #: Values in SI units of texts by dimension, exact by the table.
 EXACT = {

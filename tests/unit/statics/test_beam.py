@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import qr
 from tests.helpers import STEEL, dense, relative, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import element_stiffness
 from rollbench.lowfi.statics.kernel import banded, beam, newton

@@ -12,8 +12,8 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.problem import drawn_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, relative, small_screw, with_ingredients
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section

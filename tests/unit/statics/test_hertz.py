@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ellipe, ellipk, elliprd, elliprf
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import axis_ratio, complete_integrals, contact_modulus, hertz_constants
 from rollbench.lowfi.statics.problem import actual_hertz, nominal_hertz
 from rollbench.meshes.errors import specimen

@@ -8,8 +8,8 @@ import pytest
 from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.like import scene_like
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.like import scene_like
 from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.scenes.catalogue import scene
+from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.statics.mei import solve_mei
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.helix import lead_angle

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.shipped_texts import own_text
 
-from rollbench.comparison.scenes import scene_file
+from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz

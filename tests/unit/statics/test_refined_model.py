@@ -8,13 +8,13 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models import ladder, model_form
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import reference
-from rollbench.comparison.reference.store import bodies_path, load, shipped_store
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.errors import InputError
+from rollbench.compare.models import ladder, model_form
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.estimate import reference
+from rollbench.compare.reference.store import bodies_path, load, shipped_store
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -197,10 +197,10 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from rollbench.comparison.commands.solving.entries import model_form_words
-    from rollbench.comparison.commands.solving.output import case_json
-    from rollbench.comparison.gate.closed_forms import two_opposite_balls
-    from rollbench.comparison.models.load_cases import Solved
+    from rollbench.compare.commands.solving.entries import model_form_words
+    from rollbench.compare.commands.solving.output import case_json
+    from rollbench.compare.gate.closed_forms import two_opposite_balls
+    from rollbench.compare.models.load_cases import Solved
 
     found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)

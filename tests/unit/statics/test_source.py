@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import (
     System,
     beam_matrix,

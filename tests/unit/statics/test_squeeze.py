@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import relative, small_screw
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.ends import end_response
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.statics.elastic import solve_elastic

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingredients
 
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import element_stiffness
 from rollbench.lowfi.statics.kernel import newton
 from rollbench.lowfi.statics.kernel_types import Slopes

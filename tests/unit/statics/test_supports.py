@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw, solved, with_ingredients
 
-from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models.registry import run_model
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import loads
+from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.models.registry import run_model
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.scene_file import loads
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build

@@ -1,8 +1,8 @@
 import pytest
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes import catalogue, like, scene_file, scene_tables
-from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced, read_vary
+from rollbench.compare.errors import InputError
+from rollbench.compare.scenes import catalogue, like, scene_file, scene_tables
+from rollbench.compare.wings.sweep.keys import Vary, changed, displaced, read_vary
 
 
 def test_forms():

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from tests.processes import python
 
-from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.answers import gather, gather_axis
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.sweep import outputs, store
-from rollbench.comparison.wings.sweep import run as sweeping
-from rollbench.comparison.wings.sweep import sample as sampling
-from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
-from rollbench.comparison.wings.sweep.summary import summary
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.answers import gather, gather_axis
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.sweep import outputs, store
+from rollbench.compare.wings.sweep import run as sweeping
+from rollbench.compare.wings.sweep import sample as sampling
+from rollbench.compare.wings.sweep.command import run_sweep, sweep_of
+from rollbench.compare.wings.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion
 
@@ -31,10 +31,10 @@ SCENE = "two-balls"
 KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
-from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.sweep import run as sweeping, store
-from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.sweep import run as sweeping, store
+from rollbench.compare.wings.sweep.keys import read_vary
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
 text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
@@ -236,8 +236,8 @@ def test_nothing_needs_what_only_unix_has(tmp_path):
     program = f"""
 import sys
 sys.modules["fcntl"] = sys.modules["resource"] = None
-import rollbench.comparison.wings.crosscheck.calculix
-from rollbench.comparison.cli import main
+import rollbench.compare.wings.crosscheck.calculix
+from rollbench.compare.cli import main
 main({[*words, "--out", str(tmp_path / "sweep")]!r})
 """
     done = python("-c", program)

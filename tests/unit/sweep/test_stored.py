@@ -2,11 +2,11 @@
 
 import pytest
 
-from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.wings.sweep import section as tolerances
-from rollbench.comparison.wings.sweep.keys import read_vary
-from rollbench.comparison.wings.sweep.outputs import MAIN
-from rollbench.comparison.wings.sweep.sample import solve_sample
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.wings.sweep import section as tolerances
+from rollbench.compare.wings.sweep.keys import read_vary
+from rollbench.compare.wings.sweep.outputs import MAIN
+from rollbench.compare.wings.sweep.sample import solve_sample
 
 FOUND = tolerances.stored()
 KEYS = read_vary(FOUND["vary"])

@@ -10,7 +10,7 @@ FLOOR = {name: k for k, row in enumerate(house.ROWS) for name in row}
 PLANTED = """
 from . import records
 def later():
-    from rollbench.comparison.{} import {}
+    from rollbench.compare.{} import {}
 """
 
 

@@ -9,11 +9,11 @@ from tests.conftest import TESTS, imports_a_wing
 from tests.copies import ROOT
 from tests.processes import python
 
-from rollbench.comparison.registration import registered
+from rollbench.compare.registration import registered
 
 FOLDERS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
 PHYSICS = {f"rollbench.{name}" for name in FOLDERS}
-OF_WINGS = {"rollbench.comparison.wings", "rollbench.comparison.sources", *PHYSICS}
+OF_WINGS = {"rollbench.compare.wings", "rollbench.compare.sources", *PHYSICS}
 
 
 @cache
@@ -70,9 +70,9 @@ def marked(tmp_path_factory):
     texts = {
         "conftest.py": (TESTS / "conftest.py").read_text(encoding="utf-8"),
         "helper.py": "from rollbench.lowfi.friction import contact\n",
-        "test_c.py": '"""Tells of rollbench.comparison.wings.sweep and imports none."""\n' + MARKED,
+        "test_c.py": '"""Tells of rollbench.compare.wings.sweep and imports none."""\n' + MARKED,
         "test_h.py": "if False:\n    pass\n" + "from tests.helper import contact\n" + MARKED,
-        "test_w.py": MARKED + "\ndef imports():\n    from rollbench.comparison.wings import sweep\n",
+        "test_w.py": MARKED + "\ndef imports():\n    from rollbench.compare.wings import sweep\n",
         "sources/lin/test_s.py": MARKED,
     }
     for name, text in texts.items():
@@ -85,6 +85,6 @@ def marked(tmp_path_factory):
 def test_a_command_runs_what_its_marks_say(marked, options: str) -> None:
     words = ["-m", options.removeprefix("-m ")] if options.startswith("-m") else options.split()
     command = "-m", "pytest", "-n0", "-vv", "-p", "no:cacheprovider", "-p", "no:rollbench", *words
-    done = python(*command, cwd=marked, env={"PYTHONPATH": f"{marked}:{ROOT / '.import'}", "PATH": ""})
+    done = python(*command, cwd=marked, env={"PYTHONPATH": f"{marked}:{ROOT / 'src'}", "PATH": ""})
     run = [line.partition(" PASSED")[0].partition("test_")[2] for line in done.stdout.splitlines() if " PASSED" in line]
     assert " ".join(sorted(one.replace(".py::test_", "-") for one in run)) == RUNS[options], done.stdout + done.stderr

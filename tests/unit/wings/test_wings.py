@@ -11,7 +11,7 @@ import pytest
 from tests.copies import ROOT, copy_of_tree, rollbench
 from tests.processes import python
 
-from rollbench.comparison.registration import HOOKS, load, registered
+from rollbench.compare.registration import HOOKS, load, registered
 
 WINGS = sorted(path.parent.name for path in ROOT.glob("compare/wings/*/registration.py"))
 #: Commands that go with a wing, and those of wings that need it.
@@ -19,7 +19,7 @@ COMMANDS = {name: {name} for name in ("bench", "crosscheck", "doctor", "friction
 COMMANDS |= {"evidence": {"audit"}, "export": {"export"}, "members": {"bench"}, "mesh_study": {"mesh-study"}}
 COMMANDS |= {"extremes": {"stability"}, "sweep": {"sweep", "stability"}}
 COMMANDS |= {name: set() for name in ("bearings", "random_errors", "rolling")}
-HERE = {"PYTHONPATH": str(ROOT / ".import")}
+HERE = {"PYTHONPATH": str(ROOT / "src")}
 #: Commands of the core that are run without a wing, and their exit codes.
 CORE = (("list",), ("solve", "two-balls"), ("check", "lin-case1", "--no-compute"), ("schema",))
 
@@ -44,7 +44,7 @@ def test_every_computation_says_which_wings_it_needs():
 
 def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
     code = (
-        "import sys\nfrom rollbench.comparison.cli import main\n"
+        "import sys\nfrom rollbench.compare.cli import main\n"
         "try:\n    main(['solve', 'two-balls'])\nexcept SystemExit:\n"
         "    print(*(name for name in sys.modules if name.startswith('rollbench')), file=sys.stderr)"
     )
@@ -58,7 +58,7 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(physics)]
     unasked = ("comparison.gate.", "comparison.reference.", "comparison.scenes.axis", "lowfi.statics.axis.")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(unasked)]
-    assert "rollbench.comparison.commands.arguments.validation" not in loaded, "options of other commands"
+    assert "rollbench.compare.commands.arguments.validation" not in loaded, "options of other commands"
 
 
 LARGEST = [("solve lin-case1-cut", 10_500), ("solve lin-case1", 11_000), ("friction two-balls --mu 0.1", 14_500)]
@@ -68,7 +68,7 @@ LARGEST = [("solve lin-case1-cut", 10_500), ("solve lin-case1", 11_000), ("frict
 def test_a_solve_of_known_parts_loads_no_more_than_it_needs(tmp_path, command, most):
     """Lines of code without docstrings, comments and blanks; the second solve finds what the first one kept."""
     code = (
-        "import atexit, sys\nfrom rollbench.comparison.cli import main\n"
+        "import atexit, sys\nfrom rollbench.compare.cli import main\n"
         "names = lambda: [m.__file__ for n, m in sys.modules.items() if n[:4] == 'roll' and m.__file__]\n"
         "others = lambda: [n for n in ('numba', 'scipy', 'pydantic') if n in sys.modules]\n"
         "atexit.register(lambda: print(*others(), *names(), sep='\\n', file=sys.stderr))\n"

@@ -14,11 +14,11 @@ MODEL = """
           compared=True, ingredients=(("screw", "rigid"),)),
 """
 #: Written so, or this module would be one that imports a wing.
-EVIDENCE, ENTRIES = "rollbench.comparison.wings.evidence", "tests.sources.entries"
+EVIDENCE, ENTRIES = "rollbench.compare.wings.evidence", "tests.sources.entries"
 PAPER = {
     "compare/sources/acme/__init__.py": "",
     "compare/sources/acme/registration.py": """
-from rollbench.comparison.registration import Part, Registration
+from rollbench.compare.registration import Part, Registration
 REGISTRATION = Registration(
     title="Acme (1901)", needs=("evidence",), parts=(Part("acme", "sources.acme.section", page="sources"),)
 )

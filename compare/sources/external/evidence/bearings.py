@@ -7,12 +7,12 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, load_table
-from rollbench.comparison.scenes.units import parse
-from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs, solved
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, load_table
+from rollbench.compare.scenes.units import parse
+from rollbench.compare.sources.external.evidence.case import assembly, given, inputs, solved
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
 from rollbench.lowfi.bearings.load_zone import load_zone
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded

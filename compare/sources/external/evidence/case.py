@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from rollbench.comparison import data
-from rollbench.comparison.models.registry import run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.units import parse
+from rollbench.compare import data
+from rollbench.compare.models.registry import run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 

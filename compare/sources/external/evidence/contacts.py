@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.sources.external.evidence.case import assembly, given, inputs
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle

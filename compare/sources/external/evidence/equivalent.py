@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.external.evidence.case import inputs
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.sources.external.evidence.case import inputs
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, factors, halves, mean_force
 from rollbench.lowfi.rating.life import rating
 

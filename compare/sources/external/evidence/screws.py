@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from math import pi
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.sources.external.evidence.case import PREFIX, given, inputs
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.sources.external.evidence.case import PREFIX, given, inputs
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.meshes.parts import Friction, Motion, Scene

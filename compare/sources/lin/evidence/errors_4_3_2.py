@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.record import Sheet, count_of
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.evidence.record import Sheet, count_of
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene, SideErrors, Support

@@ -9,11 +9,11 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, load_table, value_of
-from rollbench.comparison.sources.lin.evidence import source_cases
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, load_table, value_of
+from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation

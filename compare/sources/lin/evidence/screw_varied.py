@@ -9,11 +9,11 @@ from math import degrees, radians
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.sources.lin.evidence import source_cases
-from rollbench.comparison.sources.lin.evidence.screw import (
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.sources.lin.evidence.screw import (
     AMPLITUDES,
     ANGLES,
     SCREWS,

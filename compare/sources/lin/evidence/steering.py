@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.arrays import Array

@@ -9,9 +9,9 @@ from math import radians
 
 import numpy as np
 
-from rollbench.comparison.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
-from rollbench.comparison.sources.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
-from rollbench.comparison.sources.lin.extremes import tally as tallies
+from rollbench.compare.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
+from rollbench.compare.sources.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
+from rollbench.compare.sources.lin.extremes import tally as tallies
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS
 from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from rollbench.comparison.sources.lin.extremes.cases import ball_rows, chain_rows
-from rollbench.comparison.sources.lin.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
+from rollbench.compare.sources.lin.extremes.cases import ball_rows, chain_rows
+from rollbench.compare.sources.lin.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
 from rollbench.reports.content import Cell, Quantity, Table, Text
 
 

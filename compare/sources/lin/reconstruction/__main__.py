@@ -1,10 +1,10 @@
-"""``python -m rollbench.comparison.sources.lin.reconstruction``: compute the 3D runs that are missing."""
+"""``python -m rollbench.compare.sources.lin.reconstruction``: compute the 3D runs that are missing."""
 
 from __future__ import annotations
 
-from rollbench.comparison.commands.arguments.terminal import cache_folder
-from rollbench.comparison.commands.printing import on_terminal
-from rollbench.comparison.sources.lin.reconstruction.readings import RUNS, complete
+from rollbench.compare.commands.arguments.terminal import cache_folder
+from rollbench.compare.commands.printing import on_terminal
+from rollbench.compare.sources.lin.reconstruction.readings import RUNS, complete
 
 complete(on_terminal, cache_folder())
 on_terminal(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")

@@ -17,12 +17,12 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.reference.store import Run
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.reconstruction.readings import (
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.reference.store import Run
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.lin.reconstruction.readings import (
     CASES,
     LOW,
     Combination,

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.reference.store import Run
-from rollbench.comparison.reference.tasks import settings_of
+from rollbench.compare.reference.store import Run
+from rollbench.compare.reference.tasks import settings_of
 from rollbench.hifi.coupling import PlacedSet, modal_motion, mounted_screw
 from rollbench.hifi.reference import ROUNDS, Case, Round
 from rollbench.hifi.setup import Setup, prepare

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.reference.store import Run
-from rollbench.comparison.reference.tasks import settings_of
+from rollbench.compare.reference.store import Run
+from rollbench.compare.reference.tasks import settings_of
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import Setup, prepare
 from rollbench.meshes.cache import Cache

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.sources.lin.evidence.chapter_2 import ratio
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
-from rollbench.comparison.wings.members.ensemble import EnsembleResult, of_study
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.study import Study
+from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.sources.lin.evidence.chapter_2 import ratio
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.wings.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Quantity, Row, Section, Series, Table
 

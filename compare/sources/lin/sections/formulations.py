@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.study import Study
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.study import Study
 from rollbench.lowfi.as_source.static import best_start
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 

@@ -8,11 +8,11 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, value_of
-from rollbench.comparison.sections.curves import numbers
-from rollbench.comparison.sources.lin.evidence.rotary_linear import (
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, value_of
+from rollbench.compare.sections.curves import numbers
+from rollbench.compare.sources.lin.evidence.rotary_linear import (
     AXIAL,
     CASES,
     K_F,
@@ -25,9 +25,9 @@ from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     right,
     sensitivity_rows,
 )
-from rollbench.comparison.sources.lin.extremes.cases import pair_rows, root_rows
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.sources.lin.extremes.cases import pair_rows, root_rows
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, sweep
 from rollbench.lowfi.friction.linear.pair import BothModels, PairMaps, maps
 from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text

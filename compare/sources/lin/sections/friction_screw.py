@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, value_of
-from rollbench.comparison.sections.curves import numbers
-from rollbench.comparison.sources.lin.evidence import screw
-from rollbench.comparison.sources.lin.evidence import screw_varied as varied
-from rollbench.comparison.sources.lin.evidence.source_cases import four_point, inferred, lin_3_4_4, plain
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, value_of
+from rollbench.compare.sections.curves import numbers
+from rollbench.compare.sources.lin.evidence import screw
+from rollbench.compare.sources.lin.evidence import screw_varied as varied
+from rollbench.compare.sources.lin.evidence.source_cases import four_point, inferred, lin_3_4_4, plain
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.pairs import TorqueCurve
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, deviation, summarise

@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study, with_groove
-from rollbench.comparison.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study, with_groove
+from rollbench.compare.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, value_of
-from rollbench.comparison.sections.curves import loads
-from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, spread, unloaded
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, value_of
+from rollbench.compare.sections.curves import loads
+from rollbench.compare.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, spread, unloaded
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text

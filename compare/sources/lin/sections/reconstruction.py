@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.reference.levels import SOURCE_LEVEL
-from rollbench.comparison.reference.store import load, shipped_store
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.evidence.chapter_2 import READINGS
-from rollbench.comparison.sources.lin.reconstruction import combined
-from rollbench.comparison.sources.lin.reconstruction.readings import (
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.reference.levels import SOURCE_LEVEL
+from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.lin.evidence.chapter_2 import READINGS
+from rollbench.compare.sources.lin.reconstruction import combined
+from rollbench.compare.sources.lin.reconstruction.readings import (
     CASES,
     FINER,
     FRICTION,
@@ -28,14 +28,14 @@ from rollbench.comparison.sources.lin.reconstruction.readings import (
     largest_change,
     tilt_that_slides,
 )
-from rollbench.comparison.wings.rolling import runs as rolling
+from rollbench.compare.wings.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds import KindScene
+    from rollbench.compare.scenes.kinds import KindScene
 
 #: Balls that are "the last few".
 LAST = 3

@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.sources.lin.evidence import steering
-from rollbench.comparison.sources.lin.evidence.steering import RACK, REACH, SCREW, rack
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.sources.lin.evidence import steering
+from rollbench.compare.sources.lin.evidence.steering import RACK, REACH, SCREW, rack
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

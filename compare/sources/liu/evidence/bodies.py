@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, load_error
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.sources.liu.evidence import case
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.sources.liu.evidence import case
 from rollbench.lowfi.random_errors.chain import Chain, solve_chain
 from rollbench.lowfi.random_errors.ensemble import draw_errors
 from rollbench.meshes.arrays import Array

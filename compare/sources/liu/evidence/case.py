@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
 from rollbench.lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
 from rollbench.meshes.arrays import Array

@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import Printed
-from rollbench.comparison.sources.liu.evidence import case
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import Printed
+from rollbench.compare.sources.liu.evidence import case
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.lowfi.random_errors.ensemble import Quantity, solve_ensemble
 from rollbench.meshes.arrays import Array

@@ -7,9 +7,9 @@ from math import cos, degrees, sin
 
 import numpy as np
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.liu.evidence import case
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.models.study import Study
+from rollbench.compare.sources.liu.evidence import case
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.random_errors.chain import Chain, end_ratio, first_carrying_load, solve_chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.random_errors.ensemble import draw_errors

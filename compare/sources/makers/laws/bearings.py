@@ -11,9 +11,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
-from rollbench.comparison.sources.makers.tables import Table, half_step, table, tables
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.makers.outside import Band, Outside, of_row
+from rollbench.compare.sources.makers.tables import Table, half_step, table, tables
 from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
 from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
 from rollbench.lowfi.rating.life import rating

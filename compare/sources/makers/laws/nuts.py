@@ -9,11 +9,11 @@ from math import pi, prod, radians
 
 import numpy as np
 
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.from_keys import touching_angle
-from rollbench.comparison.scenes.like import BEYOND, STOCK, WALL
-from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
-from rollbench.comparison.sources.makers.tables import Table, half_step, table, tables
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.from_keys import touching_angle
+from rollbench.compare.scenes.like import BEYOND, STOCK, WALL
+from rollbench.compare.sources.makers.outside import Band, Outside, of_row
+from rollbench.compare.sources.makers.tables import Table, half_step, table, tables
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
 from rollbench.lowfi.rating.static import static_rating

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.registration import registered
-from rollbench.comparison.sources.makers.outside import MAKER, PROGRAM, Band, Outside
-from rollbench.comparison.wings.evidence.registry import by_table, evidence
+from rollbench.compare.models.study import Study
+from rollbench.compare.registration import registered
+from rollbench.compare.sources.makers.outside import MAKER, PROGRAM, Band, Outside
+from rollbench.compare.wings.evidence.registry import by_table, evidence
 
 #: Tables of the external sources that are judged here: who, and of which class. Those of THK stand among the nuts.
 PRINTED = {
@@ -68,9 +68,9 @@ def calculix(study: Study) -> Iterator[Outside]:
     in per cent of the mean load."""
     if "crosscheck" not in registered():
         return
-    from rollbench.comparison.wings.crosscheck.data import load, path_of, shipped
-    from rollbench.comparison.wings.crosscheck.rows import contact_rows
-    from rollbench.comparison.wings.crosscheck.study import STUDIES
+    from rollbench.compare.wings.crosscheck.data import load, path_of, shipped
+    from rollbench.compare.wings.crosscheck.rows import contact_rows
+    from rollbench.compare.wings.crosscheck.study import STUDIES
 
     for name in STUDIES:
         data, ours = load(shipped(), name), study.reference(name)

@@ -9,12 +9,12 @@ from math import pi, prod, sqrt
 
 import numpy as np
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes.like import STOCK
-from rollbench.comparison.scenes.preload import oversize_for
-from rollbench.comparison.sources.makers.laws.nuts import CONFORMITY, Nut, of_ratings, one_turn
-from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
-from rollbench.comparison.sources.makers.tables import table
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes.like import STOCK
+from rollbench.compare.scenes.preload import oversize_for
+from rollbench.compare.sources.makers.laws.nuts import CONFORMITY, Nut, of_ratings, one_turn
+from rollbench.compare.sources.makers.outside import Band, Outside, of_row
+from rollbench.compare.sources.makers.tables import table
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 

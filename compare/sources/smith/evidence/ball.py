@@ -7,11 +7,11 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.smith.evidence import case
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.sources.smith.evidence import case
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import ThrustState, contact_parameters, curvatures, displacement, thrust_state
 from rollbench.lowfi.bearings.sets import equilibrium

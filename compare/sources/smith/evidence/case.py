@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.scenes.units import parse
+from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
 from rollbench.lowfi.bearings.axis import Axis
 from rollbench.lowfi.bearings.sets import BearingSet, arrangement, preloaded

@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.smith.evidence import case
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.smith.evidence import case
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import BallRow
 from rollbench.lowfi.bearings.axis import shaft_stiffness

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import value_of
-from rollbench.comparison.scenes.units import parse
-from rollbench.comparison.sources.smith.evidence import case, layouts
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.scenes.units import parse
+from rollbench.compare.sources.smith.evidence import case, layouts
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import (
     TorqueBudget,

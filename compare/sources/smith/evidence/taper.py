@@ -8,11 +8,11 @@ from itertools import product
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.smith.evidence import case
-from rollbench.comparison.sources.smith.evidence.ball import state
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.sources.smith.evidence import case
+from rollbench.compare.sources.smith.evidence.ball import state
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.combined_load import CombinedState, combined
 from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load

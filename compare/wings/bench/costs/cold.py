@@ -17,7 +17,7 @@ from pathlib import Path
 from time import time
 from typing import Any
 
-from rollbench.comparison.wings.bench.costs.timing import as_a_users
+from rollbench.compare.wings.bench.costs.timing import as_a_users
 
 #: Longest wait for a process [s].
 PATIENCE = 600.0
@@ -32,9 +32,9 @@ from pathlib import Path
 from rollbench.meshes.threads import one_thread
 one_thread()
 import json
-from rollbench.comparison.scenes import catalogue
+from rollbench.compare.scenes import catalogue
 from rollbench.meshes.memory import peak_MB
-from rollbench.comparison.models.registry import Options, run_model
+from rollbench.compare.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
 path = Path(ask["condensed"]) if ask["condensed"] else None
@@ -58,10 +58,10 @@ from time import time
 from rollbench.meshes.threads import one_thread
 one_thread()
 import json
-from rollbench.comparison.reference.computing import compute
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.system import cores
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.system import cores
 ask = json.loads({ask!r})
 (run,) = compute(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
 contacts = int((run.load > 0.0).sum())

@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.comparison.gate.verdict import LIMIT, Limits, judge
-from rollbench.comparison.measure import SMALL, gate_scale
-from rollbench.comparison.models.comparison import REFERENCED, RULE
-from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
-from rollbench.comparison.models.ladder import points as compared_points
-from rollbench.comparison.models.model_form import Point, surveyed_points
-from rollbench.comparison.models.registry import DEFAULT
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.models.total_uncertainty import total
-from rollbench.comparison.models.u_val import CONTACTS, scatter
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.registration import offered
-from rollbench.comparison.sections.u_val import rows_of
-from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
+from rollbench.compare.gate.verdict import LIMIT, Limits, judge
+from rollbench.compare.measure import SMALL, gate_scale
+from rollbench.compare.models.comparison import REFERENCED, RULE
+from rollbench.compare.models.ladder import UNSEEN, Rung, ladder
+from rollbench.compare.models.ladder import points as compared_points
+from rollbench.compare.models.model_form import Point, surveyed_points
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.total_uncertainty import total
+from rollbench.compare.models.u_val import CONTACTS, scatter
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.registration import offered
+from rollbench.compare.sections.u_val import rows_of
+from rollbench.compare.wings.bench.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text

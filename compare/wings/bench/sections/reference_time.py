@@ -11,18 +11,18 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from rollbench.comparison.measure import error_percent, gate_scale, load_error
-from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
-from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
-from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.reference.estimate import Reference
-from rollbench.comparison.reference.levels import SOURCE_LEVEL
-from rollbench.comparison.reference.measured import Measured, here, one_run
-from rollbench.comparison.reference.store import Run, load, shipped_store
-from rollbench.comparison.wings.bench.costs.cold import ColdLevel, measure, measure_level
-from rollbench.comparison.wings.bench.costs.kept import Costs, Kept, RunTime, load_costs, load_times, save_times, today
+from rollbench.compare.measure import error_percent, gate_scale, load_error
+from rollbench.compare.models.comparison import REFERENCED, finest_bodies, suited
+from rollbench.compare.models.ladder import UNSEEN, Rung, ladder
+from rollbench.compare.models.registry import MODELS, Model, Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.levels import SOURCE_LEVEL
+from rollbench.compare.reference.measured import Measured, here, one_run
+from rollbench.compare.reference.store import Run, load, shipped_store
+from rollbench.compare.wings.bench.costs.cold import ColdLevel, measure, measure_level
+from rollbench.compare.wings.bench.costs.kept import Costs, Kept, RunTime, load_costs, load_times, save_times, today
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene

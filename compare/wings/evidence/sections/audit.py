@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, audit, counts, left_out, misprints, trust
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.evidence.audit import APART, VERDICTS, Audited, audit, counts, left_out, misprints, trust
 from rollbench.reports.content import Quantity, Section, Table, Text
 
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.record import Evidence, sentences
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.record import Evidence, sentences
 from rollbench.reports.content import Cell, Quantity, Table
 
 #: Remarks that more rows than this share are numbered and stand once, in the note.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.compare.models.study import Study
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 

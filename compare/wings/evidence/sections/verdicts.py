@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import KINDS
-from rollbench.comparison.wings.evidence.audit import VERDICTS, Audited, audit
-from rollbench.comparison.wings.evidence.audit import counts as audited_counts
-from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import KINDS
+from rollbench.compare.wings.evidence.audit import VERDICTS, Audited, audit
+from rollbench.compare.wings.evidence.audit import counts as audited_counts
+from rollbench.compare.wings.evidence.sections.finding_table import printed_table
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 PLURALS = {"computed number": "computed numbers", "claim in words": "claims in words"}

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.from_keys import touching_angle
-from rollbench.comparison.scenes.like import LOAD, values_like
-from rollbench.comparison.scenes.units import show
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.from_keys import touching_angle
+from rollbench.compare.scenes.like import LOAD, values_like
+from rollbench.compare.scenes.units import show
 from rollbench.meshes.helix import ball_layout
 
 #: The survey's seed; no scene of it is ever drawn again.

@@ -10,20 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison import __version__
-from rollbench.comparison.errors import InputError, one_line
-from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.applicability import DESCRIPTORS
-from rollbench.comparison.models.compared_point import point, rigidity, section
-from rollbench.comparison.models.comparison import from_run
-from rollbench.comparison.models.model_form import QUANTITIES, Point, estimate, shipped_points
-from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.reference.computing import compute
-from rollbench.comparison.reference.jobs import keep
-from rollbench.comparison.reference.store import Run, read
-from rollbench.comparison.reference.tasks import Task
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.survey.draw import scene_text
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.applicability import DESCRIPTORS
+from rollbench.compare.models.compared_point import point, rigidity, section
+from rollbench.compare.models.comparison import from_run
+from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, shipped_points
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.jobs import keep
+from rollbench.compare.reference.store import Run, read
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.wings.extremes.survey.draw import scene_text
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult

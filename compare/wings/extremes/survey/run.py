@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison import __version__
-from rollbench.comparison.models.applicability import SURVEY
-from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.extremes.survey.record import LEVEL, MODELS, Record, surveyed
-from rollbench.comparison.wings.sweep import store
+from rollbench.compare import __version__
+from rollbench.compare.models.applicability import SURVEY
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.wings.extremes.survey.record import LEVEL, MODELS, Record, surveyed
+from rollbench.compare.wings.sweep import store
 
 #: Status of a scene with an answer, columns of the table, and the errors that it sums up, with their unit.
 ANSWERED = "converged"

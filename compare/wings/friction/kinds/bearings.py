@@ -10,11 +10,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from rollbench.comparison.scenes.fault import Fault
-from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
-from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
-from rollbench.comparison.scenes.quantity import Quantity, Rate, key
-from rollbench.comparison.wings.friction.kinds import common
+from rollbench.compare.scenes.fault import Fault
+from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
+from rollbench.compare.scenes.kinds import KindKeys, KindScene, head_of
+from rollbench.compare.scenes.quantity import Quantity, Rate, key
+from rollbench.compare.wings.friction.kinds import common
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
 from rollbench.lowfi.friction.bearing.rotary import Bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Protocol
 
 import numpy as np
 
-from rollbench.comparison.scenes.fault import Fault, mm
-from rollbench.comparison.scenes.key_checks import groove_choice_faults
-from rollbench.comparison.scenes.keys import (
+from rollbench.compare.scenes.fault import Fault, mm
+from rollbench.compare.scenes.key_checks import groove_choice_faults
+from rollbench.compare.scenes.keys import (
     BallSizeKeys,
     Coefficient,
     CoulombKeys,
@@ -19,8 +19,8 @@ from rollbench.comparison.scenes.keys import (
     PathKeys,
     Table,
 )
-from rollbench.comparison.scenes.kinds import KindKeys
-from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.compare.scenes.kinds import KindKeys
+from rollbench.compare.scenes.quantity import Quantity, key
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]

@@ -10,13 +10,13 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from rollbench.comparison.scenes.fault import Fault, mm
-from rollbench.comparison.scenes.key_checks import time_faults
-from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
-from rollbench.comparison.scenes.kinds import KindScene, head_of
-from rollbench.comparison.scenes.quantity import Quantity, key
-from rollbench.comparison.scenes.schema import TimeKeys
-from rollbench.comparison.wings.friction.kinds import common
+from rollbench.compare.scenes.fault import Fault, mm
+from rollbench.compare.scenes.key_checks import time_faults
+from rollbench.compare.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
+from rollbench.compare.scenes.kinds import KindScene, head_of
+from rollbench.compare.scenes.quantity import Quantity, key
+from rollbench.compare.scenes.schema import TimeKeys
+from rollbench.compare.wings.friction.kinds import common
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import Pair

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.scenes.kinds import Kind
-from rollbench.comparison.wings.friction.kinds import bearings, linear, screw_balls
-from rollbench.comparison.wings.friction.kinds.bearings import BearingBallKeys, BearingPairKeys
-from rollbench.comparison.wings.friction.kinds.linear import LinearChainKeys, LinearPairKeys
-from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairKeys, ScrewRunKeys
+from rollbench.compare.scenes.kinds import Kind
+from rollbench.compare.wings.friction.kinds import bearings, linear, screw_balls
+from rollbench.compare.wings.friction.kinds.bearings import BearingBallKeys, BearingPairKeys
+from rollbench.compare.wings.friction.kinds.linear import LinearChainKeys, LinearPairKeys
+from rollbench.compare.wings.friction.kinds.screw_balls import ScrewPairKeys, ScrewRunKeys
 
 KINDS = {
     "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record),

@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.kalker import section as rolling
-from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
-from rollbench.comparison.sources.kalker.section import PatchField
-from rollbench.comparison.wings.rolling import changes as rolling_changes
-from rollbench.comparison.wings.rolling import rows as rolling_rows
-from rollbench.comparison.wings.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
-from rollbench.comparison.wings.rolling.changes import Change, Series, changes, from_rest
-from rollbench.comparison.wings.rolling.rows import KNOWN
-from rollbench.comparison.wings.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.kalker import section as rolling
+from rollbench.compare.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
+from rollbench.compare.sources.kalker.section import PatchField
+from rollbench.compare.wings.rolling import changes as rolling_changes
+from rollbench.compare.wings.rolling import rows as rolling_rows
+from rollbench.compare.wings.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
+from rollbench.compare.wings.rolling.changes import Change, Series, changes, from_rest
+from rollbench.compare.wings.rolling.rows import KNOWN
+from rollbench.compare.wings.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
 from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_map
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.store import load
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.reconstruction import combined, readings
-from rollbench.comparison.sources.lin.sections import reconstruction
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import load
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sources.lin.reconstruction import combined, readings
+from rollbench.compare.sources.lin.sections import reconstruction
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, on_mesh
 from rollbench.meshes.block import Influence, tetrahedra
 

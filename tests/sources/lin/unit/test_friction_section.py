@@ -6,14 +6,14 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import scene_hash
-from rollbench.comparison.sources.lin.evidence import rotary_linear
-from rollbench.comparison.sources.lin.sections import friction
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.registry import evidence
-from rollbench.comparison.wings.evidence.sections.notes import assumptions
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.scene_file import scene_hash
+from rollbench.compare.sources.lin.evidence import rotary_linear
+from rollbench.compare.sources.lin.sections import friction
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.registry import evidence
+from rollbench.compare.wings.evidence.sections.notes import assumptions
 from rollbench.reports.content import Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)

@@ -7,11 +7,11 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys, of_source
 
-from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.liu.evidence import case, drawn, given
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.record import Evidence
-from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.sources.liu.evidence import case, drawn, given
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.record import Evidence
+from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
 

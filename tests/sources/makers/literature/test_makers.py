@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.comparison.registration import offered
-from rollbench.comparison.sources.makers import section
-from rollbench.comparison.sources.makers.laws import bearings, nuts, torque
-from rollbench.comparison.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
-from rollbench.comparison.sources.makers.tables import Table, half_step, table
+from rollbench.compare.registration import offered
+from rollbench.compare.sources.makers import section
+from rollbench.compare.sources.makers.laws import bearings, nuts, torque
+from rollbench.compare.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
+from rollbench.compare.sources.makers.tables import Table, half_step, table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -5,10 +5,10 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, of_source
 
-from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper
-from rollbench.comparison.wings.evidence.audit import judge
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.sources.smith.evidence import ball, case, screw, taper
+from rollbench.compare.wings.evidence.audit import judge
+from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 from rollbench.lowfi.bearings.sets import equilibrium

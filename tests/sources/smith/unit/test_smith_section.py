@@ -7,11 +7,11 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
-from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.scenes import units
-from rollbench.comparison.sources.smith import section as smith
-from rollbench.comparison.sources.smith.evidence import case
-from rollbench.comparison.wings.evidence.record import Sheet
+from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.scenes import units
+from rollbench.compare.sources.smith import section as smith
+from rollbench.compare.sources.smith.evidence import case
+from rollbench.compare.wings.evidence.record import Sheet
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from rollbench.comparison.gate.pytest_plugin import Rollbench
+    from rollbench.compare.gate.pytest_plugin import Rollbench
 
 
 @pytest.fixture
 def rollbench(request: pytest.FixtureRequest) -> Rollbench:
     """Judges scenes, their paths from the folder of the test: ``rollbench.check("my.toml", max_error=7)``."""
-    from rollbench.comparison.gate.pytest_plugin import Rollbench
+    from rollbench.compare.gate.pytest_plugin import Rollbench
 
     return Rollbench(request.path.parent)
