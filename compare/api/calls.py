@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from rollbench.compare.api.results import Friction, Judged, Result, Solution
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.registration import needed
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, cases_by_name
@@ -114,7 +114,7 @@ def compare_models(
     failed: list[Run] = []
     if reference is not None:
         if levels is not None:
-            raise InputError("compare", "reference", str(reference), "without levels", "leave one out")
+            raise ArgumentError("reference", str(reference), "without `levels`", "leave one out")
         names = {name: case.case.name for name, case in cases.items()}
         references = own_references(scenes, Path(reference), names, warnings)
     else:
@@ -175,9 +175,9 @@ def check(
     """The gate: whether a model's loads, or those of another program, agree with the 3D reference within a limit.
 
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
-    values: CSV file with the columns quantity, value, unit, where; limits: of other quantities by name, as ``--limit``;
-    reference: your own, in place of the 3D reference; strict: unknown columns are an error; compute: whether runs of the
-    reference that are missing are computed. Raises InputError.
+    values: CSV file with the columns quantity, value, unit, where; limits: of other quantities by name, in
+    per cent, of a contact angle in degrees; reference: your own, in place of the 3D reference; strict: unknown columns are
+    an error; compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
     from rollbench.compare.commands.comparing.check import judged_cases, verdicts_json
     from rollbench.compare.gate.user import asked
@@ -236,7 +236,7 @@ def sweep(
 ) -> Result:
     """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
 
-    scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
+    scene: name or file; vary: keys with their range or values, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
     computed, all unless given. Raises InputError.
     """
@@ -260,8 +260,8 @@ def report(
 ) -> Result:
     """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
 
-    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``);
-    reference: of a page, your own in place of the 3D reference.
+    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: the slow sections
+    too); reference: of a page, your own in place of the 3D reference.
     ``["passed"]`` of the result is False where a run of the reference that was recomputed does not agree with the stored
     one. Raises InputError, Refusal where the scene does not solve.
     """
@@ -269,7 +269,7 @@ def report(
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
-        raise InputError("report", given[0], "given", "without a scene", "leave it out")
+        raise ArgumentError(given[0], "given", "without a scene", "leave it out")
     data: dict[str, Any] = {"page": str(folder / "index.html"), "passed": True}
     if scene is not None:
         from rollbench.compare.commands.reporting.scene_page import make_page
@@ -278,7 +278,7 @@ def report(
         warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
         return Result(data | {"verdict": page.verdict}, "", (*warned, page.verdict))
     if reference is not None:
-        raise InputError("report", "reference", str(reference), "with a scene", "name the scene that it is of")
+        raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.commands.printing import print_answer
     from rollbench.compare.commands.reporting.report import make_report
 

@@ -22,7 +22,7 @@ class Result:
     """Values of a result by path: ``result["axial.displacement_um"]`` is a number or what JSON has in its place,
     ``result.quantity("axial.displacement_um")`` the same with its unit, as pint has it.
 
-    data: all that the command prints with ``--json``; shown: what the table shows, by its path in data ("": all); notes:
+    data: all that the command prints as JSON; shown: what the table shows, by its path in data ("": all); notes:
     sentences below the table.
     """
 

@@ -146,7 +146,7 @@ def compared(
     for model in models:
         of_model = answer_of(model, scene, reference, stores) if of is None else answered(of, model.name)
         if isinstance(of_model, str):
-            raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one with --model")
+            raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one: `models`")
         answers.append(from_result(of_model.result, of_model.seconds))
         starts[answers[-1].model] = unloaded_place(scene, of_model.bare)
         if of_model.result.converged:

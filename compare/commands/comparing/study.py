@@ -23,7 +23,7 @@ from rollbench.compare.commands.comparing.compare_output import (
 from rollbench.compare.commands.comparing.compare_output import table as compared_table
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by, stored_beside
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import compared_models, finest_bodies, rows, suited
@@ -84,7 +84,7 @@ def parse_levels(text: str) -> tuple[int, ...]:
     names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
     words = [word.strip() for word in text.split(",")]
     if any(word not in names for word in words):
-        raise InputError("command line", "--levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
+        raise ArgumentError("levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
     return tuple(sorted({names[word] for word in words}))
 
 
@@ -115,9 +115,9 @@ def run_compare(
     stores = (store, shipped_store())
     warnings: list[str] = []
     names_of = {name: case.case.name for name, case in cases.items()}
-    for name, beside in (("--levels", levels is not None), ("--fresh", fresh)) if reference is not None else ():
+    for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+            raise ArgumentError(name, "with a reference of your own", "one of both", "the file is the reference")
     given = None if reference is None else own_references(scenes, reference, names_of, warnings)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     without = [] if given is not None else without
@@ -192,7 +192,7 @@ def own_references(
     InputError for several scenes."""
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
-        raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
+        raise ArgumentError("reference", str(path), f"one scene, not {len(scenes)}", advice)
     warned: dict[str, None] = {}
     references = [judged_by(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
     warnings += warned

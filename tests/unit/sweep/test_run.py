@@ -264,7 +264,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     assert (tmp_path / "some" / "samples.csv").read_text().splitlines()[0].endswith(",".join(("status", *kept[:4])))
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "some", 4)
-    with pytest.raises(InputError, match="--outputs: got loads; allowed: largest_load_N"):
+    with pytest.raises(InputError, match="outputs: got loads; allowed: largest_load_N"):
         sweeping.run_samples(sweep_of(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print)
 
 
