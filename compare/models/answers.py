@@ -154,7 +154,7 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     """JSON-ready sums of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to
     do."""
     if scene.friction is None:
-        return None, "no coefficient in the scene; rollbench friction takes one"
+        return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
     for friction in offered("friction"):
         sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
         return sums

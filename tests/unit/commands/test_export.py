@@ -231,9 +231,9 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
     monkeypatch.setitem(sys.modules, "h5py", None)
     for part, form, out, words in (
         ("patch-SR", "", "a.vtu", r"part: got patch-SR; allowed: screw, nut, ball, .*, patch-SL, patch-NR"),
-        ("screw", "step", "a", r"--format: got step; allowed: vtu, msh, med, inp"),
-        ("screw", "", "a.stl", r"--out: got .*a\.stl; allowed: a name ending in \.vtu, \.msh, \.med, \.inp"),
-        ("screw", "", "a.med", r"--format: got med; .*pip install 'rollbench\[reference\]'"),
+        ("screw", "step", "a", r"format: got step; allowed: vtu, msh, med, inp"),
+        ("screw", "", "a.stl", r"out: got .*a\.stl; allowed: a name ending in \.vtu, \.msh, \.med, \.inp"),
+        ("screw", "", "a.med", r"format: got med; .*pip install 'rollbench\[reference\]'"),
     ):
         with pytest.raises(InputError, match=words):
             run_export(SCENE, part, form, tmp_path / out, 1)

@@ -189,9 +189,9 @@ def test_one_job_at_a_time_in_a_process():
 
 def test_strange_options_are_refused_and_missing_packages_are_named(monkeypatch):
     for options, message in (
-        ({"backend": "mpi"}, r"--backend: got mpi; allowed: joblib or dask"),
-        ({"workers": 0}, r"--workers: got 0; allowed: 1 or more"),
-        ({"scheduler": "tcp://here:1"}, r"--scheduler: got tcp://here:1; allowed: only with --backend dask"),
+        ({"backend": "mpi"}, r"backend: got mpi; allowed: joblib or dask"),
+        ({"workers": 0}, r"workers: got 0; allowed: 1 or more"),
+        ({"scheduler": "tcp://here:1"}, r"scheduler: got tcp://here:1; allowed: only with `backend=dask`"),
     ):
         with pytest.raises(InputError, match=message):
             run(JOBS, **options)
@@ -252,7 +252,7 @@ def test_a_scheduler_without_workers_is_refused_after_the_wait_that_is_asked_for
         run(JOBS, "dask", cluster.scheduler_address, wait=1.0)
     assert 1.0 < time.perf_counter() - begin < 10.0
     assert "waiting 1 s for a worker" in capfd.readouterr().err
-    for options, message in (({"wait": 3.0}, "only with --scheduler"), ({"scheduler": "x", "wait": -1.0}, "0 to 1e6")):
+    for options, message in (({"wait": 3.0}, "only with `scheduler`"), ({"scheduler": "x", "wait": -1.0}, "0 to 1e6")):
         with pytest.raises(InputError, match=f"wait_workers.*{message}"):
             run(JOBS, "dask", **options)
 
