@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.scenes.units import COMMA, has_comma, number_and_unit, show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
