@@ -23,8 +23,6 @@ from rollbench.meshes.threads import one_thread
 
 #: Longest wait [s] after an interrupt for threads that tidy up.
 TIDYING = 2.0
-
-
 #: Arguments of the library whose options have other names, and those that are given without one.
 OPTIONS = {
     "models": "--model",

@@ -30,8 +30,8 @@ class InputError(Exception):
     what stands for it; ``value``: what was found, as written; ``allowed``: the range or the choices;
     ``advice``: what to do next; ``more``: how many further faults were found. ``str()`` gives one line.
 
-    In ``allowed`` and ``advice`` arguments of functions stand between backticks (```levels```, ```compute=False```): the
-    command line writes them as options.
+    Arguments of functions stand between single backticks in ``allowed`` and ``advice``, as compute=False may: the command
+    line writes them as options.
     """
 
     def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
