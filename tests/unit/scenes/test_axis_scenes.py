@@ -88,7 +88,7 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
     monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].run))
     for name, words in (
         ("mei", "mei describes one set: its bars"),
-        ("none", "see: rollbench list"),
+        ("none", "choose one of these"),
         ("new", "new describes one set: it solves one set"),
     ):
         with pytest.raises(InputError, match=words):
