@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import InputError, named
 from rollbench.compare.registration import needed
-from rollbench.compare.results.data import Data, Friction
+from rollbench.compare.results.data import Friction, MeshStudy, Sweep, friction_of, mesh_study_of, sweep_of
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import each_case, solvable
@@ -111,8 +111,7 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     compiles kernels for some 20 s. Raises InputError.
     """
     data = needed("friction of a scene", "friction", "scene", str(scene))(_described(scene), tuple(mu), model)
-    shown = "torque" if "torque" in data else ""
-    return Friction(data, shown, tuple(data.get("warnings", ())))
+    return friction_of(data)
 
 
 @held_to_one_thread()
@@ -204,7 +203,7 @@ def mesh_study(
     levels: int | None = None,
     spread: bool = False,
     store: str | Path = "rollbench-reference",
-) -> Data:
+) -> MeshStudy:
     """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
 
     levels: 1 to this one; unless given, 1 and 3, of which the second is clearly more accurate; spread: modelling choices
@@ -213,7 +212,8 @@ def mesh_study(
     """
     described = _described(scene)
     study = needed("mesh study", "mesh_study", "scene", described.name)
-    return Data(*study(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store)))
+    found = study(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+    return mesh_study_of(*found)
 
 
 @held_to_one_thread()
@@ -227,7 +227,7 @@ def sweep(
     seed: int = 0,
     out: str | Path = "rollbench-sweep",
     outputs: Sequence[str] = (),
-) -> Data:
+) -> Sweep:
     """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
 
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
@@ -236,7 +236,7 @@ def sweep(
     """
     swept = needed("sweep", "sweep", "vary", " ".join(vary))
     data = swept(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
-    return Data(data, "outputs", (f"{data['converged']} of {data['solved']} samples converged: {Path(out)}",))
+    return sweep_of(data, Path(out))
 
 
 def _described(scene: Described | str | Path) -> Described:

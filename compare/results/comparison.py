@@ -307,7 +307,7 @@ def comparing(
 
     origins: what errors name the scenes; step: takes lines of progress, the verdict by the coarsest level among them;
     store: folder of runs, besides those shipped; levels: to compute where they are not stored (fresh: even there); None for
-    the best stored, and ``otherwise`` where there is none; reference: the user's own file in place of it. Raises InputError.
+    the best stored, and ``otherwise`` where there is none; reference: the user's file in place of it. Raises InputError.
     """
     scenes: list[Solvable] = [x for one, name in zip(described, origins, strict=True) for x in each_case(one, name)]
     stores, warnings = (store, shipped_store()), list[str]()

@@ -25,18 +25,19 @@ if TYPE_CHECKING:
     from rollbench.compare.commands.reporting.library import report
     from rollbench.compare.errors import InputError
     from rollbench.compare.results.comparison import Comparison
-    from rollbench.compare.results.data import Data, Friction
+    from rollbench.compare.results.data import Friction, MeshStudy, Sweep
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.verdict import Judgement, Verdict
 
 __all__ = [
     "Comparison",
-    "Data",
     "Friction",
     "InputError",
     "Judgement",
+    "MeshStudy",
     "Result",
     "Status",
+    "Sweep",
     "Verdict",
     "__version__",
     "check",
@@ -55,7 +56,7 @@ _ELSEWHERE = {
     "Comparison": "rollbench.compare.results.comparison",
     "report": "rollbench.compare.commands.reporting.library",
     "__version__": "rollbench.compare",
-    **dict.fromkeys(("Data", "Friction"), "rollbench.compare.results.data"),
+    **dict.fromkeys(("Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
     **dict.fromkeys(("Judgement", "Verdict"), "rollbench.compare.results.verdict"),
 }

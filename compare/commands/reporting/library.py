@@ -7,8 +7,7 @@ from pathlib import Path
 
 from rollbench.compare.api.calls import LOG
 from rollbench.compare.errors import InputError
-from rollbench.compare.results.base import JSON
-from rollbench.compare.results.data import Data
+from rollbench.compare.results.data import Written
 from rollbench.meshes.threads import held_to_one_thread
 
 
@@ -24,31 +23,31 @@ def report(
     stored: bool = False,
     fresh: bool = False,
     everything: bool = False,
-) -> Data:
+) -> Written:
     """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
 
     only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``);
     reference: of a page, your own in place of the 3D reference.
-    ``["passed"]`` of the result is False where a run of the reference that was recomputed does not agree with the stored
-    one. Raises InputError, Refusal where the scene does not solve.
+    Raises InputError, Refusal where the scene does not solve.
     """
     folder = Path(out)
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
         raise InputError("report", given[0], "given", "without a scene", "leave it out")
-    data: dict[str, JSON] = {"page": str(folder / "index.html"), "passed": True}
+    index = folder / "index.html"
     if scene is not None:
         from rollbench.compare.commands.reporting.scene_page import make_page
 
         page = make_page(str(scene), folder, Path(store), None if reference is None else Path(reference))
         warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
-        return Data(data | {"verdict": page.verdict}, "", (*warned, page.verdict))
+        data = {"page": str(index), "passed": True, "verdict": page.verdict}
+        return Written(data, "", (*warned, page.verdict), page=index, passed=True, verdict=page.verdict)
     if reference is not None:
         raise InputError("report", "reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.commands.reporting.report import make_report
 
     how = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     answer = make_report(only, folder, store=Path(store), say=LOG.info, **how)
-    data["passed"] = answer.code == 0
-    return Data(data, "", tuple(map(str, answer.parts)))
+    passed = answer.code == 0
+    return Written({"page": str(index), "passed": passed}, "", tuple(map(str, answer.parts)), page=index, passed=passed)

@@ -13,6 +13,7 @@ from tests.load_cases import written
 from tests.shipped_texts import own_text
 
 import rollbench
+from rollbench.compare.results.data import Data
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.cells import typeset
 
@@ -179,7 +180,7 @@ def test_results_are_tables_in_a_notebook(solved: rollbench.Result) -> None:
         assert words in solved._repr_html_()
     assert "rigidities: contacts alone" in str(solved)
     assert len(repr(solved).splitlines()) == 5
-    assert "<script>" not in rollbench.Data({"a<script>": 1.0})._repr_html_()
+    assert "<script>" not in Data({"a<script>": 1.0})._repr_html_()
 
 
 def test_a_scene_is_a_record_that_can_be_changed(tmp_path: Path) -> None:
@@ -249,15 +250,18 @@ def test_several_sets_on_a_shaft() -> None:
 
 def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:
     study = rollbench.mesh_study("two-balls", store=tmp_path)
-    assert [row["level"] for row in study["levels"]] == [1, 3]
-    assert study["quantities"]
+    assert [row.level for row in study.levels] == [1, 3]
+    data = study.to_dict()
+    largest, printed = study.quantities[0], data["quantities"][0]
+    assert (largest.name, largest.values) == ("largest load, SL", (printed["level 1"], printed["level 3"]))
+    assert largest.uncertainty == printed["uncertainty"] > 0.0
     with pytest.raises(rollbench.InputError, match="three levels give an order"):
         rollbench.mesh_study("two-balls", levels=9, store=tmp_path)
 
 
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
-    assert page["passed"]
-    assert typeset(page["verdict"]) in Path(page["page"]).read_text(encoding="utf-8")
+    assert page.passed
+    assert typeset(page.verdict) in page.page.read_text(encoding="utf-8")
     with pytest.raises(rollbench.InputError, match="quick: got given; allowed: without a scene"):
         rollbench.report("two-balls", quick=True, out=tmp_path / "page")

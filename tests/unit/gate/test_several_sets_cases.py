@@ -128,4 +128,4 @@ def test_friction_report_and_sweep(command, tmp_path: Path) -> None:
     assert "one nut or ring" in command.refused("report", written(tmp_path), "--out", tmp_path / "page")
     vary = ["sets[0].offset=-4 um,-5 um"]
     swept = rollbench.sweep(written(tmp_path), vary, samples=2, method="grid", model="lin", out=tmp_path / "sweep")
-    assert swept["converged"] == 2
+    assert swept.converged == 2
