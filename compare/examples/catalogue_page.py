@@ -7,7 +7,7 @@ from pathlib import Path
 import rollbench
 
 
-def main() -> rollbench.Solution:
+def main() -> rollbench.Result:
     """Solve it and print the answers."""
     solution = rollbench.solve(Path(__file__).with_name("catalogue_page.toml"))
     for name in ("axial.displacement_um", "axial.rigidity_N_per_um", "worst_contact.pressure_MPa", "preload.mean_N"):

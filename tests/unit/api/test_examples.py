@@ -41,9 +41,9 @@ def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pyt
             value = eval(compile(ast.Expression(last.value), "cell", "eval"), names)
             if not hasattr(type(value), "magnitude"):  # a unit's own table is pint's
                 assert "".join(kept) == shown(value), "run: jupyter execute --inplace compare/examples/notebook.ipynb"
-    assert names["solution"].converged
-    assert len(repr(names["solution"]).splitlines()) == 5
+    assert names["result"].converged
+    assert len(repr(names["result"]).splitlines()) == 5
     assert names["judged"].word in ("pass", "fail")
-    page = names["solution"]._repr_html_()
+    page = names["result"]._repr_html_()
     assert "<th colspan='3' style='text-align:left'>worst contact</th>" in page
     assert ">µm<" in page

@@ -32,7 +32,7 @@ assert meshes.OWN and compare.OWN and reports.OWN
 assert not {"lowfi", "hifi"} & set(sys.modules)
 judged = rollbench.check("lin-case1", max_error=7, compute=False)
 assert judged.passed, judged
-print(repr(float(found.load.max())))
+print(repr(float(found.loads.max())))
 """
 
 
@@ -145,7 +145,7 @@ def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, 
         (tmp_path / file).write_text("OWN = True\n")
     done = ran(python, "-c", order + SOLVE, cwd=tmp_path, env=ALONE)
     assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").load.max(), rel=1e-9)
+    assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").loads.max(), rel=1e-9)
 
 
 def test_a_report_is_verified_alike_from_the_wheel_and_from_here(python: Path) -> None:
