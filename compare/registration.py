@@ -76,7 +76,7 @@ class Registration:
 HOOKS = {
     "bench": "(): jobs of rollbench bench",
     "conformity": "(parts of a set, preload [N], rigidity [N/m] of a pair): conformity of its grooves",
-    "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export --deck",
+    "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export on a deck",
     "friction": "(scene, result, options): JSON-ready sums of friction of a static result, or None and why",
     "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
     "friction of a page": "(scene, result, options): section on the friction of one's own screw, or None",
@@ -96,7 +96,7 @@ HOOKS = {
     "sweep": "(scene, vary, samples, method, model, seed, folder, outputs, step): JSON-ready summary of a sweep",
     "timing": "(step): tables for the report's section on run times",
     "timing jobs": "(): further jobs of that section",
-    "traces": "(table): the answer of rollbench list --trace",
+    "traces": "(table): the answer of rollbench list on traces",
     "torque": "(sets with results, friction, motion, options): friction torque of all sets [N mm], or None",
 }
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rollbench.compare.errors import InputError, named
+from rollbench.compare.errors import ArgumentError, named
 from rollbench.compare.registration import needed
 from rollbench.compare.results.data import Friction, MeshStudy, Sweep, friction_of, mesh_study_of, sweep_of
 from rollbench.compare.scenes import catalogue, scene_file
@@ -137,7 +137,7 @@ def compare_models(
     from rollbench.meshes.cache import default_root
 
     if reference is not None and levels is not None:
-        raise InputError("compare", "reference", str(reference), "without levels", "leave one out")
+        raise ArgumentError("reference", str(reference), "without `levels`", "leave one out")
     described = _described(scene)
     found = comparing(
         [described],
@@ -171,9 +171,9 @@ def check(
     """The gate: whether a model's loads, or those of another program, agree with the 3D reference within a limit.
 
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
-    values: CSV file with the columns quantity, value, unit, where; limits: of other quantities by name, as ``--limit``;
-    reference: your own, in place of the 3D reference; strict: unknown columns are an error; compute: whether runs of the
-    reference that are missing are computed. Raises InputError.
+    values: CSV file with the columns quantity, value, unit, where; limits: of other quantities by name, in
+    per cent, of a contact angle in degrees; reference: your own, in place of the 3D reference; strict: unknown columns are
+    an error; compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
     from rollbench.compare.gate.user import asked
     from rollbench.compare.reference.jobs import Engine
@@ -230,7 +230,7 @@ def sweep(
 ) -> Sweep:
     """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
 
-    scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
+    scene: name or file; vary: keys with their range or values, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
     computed, all unless given. Raises InputError.
     """

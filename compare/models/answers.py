@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.models import loading
 from rollbench.compare.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
@@ -113,7 +113,7 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
-        raise InputError("command line", "--stiffness-at", f"with the model {model}", allowed, "choose another model")
+        raise ArgumentError("stiffness_at", f"with the model {model}", allowed, "choose another model")
     condensed = read_condensed(scene, options) if step == "condensed" else None
     modelled = MODELS[model].scene(scene)
     try:
@@ -175,7 +175,7 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     """JSON-ready sums of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to
     do."""
     if scene.friction is None:
-        return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
+        return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
     for friction in offered("friction"):
         sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
         return sums

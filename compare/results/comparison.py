@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by, stored_beside
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import suited
@@ -367,7 +367,7 @@ def own_references(
     InputError for several scenes."""
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
-        raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
+        raise ArgumentError("reference", str(path), f"one scene, not {len(scenes)}", advice)
     warned: dict[str, None] = {}
     references = [judged_by(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
     warnings += warned

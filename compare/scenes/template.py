@@ -8,7 +8,7 @@ from copy import deepcopy
 from typing import Any
 
 from rollbench.compare import data
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.registration import kinds
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.keys import tidy_schema
@@ -51,7 +51,7 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
         return template(kind)
     if kind not in sized:
         allowed = "without --kind, or with --kind double-nut"
-        raise InputError("command line", "--like", size, allowed, "a nominal size is that of a ball screw")
+        raise ArgumentError("like", size, allowed, "a nominal size is that of a ball screw")
     return sized[kind](size)
 
 
@@ -67,7 +67,7 @@ def template(kind: str = "ball screw") -> str:
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
     if name not in (*WHOLE, *BEARINGS, *kinds()):
         allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *kinds()))
-        raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
+        raise ArgumentError("kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return data.text(file)

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.compare.commands.printing import Answer, print_answer, print_json
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.registration import needed
 
 
@@ -144,12 +144,12 @@ def solve(
         members_of = needed("members", "command line", "--members", str(members))
 
         if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
-            named = "--stiffness-at, --matrix, --curve, --loads-csv, --strict"
-            raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
+            named = "stiffness_at, matrix, curve, loads_csv, strict"
+            raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         return print_answer(members_of(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
     if csv is not None or seed is not None or workers is not None:
-        raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
+        raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
     choices = Choices(
         model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
     )

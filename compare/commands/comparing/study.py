@@ -17,7 +17,7 @@ from rollbench.compare.commands.comparing.compare_output import (
 from rollbench.compare.commands.comparing.compare_output import table as compared_table
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.comparison import compared_models, finest_bodies, rows
 from rollbench.compare.models.referenced import Referenced
 from rollbench.compare.reference.estimate import Reference
@@ -48,7 +48,7 @@ def parse_levels(text: str) -> tuple[int, ...]:
     names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
     words = [word.strip() for word in text.split(",")]
     if any(word not in names for word in words):
-        raise InputError("command line", "--levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
+        raise ArgumentError("levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
     return tuple(sorted({names[word] for word in words}))
 
 
@@ -73,9 +73,9 @@ def run_compare(
     """
     chosen = compared_models(tuple(models))
     described = [catalogue.any_scene(name) for name in names]
-    for name, beside in (("--levels", levels is not None), ("--fresh", fresh)) if reference is not None else ():
+    for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+            raise ArgumentError(name, "with a reference of your own", "one of both", "the file is the reference")
     how = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = comparing(described, names, chosen, engine, on_terminal, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rollbench.compare.api.calls import LOG
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.results.data import Written
 from rollbench.meshes.threads import held_to_one_thread
 
@@ -34,7 +34,7 @@ def report(
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
-        raise InputError("report", given[0], "given", "without a scene", "leave it out")
+        raise ArgumentError(given[0], "given", "without a scene", "leave it out")
     index = folder / "index.html"
     if scene is not None:
         from rollbench.compare.commands.reporting.scene_page import make_page
@@ -44,7 +44,7 @@ def report(
         data = {"page": str(index), "passed": True, "verdict": page.verdict}
         return Written(data, "", (*warned, page.verdict), page=index, passed=True, verdict=page.verdict)
     if reference is not None:
-        raise InputError("report", "reference", str(reference), "with a scene", "name the scene that it is of")
+        raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.commands.reporting.report import make_report
 
     how = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}

@@ -15,7 +15,7 @@ from rollbench.compare.commands.reporting.first import kept_parts, lacking, live
 from rollbench.compare.commands.reporting.parts import PARTS, SECTIONS, pages
 from rollbench.compare.commands.reporting.scene_page import replaced
 from rollbench.compare.commands.reporting.verify import moved_tables, tables
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
@@ -118,7 +118,7 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
     """Sections asked for; if none all, or those of a quick report. Raises InputError for a bad name."""
     for name in only:
         if name not in SECTIONS:
-            raise InputError("command line", "--only", f'"{name}"', ", ".join(SECTIONS), "name a section")
+            raise ArgumentError("only", f'"{name}"', ", ".join(SECTIONS), "name a section")
     return [part for part in PARTS if (part.name in only if only else part.quick or not quick)]
 
 
@@ -172,7 +172,7 @@ def make_report(
     before = None if against is None else tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
-        raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
+        raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
     from rollbench.reports.html import write
 
     with replaced(out):

@@ -14,7 +14,7 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.commands.solving.cases_output import case_rows, together_entries
 from rollbench.compare.commands.solving.entries import entries
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
@@ -78,7 +78,7 @@ def replaced(out: Path) -> Iterator[None]:
         yield
     except (ValueError, OSError) as error:
         allowed = "a folder that is new, empty or an earlier report"
-        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
+        raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 from rollbench.compare.api.calls import solve_described
 from rollbench.compare.commands.printing import Answer
 from rollbench.compare.commands.solving.output import case_table, stiffness_lines
-from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import Options, default_model
 from rollbench.compare.scenes import catalogue, units
@@ -87,7 +88,8 @@ def _of_case(choices: Choices, name: str) -> Choices:
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
-    from rollbench.compare.gate.loads_file import loads_csv, write_loads
+    from rollbench.compare.gate.loads_file import loads_csv
+    from rollbench.compare.writing import write_csv
 
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
@@ -99,26 +101,29 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
             sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
         for of_set, balls in sets if one.result.converged else ():
             rows += [head | of_set | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
-    return [write_loads(path, rows)] if rows else []
+    if not rows:
+        return []
+    write_csv(path, rows)
+    return [f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {shlex.quote(str(path))}"]
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
     """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
     if isinstance(scene, Assembly):
         refused = (
-            ("--all", choices.everything, "every set is built as its scene asks: leave it out"),
-            ("--condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
+            ("everything", choices.everything, "every set is built as its scene asks: leave it out"),
+            ("condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
         )
-        for option, value, advice in refused:
+        for argument, value, advice in refused:
             if value:
-                raise InputError("command line", option, f"with {scene.name}", "one set on a shaft", advice)
+                raise ArgumentError(argument, f"with {scene.name}", "one set on a shaft", advice)
         if choices.loads_csv is not None and not scene.ball_count:
             advice = "rollers have no flanks: leave it out"
-            raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
+            raise ArgumentError("loads_csv", str(choices.loads_csv), "a set of balls", advice)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
         what = "shaft" if isinstance(scene, Assembly) else "screw"
-        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f"give a station of the {what}")
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"give a station of the {what}")
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
@@ -131,18 +136,18 @@ def _checked(choices: Choices) -> tuple[str, float]:
     cannot be written."""
     model = choices.model or ("" if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        advice = "leave --model out"
-        raise InputError("command line", "--condensed", str(choices.condensed), "the model condensed", advice)
+        advice = "leave `model` out"
+        raise ArgumentError("condensed", str(choices.condensed), "the model condensed", advice)
     if not 0 <= choices.member < 10**9:
-        raise InputError("command line", "--member", str(choices.member), "0 to 999999999", "give the specimen's number")
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     if choices.matrix is not None:
         if not choices.stiffness_at:
-            raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
+            raise ArgumentError("matrix", str(choices.matrix), "with `stiffness_at`", "give a station")
         from rollbench.compare.commands.solving.files import check_matrix
 
         check_matrix(choices.matrix)
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
-        raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
+        raise ArgumentError("curve", str(choices.curve), "a name that ends in .csv", "rename it")
     for path in filter(None, (choices.curve, choices.loads_csv)):
         from rollbench.compare.writing import need_writable
 
@@ -153,7 +158,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
         return model, units.parse(choices.stiffness_at, "length")
     except ValueError as error:
         allowed = "a length with its unit"
-        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
 
 
 def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, choices: Choices) -> list[str]:
@@ -163,7 +168,7 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
     lines, path, (K, where) = [], choices.matrix, _stiffness(one, tangent)
     if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
         advice = "ask for a station where no freedom of the shaft is held"
-        raise InputError("command line", "--matrix", str(path), "a stiffness in all six freedoms", advice)
+        raise ArgumentError("matrix", str(path), "a stiffness in all six freedoms", advice)
     if path is not None and K is not None:
         from rollbench.compare.commands.solving.files import write_stiffness
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rollbench.compare.commands.printing import Answer
-from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.results.base import with_schema
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
@@ -53,8 +53,8 @@ def solve_any(scene: Described, choices: Choices, origin: str) -> FrictionAnswer
         return solve_axis(scene, choices)
     if choices != Choices():
         advice = "leave them out: such a scene holds its own loads and coefficients"
-        given = "--model, --mu, --member or --condensed"
-        raise InputError("command line", given, origin, "with the scene of a whole screw or bearing", advice)
+        given = "model, mu, member, condensed"
+        raise ArgumentError(given, origin, "with the scene of a whole screw or bearing", advice)
     from rollbench.compare.wings.friction.kind_solvers import solve_kind
 
     return solve_kind(scene)

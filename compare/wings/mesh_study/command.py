@@ -9,7 +9,7 @@ from typing import Any
 from rollbench.compare.commands.comparing.study import code_of
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.referenced import Referenced, referenced
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
@@ -57,7 +57,7 @@ def levels_of(count: int | None) -> tuple[int, ...]:
     if count is None:
         return ADVISED
     if not 1 <= count <= len(LEVELS):
-        raise InputError("command line", "--levels", str(count), f"1 to {len(LEVELS)}", "three levels give an order")
+        raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)}", "three levels give an order")
     return tuple(range(1, count + 1))
 
 
@@ -86,7 +86,7 @@ def compute_study(
     tasks = plan(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
-        raise InputError("command line", "--spread", f"with {several}", "scenes of one set", "leave it out")
+        raise ArgumentError("spread", f"with {several}", "scenes of one set", "leave it out")
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
 
