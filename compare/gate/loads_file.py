@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.quantities import count_of
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
 from rollbench.compare.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
 from rollbench.compare.writing import write_csv
@@ -122,7 +123,9 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
     """Write rows of `loads_csv`, of several sets with a column ``set`` first; a line that says so."""
     write_csv(path, rows)
-    return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
+    return (
+        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
+    )
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,8 @@ from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
@@ -79,20 +81,24 @@ class Answers:
     path: LoadPath | None = None
 
 
-def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
-    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]."""
+def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0) -> LoadAnswers:
+    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]; member: which specimen of a scene with
+    random errors carries them."""
+    drawn = specimen(scene, ball_layout(scene), member)
     words = ""
     rated_life: Life | None = None
     reach: Truncation | None = None
     rated: Ratings | None = None
     try:
-        reach = truncation(scene, load, angle)
+        reach = truncation(scene, drawn, load, angle)
         rated = ratings(scene)
         rated_life = life(scene, load)
     except ValueError as error:
         words = str(error)
-    worst = worst_contact(scene, load, angle)
-    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, rated_life, rated, words)
+    worst = worst_contact(scene, drawn, load, angle)
+    return LoadAnswers(
+        worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
+    )
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -145,7 +151,7 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
     slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
-    loads = load_answers(scene, result.load, result.contact_angle)
+    loads = load_answers(scene, result.load, result.contact_angle, result.member)
     path = path_of_set(scene, result, bare)
     return Answers(loads, force, moved, three, slope, why, held, lift, friction, words, path)
 
@@ -226,7 +232,7 @@ class AxisAnswers:
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
-    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
+    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
     moved = loading.along_axis(assembly, result) - loading.along_axis(assembly, bare) if bare.converged else None
     return AxisAnswers(sets, loading.axial_load(assembly), moved, path_of_sets(assembly, result, bare))
 
@@ -242,15 +248,15 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers:
-    """bare: the set without the scene's loads, None where that does not solve."""
+def _of_set(s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+    """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
     parts = s.of.parts
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
         answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
     else:
         assert s.balls is not None, "a set of balls has contacts"
-        answers = load_answers(parts, s.balls.load, s.balls.contact_angle)
+        answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
     if bare is None:
         return SetAnswers(s.of.name, parts, answers, None)
     loads = bare.loads[bare.loads > 0.0]

@@ -12,7 +12,7 @@ from rollbench.compare.commands.solving.summary import life_json
 from rollbench.compare.commands.tables import aligned
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.together import Lives, Together
-from rollbench.compare.quantities import number, quantity, record
+from rollbench.compare.quantities import count_of, number, quantity, record
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.statics.tangent import Tangent
 
@@ -93,7 +93,7 @@ def cases_table(
 ) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
-    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
+    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()

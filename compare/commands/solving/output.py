@@ -23,7 +23,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
-from rollbench.compare.quantities import number, quantity, record, shown
+from rollbench.compare.quantities import count_of, number, quantity, record, shown
 from rollbench.lowfi.rating.roller_contacts import RACES, race_pressures
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, StaticResult
@@ -240,7 +240,8 @@ def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool =
     above_all, measured = above(result.warnings), ""
     behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
     if isinstance(one, SolvedAxis):
-        titles = [f"{one.scene.name}, {len(one.scene.sets)} sets, model {result.model}: {result.status}", one.scene.title]
+        sets = count_of(len(one.scene.sets), "set")
+        titles = [f"{one.scene.name}, {sets}, model {result.model}: {result.status}", one.scene.title]
         tables = _set_tables(one.result, balls=balls)
     else:
         drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
@@ -274,7 +275,8 @@ def closing_lines(
     where to find it."""
     warned = [f"warning: {line}" for line in warnings]
     if not details:
-        return [*warned, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
+        counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
+        return [*warned, f"{counted}, balance and solver: --assumptions"]
     headed = ("assumed", assumed), ("left out", left_out)
     return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
@@ -284,8 +286,8 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
     if not math.isfinite(s.residual):
         return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
     return [
-        f"solver: {s.formulation}, {s.engine}; {s.iterations} iterations, residual {s.residual:.1e}, "
-        f"{s.unknowns} unknowns, {s.elements} beam elements{measured}, {s.seconds:.3g} s"
+        f"solver: {s.formulation}, {s.engine}; {count_of(s.iterations, 'iteration')}, residual {s.residual:.1e}, "
+        f"{count_of(s.unknowns, 'unknown')}, {count_of(s.elements, 'beam element')}{measured}, {s.seconds:.3g} s"
     ]
 
 
