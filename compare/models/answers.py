@@ -11,7 +11,7 @@ from typing import Any
 
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models import loading
-from rollbench.compare.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
+from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
 from rollbench.compare.models.ring_play import play_warnings
@@ -221,12 +221,14 @@ class SetAnswers:
 @dataclass(frozen=True)
 class AxisAnswers:
     """sets: of each; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked about, along the
-    axis, from that without loads; path: where the loads go, None without any."""
+    axis, from that without loads; path: where the loads go, None without any; paths: where those on each body go, judged
+    one by one, so that one that a frame takes does not hide behind another."""
 
     sets: tuple[SetAnswers, ...]
     force: float
     displacement: float | None
     path: LoadPath | None = None
+    paths: tuple[LoadPath, ...] = ()
 
 
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
@@ -234,7 +236,18 @@ def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
     sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
     moved = loading.along_axis(assembly, result) - loading.along_axis(assembly, bare) if bare.converged else None
-    return AxisAnswers(sets, loading.axial_load(assembly), moved, path_of_sets(assembly, result, bare))
+    path = path_of_sets(assembly, result, bare)
+    return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
+
+
+def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
+    """Paths of the loads on each body: of one body that of all loads; of several what changes without the loads of one."""
+    bodies, options = loaded_bodies(assembly), Options(member=result.member)
+    if len(bodies) < 2:
+        return () if path is None else (path,)
+    without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
+    found = (path_of_sets(alone, result, without[name], name) for name, (alone, _) in bodies.items())
+    return tuple(x for x in found if x is not None)
 
 
 def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
@@ -244,7 +257,8 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
         return result, None
     answers = gather_axis(assembly, result)
     warned = (w.of(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
-    further = (*warned, *path_warnings(answers.path), *play_warnings(assembly))
+    held = (w for path in answers.paths for w in path_warnings(path))
+    further = (*warned, *held, *play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
