@@ -50,6 +50,15 @@ def unit_of(key: str) -> tuple[str, Unit | None]:
     return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
 
 
+def count_of(number: int, one: str) -> str:
+    """A number of things.
+
+    >>> count_of(1, "set"), count_of(2, "set")
+    ('1 set', '2 sets')
+    """
+    return f"{number} {one}" if number == 1 else f"{number} {one}s"
+
+
 def split_unit(key: str) -> tuple[str, str]:
     """Words and unit of a key; no unit where it names none.
 

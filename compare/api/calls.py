@@ -45,7 +45,7 @@ def new(size: str = "", *, kind: str = "ball screw") -> Described:
     """A scene to begin with: a ball screw or double nut of a nominal size, the rest as is usual for it.
 
     size: diameter and lead in mm, such as ``"40x10"``; without it a scene of the kind that solves as it stands. kind: as
-    ``--kind`` of the command. Raises InputError.
+    `rollbench new` has it. Raises InputError.
     """
     from rollbench.compare.scenes.template import text_of
 

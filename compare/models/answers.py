@@ -13,7 +13,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.models import loading
-from rollbench.compare.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
+from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
 from rollbench.compare.models.ring_play import play_warnings
@@ -29,6 +29,8 @@ from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
@@ -91,20 +93,24 @@ class Answers:
         return None if self.at_nut is None else self.at_nut.rigidity("uz")
 
 
-def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
-    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]."""
+def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0) -> LoadAnswers:
+    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]; member: which specimen of a scene with
+    random errors carries them."""
+    drawn = specimen(scene, ball_layout(scene), member)
     words = ""
     rated_life: Life | None = None
     reach: Truncation | None = None
     rated: Ratings | None = None
     try:
-        reach = truncation(scene, load, angle)
+        reach = truncation(scene, drawn, load, angle)
         rated = ratings(scene)
         rated_life = life(scene, load)
     except ValueError as error:
         words = str(error)
-    worst = worst_contact(scene, load, angle)
-    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, rated_life, rated, words)
+    worst = worst_contact(scene, drawn, load, angle)
+    return LoadAnswers(
+        worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
+    )
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -166,7 +172,7 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
     tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
-    loads = load_answers(scene, result.load, result.contact_angle)
+    loads = load_answers(scene, result.load, result.contact_angle, result.member)
     path = path_of_set(scene, result, bare)
     return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path)
 
@@ -236,12 +242,14 @@ class SetAnswers:
 @dataclass(frozen=True)
 class AxisAnswers:
     """sets: of each; force [N]: axial loads on shaft and housings; motion (6,) [m, rad]: of what is asked about, from that
-    without loads, None where it does not solve without them; path: where the loads go, None without any."""
+    without loads, None where it does not solve without them; path: where the loads go, None without any; paths: where those
+    on each body go, judged one by one, so that one that a frame takes does not hide behind another."""
 
     sets: tuple[SetAnswers, ...]
     force: float
     motion: Array | None
     path: LoadPath | None = None
+    paths: tuple[LoadPath, ...] = ()
 
     @property
     def displacement(self) -> float | None:
@@ -252,9 +260,20 @@ class AxisAnswers:
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
-    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
+    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
     moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
-    return AxisAnswers(sets, loading.axial_load(assembly), moved, path_of_sets(assembly, result, bare))
+    path = path_of_sets(assembly, result, bare)
+    return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
+
+
+def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
+    """Paths of the loads on each body: of one body that of all loads; of several what changes without the loads of one."""
+    bodies, options = loaded_bodies(assembly), Options(member=result.member)
+    if len(bodies) < 2:
+        return () if path is None else (path,)
+    without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
+    found = (path_of_sets(alone, result, without[name], name) for name, (alone, _) in bodies.items())
+    return tuple(x for x in found if x is not None)
 
 
 def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
@@ -264,19 +283,20 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
         return result, None
     answers = gather_axis(assembly, result)
     warned = (w.of(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
-    further = (*warned, *path_warnings(answers.path), *play_warnings(assembly))
+    held = (w for path in answers.paths for w in path_warnings(path))
+    further = (*warned, *held, *play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers:
-    """bare: the set without the scene's loads, None where that does not solve."""
+def _of_set(s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+    """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
     parts = s.of.parts
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
         answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
     else:
         assert s.balls is not None, "a set of balls has contacts"
-        answers = load_answers(parts, s.balls.load, s.balls.contact_angle)
+        answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
     if bare is None:
         return SetAnswers(s.of.name, parts, answers, None)
     loads = bare.loads[bare.loads > 0.0]

@@ -11,6 +11,7 @@ from rollbench.compare.commands.solving.output import case_table, stiffness_line
 from rollbench.compare.commands.tables import aligned
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.together import Lives, Together
+from rollbench.compare.quantities import count_of
 from rollbench.compare.results.answers_json import life_json
 from rollbench.compare.results.cases_json import cases_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -37,7 +38,7 @@ def cases_table(
 ) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
-    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
+    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()

@@ -13,7 +13,7 @@ from rollbench.compare.commands.solving.entries import block, load_error
 from rollbench.compare.commands.tables import listed, of_quantities, plain
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import random_errors
-from rollbench.compare.quantities import quantity, shown
+from rollbench.compare.quantities import count_of, quantity, shown
 from rollbench.compare.results.answers_json import sides_json
 from rollbench.compare.results.solved_json import discretisation_percent, motion_json, rollers, set_balls
 from rollbench.lowfi.rating.roller_contacts import RACES
@@ -52,7 +52,8 @@ def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool =
     above_all, measured = above(result.warnings), ""
     behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
     if isinstance(one, SolvedAxis):
-        titles = [f"{one.scene.name}, {len(one.scene.sets)} sets, model {result.model}: {result.status}", one.scene.title]
+        sets = count_of(len(one.scene.sets), "set")
+        titles = [f"{one.scene.name}, {sets}, model {result.model}: {result.status}", one.scene.title]
         tables = _set_tables(one.result, balls=balls)
     else:
         drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
@@ -86,7 +87,8 @@ def closing_lines(
     where to find it."""
     warned = [f"warning: {line}" for line in warnings]
     if not details:
-        return [*warned, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
+        counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
+        return [*warned, f"{counted}, balance and solver: --assumptions"]
     headed = ("assumed", assumed), ("left out", left_out)
     return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
@@ -96,8 +98,8 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
     if not math.isfinite(s.residual):
         return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
     return [
-        f"solver: {s.formulation}, {s.engine}; {s.iterations} iterations, residual {s.residual:.1e}, "
-        f"{s.unknowns} unknowns, {s.elements} beam elements{measured}, {s.seconds:.3g} s"
+        f"solver: {s.formulation}, {s.engine}; {count_of(s.iterations, 'iteration')}, residual {s.residual:.1e}, "
+        f"{count_of(s.unknowns, 'unknown')}, {count_of(s.elements, 'beam element')}{measured}, {s.seconds:.3g} s"
     ]
 
 

@@ -15,6 +15,7 @@ from rollbench.compare.commands.solving.output import case_table, stiffness_line
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import Options, default_model
+from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes import catalogue, units
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.compare.watch import checked, watched
@@ -104,7 +105,9 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
     if not rows:
         return []
     write_csv(path, rows)
-    return [f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {shlex.quote(str(path))}"]
+    return [
+        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
+    ]
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:

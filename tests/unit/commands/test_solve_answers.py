@@ -55,6 +55,12 @@ def test_the_block_has_eleven_entries_is_never_wider_and_says_what_is_not_covere
     assert dict(entries(Solved(scene, result, found, uncovered)))["error"].startswith("not covered by the comparisons")
 
 
+def test_one_set_is_one_set(command) -> None:
+    scenes = Path(__file__).parents[2] / "scenes" / "public"
+    assert "h3-hybrid-7208, 1 set, model" in command("solve", scenes / "h3-hybrid-7208.toml", "--model", "lin").out
+    assert "s2-double-nut-3000, 2 sets, model" in command("solve", scenes / "s2-double-nut-3000.toml", "--model", "lin").out
+
+
 def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
     scene, result, found = solved
     data = json.loads(json.dumps(answers_json(Solved(scene, result, found)), allow_nan=False))
