@@ -20,7 +20,7 @@ from rollbench.reports.cells import micro
 @dataclass(frozen=True)
 class Result:
     """Values of a result by path: ``result["axial.displacement_um"]`` is a number or what JSON has in its place,
-    ``result.quantity("axial.displacement_um")`` the same with its unit, as pint has it.
+    ``result.quantity("axial.displacement_um")`` the same with its unit, for who has pint.
 
     data: all that the command prints with ``--json``; shown: what the table shows, by its path in data ("": all); notes:
     sentences below the table.
@@ -41,18 +41,23 @@ class Result:
         return value
 
     def quantity(self, path: str) -> Any:
-        """The number, or the list of numbers, at a path with the unit that its key ends with: a quantity of pint.
+        """The number, or the list of numbers, at a path with the unit that its key ends with: a quantity of the package
+        pint, which is not installed with this one.
 
-        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number.
+        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number, ImportError
+        without pint.
         """
-        import pint
+        try:
+            import pint
+        except ImportError as error:
+            raise ImportError("quantities with units need the package pint: pip install pint") from error
 
         value = self[path]
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
         unit = next((unit for key in keys if (unit := unit_of(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
             raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
-        return pint.application_registry.get().Quantity(value, unit.pint)
+        return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
 
     def definition(self, path: str) -> str:
         """What the number at a path is, and what its error is; empty where nothing is said of it. Raises KeyError for a

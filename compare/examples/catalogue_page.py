@@ -10,8 +10,14 @@ import rollbench
 def main() -> rollbench.Solution:
     """Solve it and print the answers."""
     solution = rollbench.solve(Path(__file__).with_name("catalogue_page.toml"))
-    for name in ("axial.displacement_um", "axial.rigidity_N_per_um", "worst_contact.pressure_MPa", "preload.mean_N"):
-        print(f"{name.split('.')[1].rsplit('_')[0]:15} {solution.quantity(f'summary.{name}'):.4g~P}")
+    for name, unit in (
+        ("axial.displacement", "um"),
+        ("axial.rigidity", "N_per_um"),
+        ("worst_contact.pressure", "MPa"),
+        ("preload.mean", "N"),
+    ):
+        words, value = name.split(".")[1], solution[f"summary.{name}_{unit}"]
+        print(f"{words:15} {value:.4g} {unit.replace('_per_', '/')}")
     return solution
 
 
