@@ -59,21 +59,22 @@ class Record(ABC):
     def quantity(self, path: str) -> pint.Quantity:
         """The number, or the list of numbers, at a path of keys in the JSON with the unit that its key ends with.
 
-        >>> import rollbench
-        >>> result = rollbench.solve("lin-case1", "lin")
-        >>> bool(result.quantity("summary.loads.max_N").to("N").magnitude == result.loads.max())
-        True
+        The package pint makes it, which is not installed with this one.
 
-        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number.
+        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number, ImportError
+        without pint.
         """
-        import pint
+        try:
+            import pint
+        except ImportError as error:
+            raise ImportError("quantities with units need the package pint: pip install pint") from error
 
         value = self._at(path)
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
         unit = next((unit for key in keys if (unit := unit_of(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
             raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
-        return pint.application_registry.get().Quantity(value, unit.pint)
+        return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
 
     def definition(self, path: str) -> str:
         """What the number at a path of keys in the JSON is, and what its error is; empty where nothing is known of it.

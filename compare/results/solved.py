@@ -19,11 +19,13 @@ from rollbench.compare.results.cases_json import cases_json
 from rollbench.compare.results.solved_json import case_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.problem import own_hertz
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -138,7 +140,7 @@ class Balls:
     angles: Array | None = None
     """Contact angles under load, (n, 4) [rad]; nan without contact."""
     pressure: Array | None = None
-    """Hertz pressures at the poles, (n, 4) [Pa]; zero without contact."""
+    """Hertz pressures at the poles, by the radii with their errors, (n, 4) [Pa]; zero without contact."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -465,7 +467,7 @@ def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
-    pressure = nominal_hertz(scene).pressure(found.load)
+    pressure = own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
     return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
 
 
