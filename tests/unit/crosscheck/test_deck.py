@@ -226,7 +226,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
     halved = ((other, DeckOptions(half=True), "not its own mirror image") for other in (cut, aside, loose))
     stations = r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
     for bad, options, words in (
-        (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*--balls 3:5"),
+        (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*balls=3:5"),
         (replace(scene, errors=displaced), COARSE, "a displaced groove"),
         (replace(scene, errors=uneven), COARSE, "grooves of two radii"),
         (replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE, r"solid\.nut"),
