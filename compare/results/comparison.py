@@ -213,7 +213,7 @@ def _of_set(
         unsettled=found.unsettled,
         uncertainties=found.uncertainty,
         uncertainty=Uncertainty(
-            t.percent, t.discretisation, t.choices and t.choices.percent, t.inputs, t.second_order, t.text
+            t.percent, t.discretisation, None if t.choices is None else t.choices.percent, t.inputs, t.second_order, t.text
         ),
         models={b.label: _model(b, one) for b in whole.models},
         expected_error=expected_error(whole.expected),

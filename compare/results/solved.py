@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -421,9 +421,8 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
     if answers is None:
         return replace(head, sets=sets)
     balls = [s for s in sets.values() if s.loads is not None]
-    joined = {
-        name: np.concatenate([getattr(s, name) for s in balls]) if balls else None
-        for name in ("azimuth", "z", "loads", "angles", "pressure")
+    joined: dict[str, Any] = {
+        name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
     }
     worst = next((sets[found.sets[i].of.name].worst for i in by_pressure(answers)), None)
     lives = [s.life for s in sets.values() if s.life is not None]

@@ -76,7 +76,7 @@ def run_compare(
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
             raise ArgumentError(name, "with a reference of your own", "one of both", "the file is the reference")
-    how = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
+    how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = comparing(described, names, chosen, engine, on_terminal, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
     cases, warnings, stores, own = cases_by_name(described), found.warnings, found.stores, found.own

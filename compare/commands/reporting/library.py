@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rollbench.compare.api.calls import LOG
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
 from rollbench.meshes.threads import held_to_one_thread
 
@@ -41,13 +43,13 @@ def report(
 
         page = make_page(str(scene), folder, Path(store), None if reference is None else Path(reference))
         warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
-        data = {"page": str(index), "passed": True, "verdict": page.verdict}
+        data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": page.verdict}
         return Written(data, "", (*warned, page.verdict), page=index, passed=True, verdict=page.verdict)
     if reference is not None:
         raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.commands.reporting.report import make_report
 
-    how = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     answer = make_report(only, folder, store=Path(store), say=LOG.info, **how)
     passed = answer.code == 0
     return Written({"page": str(index), "passed": passed}, "", tuple(map(str, answer.parts)), page=index, passed=passed)

@@ -123,6 +123,14 @@ def test_the_loads_are_drawn(solved: rollbench.Result) -> None:
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["SL", "NR"]
 
 
+@pytest.mark.slow
+def test_the_loaded_screw_can_be_turned(tmp_path: Path) -> None:
+    path = rollbench.solve("two-balls", "lin").view(tmp_path / "screw.html")
+    assert "two-balls, lin" in path.read_text(encoding="utf-8")
+    with pytest.raises(ValueError, match="one set"):
+        rollbench.solve("double-nut", "lin").view(tmp_path / "none.html")
+
+
 def test_a_row_for_every_ball(solved: rollbench.Result) -> None:
     columns = solved.columns()
     assert len(columns["ball"]) == 32
