@@ -83,6 +83,7 @@ HOOKS = {
     "gate": "(study, largest error): rows of the gate",
     "gate of what is printed": "(study, largest error): its first rows",
     "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
+    "ensemble": "(scene, model, count, seed, workers, step): JSON-ready statistics of a scene with random errors",
     "members": "(scene, model, count, file of rows, seed, engine, balls): the answer of rollbench solve --members",
     "mesh study": "(scene, levels, step, spread, store): of rollbench.mesh_study: JSON-ready, what is shown, lines",
     "other program": "(): (its name, loads (n, 4) [N] by scene) of another program's runs",

@@ -14,7 +14,16 @@ from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import ArgumentError, named
 from rollbench.compare.registration import needed
-from rollbench.compare.results.data import Friction, MeshStudy, Sweep, friction_of, mesh_study_of, sweep_of
+from rollbench.compare.results.data import (
+    Ensemble,
+    Friction,
+    MeshStudy,
+    Sweep,
+    ensemble_of,
+    friction_of,
+    mesh_study_of,
+    sweep_of,
+)
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import each_case, solvable
@@ -112,6 +121,19 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     """
     data = needed("friction of a scene", "friction", "scene", str(scene))(_described(scene), tuple(mu), model)
     return friction_of(data)
+
+
+@held_to_one_thread()
+def ensemble(
+    scene: Described | str | Path, members: int, model: str = "", *, seed: int | None = None, workers: int | None = None
+) -> Ensemble:
+    """Many specimens of a scene with random errors: distributions of the largest load, stiffness, lost contacts, life.
+
+    members: how many; model: refined unless given; seed: of the random errors in place of the scene's; workers: parallel
+    processes. Raises InputError.
+    """
+    found = needed("ensemble", "ensemble", "members", str(members))
+    return ensemble_of(found(_described(scene), model, members, seed, workers, LOG.info))
 
 
 @held_to_one_thread()

@@ -1,4 +1,4 @@
-"""What `rollbench.friction`, `mesh_study`, `sweep` and `report` give: records of what their commands answer."""
+"""What `rollbench.friction`, `ensemble`, `mesh_study`, `sweep` and `report` give: records of what their commands answer."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
 
 @dataclass(frozen=True)
 class Statistics:
-    """An output over the samples of a sweep, in the unit that its name ends with."""
+    """An output over the samples of a sweep or the specimens of an ensemble, in the unit that its name ends with."""
 
     mean: float
     """Mean."""
@@ -198,6 +198,46 @@ class Statistics:
     """Largest value."""
     quantiles: Mapping[float, float]
     """Quantiles by share: 0.01, 0.05, 0.5, 0.95, 0.99."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Ensemble(Data):
+    """Many specimens of a scene with random errors."""
+
+    scene: str
+    """Name of the scene."""
+    members: int
+    """How many specimens were solved; of load cases, of each."""
+    converged: int
+    """How many of them have an equilibrium; of load cases, the fewest."""
+    outputs: Mapping[str, Statistics | None]
+    """Outputs by name; None of those with less than two values. Empty of load cases."""
+    failed: Mapping[int, str]
+    """Why specimens have no equilibrium, by their number from 0. Empty of load cases."""
+    sets: Mapping[str, Mapping[str, Statistics | None]]
+    """The outputs of each of several sets by name; empty of one."""
+    cases: Mapping[str, Ensemble]
+    """Load cases by name; empty without."""
+
+
+def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
+    """The record of what ``rollbench solve --members`` answers."""
+    cases = {str(one["case"]): ensemble_of(one) for one in data.get("cases", ())}
+    return Ensemble(
+        values=data,
+        shown="cases" if cases else "statistics",
+        scene=str(data["scene"]),
+        members=data["members"] if not cases else min(one.members for one in cases.values()),
+        converged=data["converged"] if not cases else min(one.converged for one in cases.values()),
+        outputs=_outputs(data.get("statistics", {})),
+        failed={one["member"]: one["status"] for one in data.get("failed", ())},
+        sets={one["name"]: _outputs(one["statistics"]) for one in data.get("sets", ())},
+        cases=cases,
+    )
+
+
+def _outputs(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
+    return {name: None if x is None else _statistics(x) for name, x in each.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -227,14 +267,17 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
         folder=folder,
         solved=data["solved"],
         converged=data["converged"],
-        outputs={name: None if x is None else _statistics(x) for name, x in data["outputs"].items()},
+        outputs=_outputs(data["outputs"]),
         sobol={name: {key: x["total"] for key, x in of.items()} for name, of in indices.items() if of is not None},
     )
 
 
-def _statistics(x: Mapping[str, float]) -> Statistics:
+def _statistics(x: Mapping[str, Any]) -> Statistics:
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
-    return Statistics(x["mean"], x["standard_error"], x["standard_deviation"], x["smallest"], x["largest"], quantiles)
+    quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
+    names = ("mean", "standard_error", "standard_deviation", "smallest", "largest")
+    numbers: dict[str, float] = {name: x[name] for name in names}
+    return Statistics(**numbers, quantiles=quantiles)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

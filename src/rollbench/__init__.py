@@ -21,16 +21,17 @@ from warnings import warn
 
 if TYPE_CHECKING:
     from rollbench.compare import __version__
-    from rollbench.compare.api import check, compare_models, friction, mesh_study, new, read, solve, sweep
+    from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
     from rollbench.compare.commands.reporting.library import report
     from rollbench.compare.errors import InputError
     from rollbench.compare.results.comparison import Comparison
-    from rollbench.compare.results.data import Friction, MeshStudy, Sweep
+    from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.verdict import Judgement, Verdict
 
 __all__ = [
     "Comparison",
+    "Ensemble",
     "Friction",
     "InputError",
     "Judgement",
@@ -42,6 +43,7 @@ __all__ = [
     "__version__",
     "check",
     "compare_models",
+    "ensemble",
     "friction",
     "mesh_study",
     "new",
@@ -56,7 +58,7 @@ _ELSEWHERE = {
     "Comparison": "rollbench.compare.results.comparison",
     "report": "rollbench.compare.commands.reporting.library",
     "__version__": "rollbench.compare",
-    **dict.fromkeys(("Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
+    **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
     **dict.fromkeys(("Judgement", "Verdict"), "rollbench.compare.results.verdict"),
 }

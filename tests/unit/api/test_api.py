@@ -267,6 +267,17 @@ def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:
         rollbench.mesh_study("two-balls", levels=9, store=tmp_path)
 
 
+def test_an_ensemble_has_typed_statistics(command) -> None:
+    found = rollbench.ensemble("lin-random", 3, "lin")
+    data = command.answer("solve", "lin-random", "--members", "3", "--model", "lin")
+    assert (found.members, found.converged, found.failed) == (3, 3, {})
+    each = [rollbench.solve("lin-random", "lin", member=k).loads.max() for k in range(3)]
+    largest = found.outputs["largest_load_N"]
+    assert (largest.mean, largest.largest) == (pytest.approx(np.mean(each)), pytest.approx(max(each)))
+    assert largest.quantiles[0.5] == pytest.approx(np.median(each))
+    assert found.to_dict()["statistics"] == data["statistics"]
+
+
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
     assert page.passed
