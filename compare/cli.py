@@ -10,18 +10,54 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from copy import copy
 from types import FrameType
 
 from cyclopts import CycloptsError
 
 from rollbench.compare.commands.arguments import commands
 from rollbench.compare.commands.printing import OutputLost, writing
-from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.meshes import kept
 from rollbench.meshes.threads import one_thread
 
 #: Longest wait [s] after an interrupt for threads that tidy up.
 TIDYING = 2.0
+
+
+#: Arguments of the library whose options have other names, and those that are given without one.
+OPTIONS = {
+    "models": "--model",
+    "limits": "--limit",
+    "everything": "--all",
+    "names": "names",
+    "part": "part",
+    "scene": "scene",
+    "scenes": "scenes",
+}
+
+
+def option(argument: str) -> str:
+    """What gives an argument of the library on the command line.
+
+    >>> option("max_error"), option("levels=1"), option("spread=True"), option("compute=False")
+    ('--max-error', '--levels 1', '--spread', '--no-compute')
+    """
+    name, _, value = argument.partition("=")
+    spelled = OPTIONS.get(name, "--" + name.replace("_", "-"))
+    if value == "False":
+        return spelled.replace("--", "--no-", 1)
+    return spelled if value in ("", "True") else f"{spelled} {value}"
+
+
+def in_options(error: InputError) -> InputError:
+    """The error with options in place of the library's arguments."""
+    said = copy(error)
+    for part in ("allowed", "advice"):
+        setattr(said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option(found[1]), getattr(error, part)))
+    if isinstance(error, ArgumentError):
+        said.file, said.key = error.file or "command line", ", ".join(map(option, error.key.split(", ")))
+    return said
 
 
 def _drop_output() -> None:
@@ -86,7 +122,7 @@ def main(tokens: list[str] | None = None) -> None:
         if tokens is None and "rollbench.lowfi.jit" in sys.modules:
             sys.modules["rollbench.lowfi.jit"].compile_afterwards()
     except InputError as error:
-        _say(error.lines())
+        _say(in_options(error).lines())
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)

@@ -29,6 +29,9 @@ class InputError(Exception):
     ``file``: where it was found; ``key``: dotted path of the key (``balls.radius``, ``supports[0].fix``), or
     what stands for it; ``value``: what was found, as written; ``allowed``: the range or the choices;
     ``advice``: what to do next; ``more``: how many further faults were found. ``str()`` gives one line.
+
+    In ``allowed`` and ``advice`` arguments of functions stand between backticks (```levels```, ```compute=False```): the
+    command line writes them as options.
     """
 
     def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
@@ -48,10 +51,20 @@ class InputError(Exception):
     def __str__(self) -> str:
         """One line: ``file: key: got value; allowed: ...; advice: ...``, and the number of further faults."""
         rest = "" if self.more == 0 else f" (and {self.more} more fault{'s' if self.more > 1 else ''})"
+        place = f"{one_line(self.file)}: " if self.file else ""
         return (
-            f"{one_line(self.file)}: {one_line(self.key)}: got {one_line(self.value)}; "
+            f"{place}{one_line(self.key)}: got {one_line(self.value)}; "
             f"allowed: {one_line(self.allowed, 300)}; advice: {one_line(self.advice, 300)}{rest}"
         )
+
+
+class ArgumentError(InputError):
+    """An argument of a function cannot be used; several have commas between their names. file: where it leads, if any."""
+
+    def __init__(self, argument: str, value: str, allowed: str, advice: str, file: str = "") -> None:
+        """Keep the parts; the text is put together by ``str()``: ``max_error: got 700; allowed: ...; advice: ...``."""
+        super().__init__(file, argument, value, allowed, advice)
+        self.args = (argument, value, allowed, advice, file)
 
 
 class Refusal(InputError):

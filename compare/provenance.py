@@ -31,7 +31,7 @@ def commit() -> str:
     try:
         run = [
             subprocess.run(["git", "-C", str(root), *args], capture_output=True, text=True, check=True, timeout=20).stdout
-            for args in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
+            for args in (("rev-parse", "HEAD"), ("status", "-s", "-uno"))
         ]
     except (OSError, subprocess.SubprocessError):
         return "not known: git does not answer"

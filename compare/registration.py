@@ -76,7 +76,7 @@ class Registration:
 HOOKS = {
     "bench": "(): jobs of rollbench bench",
     "conformity": "(parts of a set, preload [N], rigidity [N/m] of a pair): conformity of its grooves",
-    "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export --deck",
+    "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export on a deck",
     "friction": "(scene, result, options): JSON-ready sums of friction of a static result, or None and why",
     "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
     "friction of a page": "(scene, result, options): section on the friction of one's own screw, or None",
@@ -84,7 +84,7 @@ HOOKS = {
     "gate of what is printed": "(study, largest error): its first rows",
     "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
     "members": "(scene, model, count, file of rows, seed, engine, balls): the answer of rollbench solve --members",
-    "mesh study": "(scene, levels, spread, store): what rollbench.mesh_study returns: JSON-ready, what is shown, lines",
+    "mesh study": "(scene, levels, step, spread, store): of rollbench.mesh_study: JSON-ready, what is shown, lines",
     "other program": "(): (its name, loads (n, 4) [N] by scene) of another program's runs",
     "references": "(fresh): names of scenes and mesh levels whose runs the report shows",
     "rolling compare": "(names, levels, store, engine, fresh, bodies): the answer of rollbench compare on rolling balls",
@@ -93,10 +93,10 @@ HOOKS = {
     "run times": "(study, step): tables and figures for the report's section on the reference",
     "starting torque": "(parts of a bearing, thrust [N]): its torque by Palmgren's load formula",
     "stability": "(): texts and tables for the report's section on stability",
-    "sweep": "(scene, vary, samples, method, model, seed, folder): JSON-ready summary of a sweep",
+    "sweep": "(scene, vary, samples, method, model, seed, folder, outputs, step): JSON-ready summary of a sweep",
     "timing": "(step): tables for the report's section on run times",
     "timing jobs": "(): further jobs of that section",
-    "traces": "(table): the answer of rollbench list --trace",
+    "traces": "(table): the answer of rollbench list on traces",
     "torque": "(sets with results, friction, motion, options): friction torque of all sets [N mm], or None",
 }
 

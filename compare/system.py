@@ -69,7 +69,7 @@ def cores() -> int:
 
 def out_of_memory(reason: object) -> InputError:
     """The error of work that needs more memory than this machine has."""
-    advice = "end other programs, take a coarser level or fewer workers, or a cluster (--backend dask)"
+    advice = "end other programs, take a coarser level or fewer workers, or a cluster (`backend=dask`)"
     return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
 
 

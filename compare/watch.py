@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 
 #: Seconds after which a solution says that it is still at work, and between two such lines.
 FIRST, AGAIN = 2.0, 1.0
@@ -23,7 +23,7 @@ ENDED = 1
 def checked(limit: float | None) -> float | None:
     """A limit of time [s]. Raises InputError for one that is no time."""
     if limit is not None and not 0.0 < limit <= 1e9:
-        raise InputError("command line", "--time-limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
+        raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
     return limit
 
 

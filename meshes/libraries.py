@@ -43,7 +43,7 @@ ONLY_FOR = {
     "jinja2": "no report",
     "dask": "no sweep or reference on a cluster",
     "distributed": "no sweep or reference on a cluster",
-    "matplotlib": "no report; compare, mesh-study, sweep and solve --curve write tables without figures",
+    "matplotlib": "no report; compare, mesh-study, sweep and the curve of solve write tables without figures",
     "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }
 #: Those that a run of the 3D reference needs, and those that a page does.

@@ -1,4 +1,4 @@
-"""What changed since earlier verdicts, that ``rollbench check`` wrote with ``--csv`` or ``--json``."""
+"""What changed since earlier verdicts, that ``rollbench check`` wrote as CSV or JSON."""
 
 from __future__ import annotations
 
@@ -91,8 +91,8 @@ def _read(path: Path) -> dict[Label, Row]:
     try:
         return dict(map(_of_json, _listed(json.loads(text))) if text.lstrip().startswith("{") else _of_csv(text))
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        advice = "keep one of an earlier run: rollbench check SCENE --csv gate.csv"
-        raise InputError(str(path), "file", "something else", "verdicts that --csv or --json wrote", advice) from None
+        advice = "keep one of an earlier run: check with `csv=gate.csv`"
+        raise InputError(str(path), "file", "something else", "verdicts that check wrote as CSV or JSON", advice) from None
 
 
 def _of_csv(text: str) -> Iterator[tuple[Label, Row]]:

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import load_answers, unloaded_place
 from rollbench.compare.models.compared_point import pull
 from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
@@ -73,20 +73,20 @@ QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
 
 
 def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Limits by quantity of ``--limit NAME=NUMBER``: in per cent, of the contact angle in degrees. Raises InputError."""
+    """Limits by quantity of ``NAME=NUMBER``: in per cent, of the contact angle in degrees. Raises InputError."""
     out: dict[str, float] = {}
     for text in texts:
         name, _, number = text.partition("=")
         name = name.strip().lower().replace("_", " ")
         name = ANGLE.name if name == "angle" else name
         allowed = f"{', '.join(QUANTITIES)}, each once, = a number above 0"
-        advice = "in per cent, of the contact angle in degrees: --limit rigidity=10; of the loads it is --max-error"
+        advice = "in per cent, of the contact angle in degrees, such as rigidity=10; of the loads it is `max_error`"
         try:
             value = float(number)
         except ValueError:
             value = float("nan")
         if name not in QUANTITIES or name in out or not 0.0 < value < float("inf"):
-            raise InputError("command line", "--limit", f'"{text}"', allowed, COMMA if has_comma(number) else advice)
+            raise ArgumentError("limits", f'"{text}"', allowed, COMMA if has_comma(number) else advice)
         out[name] = value
     return out
 

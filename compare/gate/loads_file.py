@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 import re
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -16,10 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.quantities import count_of
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
 from rollbench.compare.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
-from rollbench.compare.writing import write_csv
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
@@ -118,14 +115,6 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
         for i in range(len(load))
         for s, side in enumerate(SIDES)
     ]
-
-
-def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
-    """Write rows of `loads_csv`, of several sets with a column ``set`` first; a line that says so."""
-    write_csv(path, rows)
-    return (
-        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
-    )
 
 
 @dataclass(frozen=True)
@@ -231,7 +220,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
             of[ball, side] = cells.amount(name)
     if only and not cases:
         which, value = " and ".join(only), " of ".join(f"{name} {words[0]}" for name, words in reversed([*only.items()]))
-        advice = f"rollbench solve SCENE --loads-csv FILE writes all, told apart by the column {which}"
+        advice = f"solve with `loads_csv=FILE` writes all, told apart by the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
@@ -334,7 +323,7 @@ class _Places:
         if away[ball] > self._near:
             place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
             allowed = f"the place of a ball; the nearest, {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
-            advice = "places are those of rollbench solve SCENE --loads-csv FILE; without the columns, numbers count"
+            advice = "places are those of solve with `loads_csv=FILE`; without the columns, numbers count"
             raise row.fault("azimuth, z", place, allowed, advice)
         return ball
 

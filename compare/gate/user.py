@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
 from rollbench.compare.gate.judged import ANGLE, LIFE, limit_of, parse_limits
 from rollbench.compare.gate.loads_file import GivenLoads, Only, read_loads
@@ -73,21 +73,21 @@ def asked(
 ) -> Asked:
     """What is asked, checked. Raises InputError for what cannot be asked together, or is out of range."""
     if max_error is not None and not 0.0 < max_error <= 100.0:
-        raise InputError("command line", "--max-error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
+        raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
     if levels is not None and not 1 <= levels <= len(LEVELS):
-        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "two give an uncertainty")
+        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "two give an uncertainty")
     if levels is not None and (stored is not None or not compute):
         advice = "leave one out: stored runs are taken with all levels that are there"
-        raise InputError("command line", "--levels", str(levels), "without --stored and --no-compute", advice)
+        raise ArgumentError("levels", str(levels), "without `stored` and `compute=False`", advice)
     if levels is not None and reference is not None:
-        raise InputError("command line", "--levels", str(levels), "without --reference", "the file is the reference")
-    for name, file in (("--loads", loads), ("--values", values)):
+        raise ArgumentError("levels", str(levels), "without `reference`", "the file is the reference")
+    for name, file in (("loads", loads), ("values", values)):
         if file is not None and model:
             advice = "what the file holds is judged: leave one out"
-            raise InputError("command line", name, str(file), "without --model", advice)
+            raise ArgumentError(name, str(file), "without `model`", advice)
     if stored is not None and not stored.is_dir():
-        raise InputError("command line", "--stored", str(stored), "a folder of stored runs", "check the path")
-    compared_models((model,) if model else ())
+        raise ArgumentError("stored", str(stored), "a folder of stored runs", "check the path")
+    compared_models((model,) if model else (), "model")
     return Asked(
         (store if stored is None else stored, shipped_store()),
         model or DEFAULT,
@@ -207,11 +207,11 @@ def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why:
 def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
     """The scenes that files are given for; none without files. Raises InputError for several that are
     not the load cases of one."""
-    named = {"--loads": request.loads, "--values": request.values, "--reference": request.reference}
-    for option, path in named.items():
+    named = {"loads": request.loads, "values": request.values, "reference": request.reference}
+    for argument, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
             advice = "check the scenes one by one, each with its file"
-            raise InputError("command line", option, str(path), f"one scene, not {len(scenes)}", advice)
+            raise ArgumentError(argument, str(path), f"one scene, not {len(scenes)}", advice)
     return scenes if any(named.values()) else ()
 
 
@@ -343,7 +343,7 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
     else:
         if not MODELS[name].suits(scene):
             advice = "rollbench list tells what each model describes"
-            raise InputError("command line", "--model", f'"{name}"', f"a model that can describe {scene.name}", advice)
+            raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
         solved = run_model(scene, name, options_for(MODELS[name], scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:

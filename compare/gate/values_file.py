@@ -61,7 +61,7 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
     quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
     if quantity is None:
         allowed = ", ".join(q.name for q in OF_WHOLE)
-        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to --loads")
+        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to `loads`")
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
         value = _life(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])

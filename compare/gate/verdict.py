@@ -31,7 +31,7 @@ ALIKE = 0.2
 LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
 #: What is said where the reference has one mesh level.
-ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; --levels 2 or 3 gives its own"
+ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; two or three levels give its own"
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from rollbench.compare.errors import InputError, Refusal
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.models import loading
 from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
@@ -19,7 +21,7 @@ from rollbench.compare.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life, rating
-from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
+from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
 from rollbench.lowfi.rating.roller_contacts import RollerContact, roller_safety, worst_roller
 from rollbench.lowfi.rating.static import Ratings, ratings
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
@@ -63,22 +65,32 @@ class RollerAnswers:
 
 @dataclass(frozen=True)
 class Answers:
-    """Answers of one low-order result. displacement: axial [m] of the screw at the nut's centre from that without loads
-    (from the nominal place where nothing holds the screw then); force: axial on the nut [N]; tangent: axial rigidity [N/m],
-    rotation held, None where the model has no tangent, or none is found, for which ``tangent_words`` say why; friction: its
-    sums, JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
+    """Answers of one low-order result. motion (6,) [m, rad]: of the screw at the nut's centre from that without loads (from
+    the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
+    nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
+    JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
 
     loads: LoadAnswers
     force: float
-    displacement: float
+    motion: Array
     rigidities: Rigidities | None
-    tangent: float | None
+    at_nut: Tangent | None
     tangent_words: str
     preload: Preload | None
     lift: LiftOff | None
     friction: dict[str, Any] | None
     friction_words: str
     path: LoadPath | None = None
+
+    @property
+    def displacement(self) -> float:
+        """Axial part [m] of `motion`."""
+        return float(self.motion[2])
+
+    @property
+    def tangent(self) -> float | None:
+        """Axial rigidity [N/m] of `at_nut`, rotation held."""
+        return None if self.at_nut is None else self.at_nut.rigidity("uz")
 
 
 def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0) -> LoadAnswers:
@@ -107,7 +119,7 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
-        raise InputError("command line", "--stiffness-at", f"with the model {model}", allowed, "choose another model")
+        raise ArgumentError("stiffness_at", f"with the model {model}", allowed, "choose another model")
     condensed = read_condensed(scene, options) if step == "condensed" else None
     modelled = MODELS[model].scene(scene)
     try:
@@ -119,22 +131,32 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
         raise Refusal(scene.name, blamed(error), str(error), advice) from error
 
 
-def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | None, str]:
-    """Tangent axial rigidity [N/m] at the nut's centre, rotation held, None where the model has none; words where the
-    bodies that it needs cannot be made, or do not come to rest."""
+def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
+    """Tangent stiffness at the nut's centre, None where the model has none; words where the bodies that it needs cannot be
+    made, or do not come to rest."""
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
         tangent = tangent_of(scene, scene.nut.position, model, options)
     except Refusal as refused:
         return None, refused.value.partition(";")[0]  # what to do instead is of other answers
-    return (tangent.rigidity("uz"), "") if tangent.status == "converged" else (None, tangent.status)
+    return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
 def unloaded_place(scene: Scene, bare: StaticResult) -> float:
     """Axial displacement [m] of the screw at the nut's centre without loads, from which displacements are counted; zero,
     its nominal place, where no contact holds it then. bare: the result without loads."""
-    return axial_displacement(scene, bare) if bare.converged and (bare.load > 0.0).any() else 0.0
+    return float(unloaded_motion(scene, bare)[2])
+
+
+def unloaded_motion(scene: Scene, bare: StaticResult) -> Array:
+    """The same in all six freedoms ``(6,)`` [m, rad]."""
+    return motion_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
+
+
+def motion_at_nut(scene: Scene, result: StaticResult) -> Array:
+    """Motion ``(6,)`` [m, rad] of the screw's section at the nut's centre from its nominal place."""
+    return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
 
 
 def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
@@ -142,25 +164,24 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     which a preloaded contact opens."""
     bare = loading.solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
-    start = unloaded_place(scene, bare)
-    force, moved = axial_force(result), axial_displacement(scene, result) - start
+    force, moved = axial_force(result), motion_at_nut(scene, result) - unloaded_motion(scene, bare)
     try:
-        three = rigidities(scene, force, moved)
+        three = rigidities(scene, force, float(moved[2]))
     except ValueError:
         three = None
     lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
-    slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
+    tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle, result.member)
     path = path_of_set(scene, result, bare)
-    return Answers(loads, force, moved, three, slope, why, held, lift, friction, words, path)
+    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
     """JSON-ready sums of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to
     do."""
     if scene.friction is None:
-        return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
+        return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
     for friction in offered("friction"):
         sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
         return sums
@@ -220,22 +241,27 @@ class SetAnswers:
 
 @dataclass(frozen=True)
 class AxisAnswers:
-    """sets: of each; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked about, along the
-    axis, from that without loads; path: where the loads go, None without any; paths: where those on each body go, judged
-    one by one, so that one that a frame takes does not hide behind another."""
+    """sets: of each; force [N]: axial loads on shaft and housings; motion (6,) [m, rad]: of what is asked about, from that
+    without loads, None where it does not solve without them; path: where the loads go, None without any; paths: where those
+    on each body go, judged one by one, so that one that a frame takes does not hide behind another."""
 
     sets: tuple[SetAnswers, ...]
     force: float
-    displacement: float | None
+    motion: Array | None
     path: LoadPath | None = None
     paths: tuple[LoadPath, ...] = ()
+
+    @property
+    def displacement(self) -> float | None:
+        """Axial part [m] of `motion`."""
+        return None if self.motion is None else float(self.motion[2])
 
 
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
     sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
-    moved = loading.along_axis(assembly, result) - loading.along_axis(assembly, bare) if bare.converged else None
+    moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
     path = path_of_sets(assembly, result, bare)
     return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
 

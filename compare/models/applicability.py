@@ -130,7 +130,7 @@ def compared(*, ring: bool) -> tuple[Scene, ...]:
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
 
 
-#: Record of drawn screws that were compared (`rollbench stability --survey`), in a store of runs.
+#: Record of drawn screws that were compared (the survey of `rollbench stability`), in a store of runs.
 SURVEY = "survey.json"
 
 

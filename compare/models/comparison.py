@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare import data
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.measure import error_percent, gate_scale, load_error
 from rollbench.compare.models.registry import MODELS, Model, Options, run_model
 from rollbench.compare.printed.printed_data import entry
@@ -44,11 +44,11 @@ def suited(scene: Scene | Assembly) -> list[Model]:
     return [m for m, fit in zip(MODELS.values(), fits, strict=True) if m.compared and fit]
 
 
-def compared_models(names: tuple[str, ...]) -> list[Model]:
-    """Models by name. Raises InputError for another name."""
+def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Model]:
+    """Models by name. Raises InputError, of the argument that has them, for another name."""
     for name in names:
         if name not in MODELS:
-            raise InputError("command line", "--model", f'"{name}"', ", ".join(MODELS), "name a low-order model")
+            raise ArgumentError(argument, f'"{name}"', ", ".join(MODELS), "name a low-order model")
     return [MODELS[name] for name in names]
 
 
@@ -73,7 +73,7 @@ def options_for(
     path = finest_bodies(scene, reference, stores)
     if path is None:
         allowed = f"a store with the condensed bodies of its 3D reference, level {reference.best.level}"
-        advice = "rollbench mesh-study with --fresh computes and keeps them"
+        advice = "mesh-study with `fresh=True` computes and keeps them"
         raise InputError(scene.name, "model", '"condensed"', allowed, advice)
     return Options(discretisation=False, engine=engine, condensed=path)
 

@@ -75,9 +75,9 @@ def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where
 
 def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
     """Of each body with loads, the shaft or a housing, by name: the assembly with its loads only, and with all others."""
-    zero, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
-    bare = tuple(replace(h, force=zero, moment=zero) for h in assembly.housings)
-    off = tuple(replace(x, force=zero, moment=zero) for x in assembly.loads)
+    none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
+    bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
+    off = tuple(replace(x, force=none, moment=none) for x in assembly.loads)
     if sum_of(assembly.loads).any():
         out["the shaft"] = replace(assembly, housings=bare), replace(assembly, loads=off)
     for i, h in enumerate(assembly.housings):

@@ -1,6 +1,6 @@
 """Model-form error to expect of a low-order result: the same model's errors against the 3D reference on other scenes.
 
-A scene is a point of features; the compared scenes, shipped ones and those drawn by ``rollbench stability --survey``, are
+A scene is a point of features; the compared scenes, shipped ones and those drawn by the survey of ``stability``, are
 points with measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few
 scenes do not make steep slopes). What is expected is the fitted error times the factor that holds ``SHARE`` of the
 compared scenes, each judged by a fit without it. This is plain leave-one-out, the jackknife, of which no theorem says how

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.reading import like_path
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
@@ -49,7 +49,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
     from rollbench.lowfi.compliance.imported import Condensed
 
     if options.condensed is None:
-        advice = "rollbench condense makes one: --condensed FILE"
+        advice = "rollbench condense makes one: `condensed=FILE`"
         raise InputError(scene.name, "model", '"condensed"', "a file of condensed bodies", advice)
     try:
         return Condensed.read(options.condensed, scene)
@@ -230,7 +230,7 @@ _ALL = (
     ),
     Model(
         "condensed",
-        "refined, with the bodies of a condensed 3D model read from a file (--condensed FILE)",
+        "refined, with the bodies of a condensed 3D model read from a file that rollbench condense made",
         "refined model, bodies from the condensed 3D model",
         "screw, nut and balls from a condensed 3D model",
         partial(_elastic, name="condensed"),
@@ -318,7 +318,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
     run = _runner(scene, name)
     if options.member and not random_errors(scene):
         which = "the scene has no" if isinstance(scene, Scene) else "no set has"
-        raise InputError(scene.name, "member", str(options.member), "0", f"{which} random errors: leave it out")
+        raise ArgumentError("member", str(options.member), "0", f"{which} random errors: leave it out", scene.name)
     try:
         with np.errstate(all="ignore"):
             result = run(options)
@@ -337,10 +337,10 @@ def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticRes
             import difflib
 
             near = difflib.get_close_matches(name.lower(), MODELS, n=1)
-            advice = f"did you mean {near[0]}?" if near else "lin is the thesis's model; see: rollbench list"
-            raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), advice)
+            advice = f"did you mean {near[0]}?" if near else "lin is the thesis's model"
+            raise ArgumentError("model", f'"{name}"', ", ".join(MODELS), advice)
         return partial(model.run, model.scene(scene))
     if model is not None and not isinstance(model.assembly, str):
         return partial(model.assembly, model.of_assembly(scene))
-    advice = "see: rollbench list" if model is None else f"{name} describes one set: {model.assembly}"
-    raise InputError(scene.name, "model", f'"{name}"', ", ".join(AXIS_MODELS), advice)
+    advice = "choose one of these" if model is None else f"{name} describes one set: {model.assembly}"
+    raise ArgumentError("model", f'"{name}"', ", ".join(AXIS_MODELS), advice, scene.name)

@@ -65,13 +65,13 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
     peak, free = sum(each[:workers]), available_GB()
     if free is not None and peak > free:
         largest = max(tasks, key=lambda task: expected(task).memory_GB)
-        fewer = f"--workers {workers - 1}, " if workers > 1 else ""
+        fewer = f"`workers={workers - 1}`, " if workers > 1 else ""
         raise InputError(
             "this machine",
             "memory",
             f"{free:.1f} GB free",
             f"about {peak:.1f} GB for {largest.label}",
-            f"end other programs, take {fewer}a coarser level (--levels 1), or a cluster (--backend dask)",
+            f"end other programs, take {fewer}a coarser level (`levels=1`), or a cluster (`backend=dask`)",
         )
     return peak
 

@@ -19,7 +19,7 @@ from time import monotonic, sleep
 from typing import Any
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.meshes.threads import one_thread
 from rollbench.meshes.workers import local
 
@@ -67,15 +67,15 @@ def as_done(
     answer, gets no workers or has other versions, and for a worker that died.
     """
     if backend not in BACKENDS:
-        raise InputError("command line", "--backend", backend, " or ".join(BACKENDS), "leave it out for this machine")
+        raise ArgumentError("backend", backend, " or ".join(BACKENDS), "leave it out for this machine")
     if workers is not None and workers < 1:
-        raise InputError("command line", "--workers", str(workers), "1 or more", "every worker needs memory for a run")
+        raise ArgumentError("workers", str(workers), "1 or more", "every worker needs memory for a run")
     if scheduler is not None and backend != "dask":
-        raise InputError("command line", "--scheduler", scheduler, "only with --backend dask", "add --backend dask")
+        raise ArgumentError("scheduler", scheduler, "only with `backend=dask`", "add `backend=dask`")
     if wait is not None and scheduler is None:
-        raise InputError("command line", "--wait-workers", f"{wait:g}", "only with --scheduler", "leave it out")
+        raise ArgumentError("wait_workers", f"{wait:g}", "only with `scheduler`", "leave it out")
     if wait is not None and not 0.0 <= wait <= 1e6:
-        raise InputError("command line", "--wait-workers", f"{wait:g}", "0 to 1e6 seconds", "600 are ten minutes")
+        raise ArgumentError("wait_workers", f"{wait:g}", "0 to 1e6 seconds", "600 are ten minutes")
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
@@ -172,7 +172,7 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
             raise _died(error) from error
         except ImportError as error:
             place = f"a worker without rollbench, which joined later ({error})"
-            raise InputError("command line", "--scheduler", place, "workers with rollbench", INSTALL) from error
+            raise ArgumentError("scheduler", place, "workers with rollbench", INSTALL) from error
 
 
 def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
@@ -198,22 +198,22 @@ def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
             if alone > wait:
                 if had_workers:
                     raise _lost(f"{place}: the last worker is lost, and none came in {wait:g} s")
-                start = f"start some with: dask worker {place}; where they take longer to come: --wait-workers 600"
+                start = f"start some with: dask worker {place}; where they take longer to come: `wait_workers=600`"
                 raise _no_cluster(place, f"no workers in {wait:g} s", start)
         yield
 
 
 def _no_cluster(place: str, reason: str, advice: str) -> InputError:
-    return InputError("command line", "--scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
+    return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost(reason: str) -> InputError:
-    return InputError("command line", "--scheduler", reason, "a scheduler with workers", AGAIN)
+    return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
 def _died(error: BaseException) -> InputError:
     allowed, advice = "as many as there is memory for", "use fewer workers, those whose memory runs out are killed"
-    return InputError("command line", "--workers", f"a worker that died ({type(error).__name__})", allowed, advice)
+    return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
 
 def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
@@ -221,23 +221,23 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
 
     Raises InputError for files that cannot be read, only some of the three, or without Dask.
     """
-    given = {"--tls-ca": ca, "--tls-cert": cert, "--tls-key": key}
+    given = {"tls_ca": ca, "tls_cert": cert, "tls_key": key}
     if not any(given.values()):
         return
     for name, value in given.items():
         if value is None:
-            raise InputError("command line", name, "nothing", "all of --tls-ca, --tls-cert, --tls-key", "give all three")
+            raise ArgumentError(name, "nothing", "all of `tls_ca`, `tls_cert`, `tls_key`", "give all three")
         try:
             with open(value, "rb"):
                 pass
         except OSError as error:
-            raise InputError("command line", name, f"{value}: {error.strerror}", "a PEM file", "check the path") from None
+            raise ArgumentError(name, f"{value}: {error.strerror}", "a PEM file", "check the path") from None
     try:
         import dask
         import distributed  # noqa: F401 - its defaults would overwrite these
     except ImportError:
         advice = "pip install 'rollbench[cluster]'"
-        raise InputError("command line", "--tls-ca", "dask is not installed", "dask and distributed", advice) from None
+        raise ArgumentError("tls_ca", "dask is not installed", "dask and distributed", advice) from None
     tls = "distributed.comm.tls"
     dask.config.set({f"{tls}.ca-file": ca, f"{tls}.client.cert": cert, f"{tls}.client.key": key})
     dask.config.set({"distributed.comm.require-encryption": True})
@@ -249,12 +249,8 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise InputError(
-            "command line",
-            "--backend",
-            "dask without its packages",
-            "dask and distributed installed",
-            "pip install 'rollbench[cluster]'",
+        raise ArgumentError(
+            "backend", "dask without its packages", "dask and distributed installed", "pip install 'rollbench[cluster]'"
         ) from None
     place = "a cluster on this machine" if scheduler is None else scheduler
     with ExitStack() as stack:
@@ -284,7 +280,7 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 def _other_version(value: str, version: str) -> InputError:
     advice = f"install version {version} where the workers run"
-    return InputError("command line", "--scheduler", value, f"workers of rollbench {version}", advice)
+    return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
 
 def _alive(scheduler: str) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.meshes.axis import Assembly
@@ -104,7 +104,7 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
     from rollbench.hifi.meshing.settings import Settings, rounded
 
     if level not in (SOURCE_LEVEL, *LEVELS):
-        raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
+        raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
     bodies = _bodies(cases[0])
     expected = [*zip(*(_expected(case, bodies) for case in cases), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}

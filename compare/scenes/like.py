@@ -8,7 +8,7 @@ from math import ceil, floor, pi, sin
 from typing import Any
 
 from rollbench.compare import data
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.scenes.from_keys import touching_angle
 
 #: Ball diameters that are kept in stock [mm].
@@ -110,9 +110,9 @@ def _size(size: str) -> tuple[float, float]:
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
     match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
     if match is None:
-        raise InputError("command line", "--like", f'"{size}"', allowed, "write diameter and lead with an x between them")
+        raise ArgumentError("like", f'"{size}"', allowed, "write diameter and lead with an x between them")
     outer, lead = float(match[1]), float(match[2])
     if not (DIAMETERS[0] <= outer <= DIAMETERS[1] and LEADS[0] <= lead <= min(LEADS[1], 2.0 * outer)):
         advice = "a lead is at most about twice the diameter; write another size by hand: rollbench new FILE"
-        raise InputError("command line", "--like", f'"{size}"', allowed, advice)
+        raise ArgumentError("like", f'"{size}"', allowed, advice)
     return outer, lead

@@ -40,7 +40,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
     if kind is None and FOREIGN & raw.keys() and not bodies:
         name = sorted(FOREIGN & raw.keys())[0]
-        advice = f"[{name}] belongs to a kind that only friction solves: name it, as rollbench new FILE --kind KIND does"
+        advice = f"[{name}] belongs to a kind that only friction solves: name it, as the files of rollbench new do"
         raise SceneError(origin, "kind", "nothing", ", ".join(map(show, kinds())), advice)
     if kind is None or kind in WHOLE:
         return of_tables(raw, origin)

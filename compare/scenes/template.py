@@ -8,7 +8,7 @@ from copy import deepcopy
 from typing import Any
 
 from rollbench.compare import data
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.registration import kinds
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.keys import tidy_schema
@@ -40,6 +40,21 @@ INTRODUCTION = """\
 Node = Mapping[str, Any]
 
 
+def text_of(kind: str = "ball screw", size: str = "") -> str:
+    """A commented scene of a kind, of a nominal size such as 40x10 where one is given. Raises InputError for an unknown
+    kind, for the size of another kind than ball screw and double nut, and where the rules of sizes do not reach."""
+    from rollbench.compare.scenes.like import double_nut_like, scene_like
+
+    kind = (kind or "ball-screw").replace("-", " ")
+    sized = {"ball screw": scene_like, "double nut": double_nut_like}
+    if not size:
+        return template(kind)
+    if kind not in sized:
+        allowed = "without --kind, or with --kind double-nut"
+        raise ArgumentError("like", size, allowed, "a nominal size is that of a ball screw")
+    return sized[kind](size)
+
+
 def template(kind: str = "ball screw") -> str:
     """A commented scene of a kind that solves as it stands; words of the kind may be joined by hyphens.
 
@@ -52,7 +67,7 @@ def template(kind: str = "ball screw") -> str:
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
     if name not in (*WHOLE, *BEARINGS, *kinds()):
         allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *kinds()))
-        raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
+        raise ArgumentError("kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return data.text(file)

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.compare.commands.printing import Answer, print_answer, print_json
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.registration import needed
 
 
@@ -60,19 +60,13 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         size.
     """
     from rollbench.compare.registration import ROOT
-    from rollbench.compare.scenes.like import double_nut_like, scene_like
     from rollbench.compare.scenes.names import WHOLE
-    from rollbench.compare.scenes.template import AXES, BEARINGS, template
+    from rollbench.compare.scenes.template import AXES, BEARINGS, text_of
     from rollbench.compare.writing import write_new
 
-    kind = (kind or "ball-screw").replace("-", " ")
-    sized = {"ball screw": scene_like, "double nut": double_nut_like}
-    if like and kind not in sized:
-        allowed = "without --kind, or with --kind double-nut"
-        raise InputError("command line", "--like", like, allowed, "a nominal size is that of a ball screw")
     schema_line = f"#:schema {(ROOT / 'scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
-    write_new(file, schema_line + (sized[kind](like) if like else template(kind)))
-    command = "solve" if kind in (*WHOLE, *AXES, *BEARINGS) else "friction"
+    write_new(file, schema_line + text_of(kind, like))
+    command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
 
 
@@ -150,12 +144,12 @@ def solve(
         members_of = needed("members", "command line", "--members", str(members))
 
         if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
-            named = "--stiffness-at, --matrix, --curve, --loads-csv, --strict"
-            raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
+            named = "stiffness_at, matrix, curve, loads_csv, strict"
+            raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         return print_answer(members_of(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
     if csv is not None or seed is not None or workers is not None:
-        raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
+        raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
     choices = Choices(
         model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
     )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from rollbench.compare.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
 from rollbench.compare.commands.printing import Answer, print_answer, writing
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 
 
 @app.command
@@ -60,7 +60,7 @@ def compare(
     from rollbench.compare.commands.comparing.study import parse_levels, run_compare
 
     wanted = None if levels is None else parse_levels(levels)
-    means_nothing = {"--model": model is not None, "--balls": balls, "--reference": reference is not None}
+    means_nothing = {"model": model is not None, "balls": balls, "reference": reference is not None}
     if rolling := all_rolling(scenes, bodies, "rolling compare", means_nothing):
         answer = rolling(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
     else:
@@ -128,22 +128,16 @@ def report(
         need_packages(*PAGES)  # some of which the next line imports
         from rollbench.compare.commands.reporting.verify import run_page
 
-        given = {
-            "--only": only,
-            "--quick": quick,
-            "--stored": stored,
-            "--fresh": fresh,
-            "--scheduler": where and where.scheduler,
-        }
+        given = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "scheduler": where and where.scheduler}
         for name, value in given.items():
             if value:
-                raise InputError("command line", name, str(value), "without a scene", "leave it out")
+                raise ArgumentError(name, str(value), "without a scene", "leave it out")
         return print_answer(run_page(scene, out, store, against, reference))
     if reference is not None:
-        raise InputError("command line", "--reference", str(reference), "with a scene", "name the scene that it is of")
+        raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.commands.reporting.report import make_report
 
-    kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
 
 
@@ -264,17 +258,11 @@ def check(
     )
     if scenes:
         return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
-    given: dict[str, object] = {"--model": model, "--loads": loads, "--values": values, "--limit": limit}
-    given |= {
-        "--reference": reference,
-        "--strict": strict,
-        "--levels": levels,
-        "--stored": stored,
-        "--no-compute": no_compute,
-    }
+    given: dict[str, object] = {"model": model, "loads": loads, "values": values, "limits": limit}
+    given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
     for name, value in given.items():
         if value:
-            raise InputError("command line", name, str(value), "with a scene", "name the scenes that are judged")
+            raise ArgumentError(name, str(value), "with a scene", "name the scenes that are judged")
     return print_answer(run_shipped(max_error, files), as_json)
 
 

@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 
 from rollbench.compare.commands.printing import Answer, on_terminal
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.tasks import settings_of
 from rollbench.compare.scenes import catalogue
@@ -22,7 +22,7 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
     Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
     """
     if level not in LEVELS:
-        raise InputError("command line", "--level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
+        raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
     described = catalogue.any_scene(typed)
     scenes = [whole(x, typed) for x in each_case(described, typed)]
     scene = scenes[0]

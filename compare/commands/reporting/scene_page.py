@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.commands.solving.cases_output import case_rows, cases_json, together_entries
+from rollbench.compare.commands.solving.cases_output import case_rows, together_entries
 from rollbench.compare.commands.solving.entries import entries
-from rollbench.compare.commands.solving.output import case_json
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
@@ -32,6 +31,8 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.registration import offered
+from rollbench.compare.results.cases_json import cases_json
+from rollbench.compare.results.solved_json import case_json
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.applicability import range_figure, range_table
@@ -80,7 +81,7 @@ def replaced(out: Path) -> Iterator[None]:
         yield
     except (ValueError, OSError) as error:
         allowed = "a folder that is new, empty or an earlier report"
-        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
+        raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:

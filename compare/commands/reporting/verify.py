@@ -11,7 +11,7 @@ from typing import Any
 
 from rollbench.compare.commands.printing import Answer
 from rollbench.compare.commands.reporting.scene_page import make_page
-from rollbench.compare.errors import InputError, escaped
+from rollbench.compare.errors import ArgumentError, InputError, escaped
 from rollbench.compare.measure import error_percent
 from rollbench.compare.provenance import SCENE, SOURCES, inputs, sources_hash
 from rollbench.compare.reference.store import shipped_store
@@ -32,8 +32,8 @@ Tables = Mapping[str, list[dict[str, str]]]
 def tables(report: Path) -> Tables:
     """All tables of a report by name, as its CSV files have them. Raises InputError for what is no report's folder."""
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
-        advice = "reports are written by: rollbench report --out DIR"
-        raise InputError(str(report), "--against", "no report", "the folder of a report", advice)
+        advice = "reports are written by: rollbench report"
+        raise ArgumentError("against", "no report", "the folder of a report", advice, str(report))
     by_name = {}
     for path in sorted((report / "tables").glob("*.csv")):
         with open(path, encoding="utf-8", newline="") as stream:
@@ -155,7 +155,7 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
         html = page_text(path)
         return html, read_page(html)
     except (OSError, ValueError) as error:
-        advice = "pages with a manifest are written by: rollbench report SCENE --out DIR"
+        advice = "pages with a manifest are written by: rollbench report SCENE"
         raise InputError(str(path), "file", str(error), "a page with a manifest", advice) from None
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.solving.summary import answers_json, by_pressure, set_json, starting_torque, whole_json
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.load_path import path_words
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.results.answers_json import answers_json, by_pressure, set_json, starting_torque, whole_json
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:

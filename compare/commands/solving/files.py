@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import quick_friction
 from rollbench.compare.models.loading import CurvePoint, curve
 from rollbench.compare.models.registry import Options
@@ -30,7 +30,7 @@ def check_matrix(path: Path) -> None:
     """Raises InputError for a name that says no format, or a file that cannot be written."""
     if path.suffix.lower() not in (".mtx", ".dmig"):
         allowed = "a name that ends in .mtx (Matrix Market) or .dmig (Nastran)"
-        raise InputError("command line", "--matrix", str(path), allowed, "rename it")
+        raise ArgumentError("matrix", str(path), allowed, "rename it")
     need_writable(path)
 
 
@@ -72,7 +72,7 @@ def write_curve(path: Path, scene: Scene | Assembly, model: str, options: Option
     if len(points) < 3 or max(abs(p.force) for p in points) == 0.0:
         allowed = "a scene that solves under parts of its axial load"
         advice = f"give {'shaft or housing' if several else 'the scene'} an axial load"
-        raise InputError("command line", "--curve", str(path), allowed, advice)
+        raise ArgumentError("curve", str(path), allowed, advice)
     name, over = scene.name, f"axial force on {'shaft and housings' if several else 'the nut'} / kN"
     rows = curve_rows(scene, points, options)
     write_csv(path, rows)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from rollbench.compare.api.calls import solve_described
 from rollbench.compare.commands.printing import Answer
-from rollbench.compare.commands.solving.output import case_json, case_table, stiffness_lines
-from rollbench.compare.errors import InputError, named, one_line
-from rollbench.compare.models.answers import tangent_of
-from rollbench.compare.models.load_cases import Solved, SolvedAxis, solve_any
+from rollbench.compare.commands.solving.output import case_table, stiffness_lines
+from rollbench.compare.errors import ArgumentError, one_line
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import Options, default_model
+from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes import catalogue, units
-from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.compare.watch import checked, watched
 from rollbench.lowfi.statics.result import StaticResult
@@ -54,36 +55,26 @@ def run_solve(name: str, choices: Choices) -> Answer:
     model, station = _checked(choices)
     model = model or default_model(scenes[0])
     _check_parts(scenes[0], choices, station)
-    cases = described.cases if isinstance(described, DutyCycle) else ()
-    of_cases = [_of_case(choices, case.name) for case in cases] or [choices]
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    solved: list[Solved | SolvedAxis] = []
-    tangents: list[Tangent | None] = []
-    written: list[str] = []
+    at = station if choices.stiffness_at else None
     with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
-        for scene, files in zip(scenes, of_cases, strict=True):
-            with named(scene.name, name):
-                if isinstance(scene, Assembly) and choices.stiffness_at:
-                    scene = replace(scene, stiffness_at=station)
-                solved.append(solve_any(scene, model, options))
-                wanted = choices.stiffness_at and solved[-1].answers is not None
-                tangents.append(tangent_of(scene, station, model, options) if wanted and isinstance(scene, Scene) else None)
-                written += _write(solved[-1], tangents[-1], options, files)
-    names = [case.name for case in cases]
+        found = solve_described(described, model, options, at, name)
+    solved, names = found.solved, [*found.cases]
+    of_cases = [_of_case(choices, case) for case in names] or [choices]
+    written: list[str] = []
+    for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
+        written += _write(one, tangent, options, files)
     if choices.loads_csv is not None:
         written += _write_loads(choices.loads_csv, solved, names)
-    code, shown = code_of(solved, choices), {"balls": choices.balls, "details": choices.assumptions}
-    if not isinstance(described, DutyCycle):
-        lines = [] if tangents[0] is None else stiffness_lines(tangents[0])
-        return Answer(
-            case_json(solved[0], tangents[0]), [*case_table(solved[0], **shown), *lines, *written], code, folded=True
-        )
-    from rollbench.compare.commands.solving.cases_output import cases_json, cases_table
-    from rollbench.compare.models.together import together
+    shown = {"balls": choices.balls, "details": choices.assumptions}
+    if found.cycle is None or found.together is None:
+        tangent = found.tangents[0]
+        lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]
+    else:
+        from rollbench.compare.commands.solving.cases_output import cases_table
 
-    whole = together(described, solved)
-    data = cases_json(described, solved, whole, tangents)
-    return Answer(data, [*cases_table(described, solved, whole, tangents, **shown), *written], code, folded=True)
+        lines = cases_table(found.cycle, solved, found.together, found.tangents, **shown)
+    return Answer(found.to_dict, [*lines, *written], code_of(solved, choices), folded=True)
 
 
 def _of_case(choices: Choices, name: str) -> Choices:
@@ -98,7 +89,8 @@ def _of_case(choices: Choices, name: str) -> Choices:
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
-    from rollbench.compare.gate.loads_file import loads_csv, write_loads
+    from rollbench.compare.gate.loads_file import loads_csv
+    from rollbench.compare.writing import write_csv
 
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
@@ -110,26 +102,31 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
             sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
         for of_set, balls in sets if one.result.converged else ():
             rows += [head | of_set | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
-    return [write_loads(path, rows)] if rows else []
+    if not rows:
+        return []
+    write_csv(path, rows)
+    return [
+        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
+    ]
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
     """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
     if isinstance(scene, Assembly):
         refused = (
-            ("--all", choices.everything, "every set is built as its scene asks: leave it out"),
-            ("--condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
+            ("everything", choices.everything, "every set is built as its scene asks: leave it out"),
+            ("condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
         )
-        for option, value, advice in refused:
+        for argument, value, advice in refused:
             if value:
-                raise InputError("command line", option, f"with {scene.name}", "one set on a shaft", advice)
+                raise ArgumentError(argument, f"with {scene.name}", "one set on a shaft", advice)
         if choices.loads_csv is not None and not scene.ball_count:
             advice = "rollers have no flanks: leave it out"
-            raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
+            raise ArgumentError("loads_csv", str(choices.loads_csv), "a set of balls", advice)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
         what = "shaft" if isinstance(scene, Assembly) else "screw"
-        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f"give a station of the {what}")
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"give a station of the {what}")
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
@@ -142,18 +139,18 @@ def _checked(choices: Choices) -> tuple[str, float]:
     cannot be written."""
     model = choices.model or ("" if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        advice = "leave --model out"
-        raise InputError("command line", "--condensed", str(choices.condensed), "the model condensed", advice)
+        advice = "leave `model` out"
+        raise ArgumentError("condensed", str(choices.condensed), "the model condensed", advice)
     if not 0 <= choices.member < 10**9:
-        raise InputError("command line", "--member", str(choices.member), "0 to 999999999", "give the specimen's number")
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     if choices.matrix is not None:
         if not choices.stiffness_at:
-            raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
+            raise ArgumentError("matrix", str(choices.matrix), "with `stiffness_at`", "give a station")
         from rollbench.compare.commands.solving.files import check_matrix
 
         check_matrix(choices.matrix)
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
-        raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
+        raise ArgumentError("curve", str(choices.curve), "a name that ends in .csv", "rename it")
     for path in filter(None, (choices.curve, choices.loads_csv)):
         from rollbench.compare.writing import need_writable
 
@@ -164,7 +161,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
         return model, units.parse(choices.stiffness_at, "length")
     except ValueError as error:
         allowed = "a length with its unit"
-        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
 
 
 def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, choices: Choices) -> list[str]:
@@ -174,7 +171,7 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
     lines, path, (K, where) = [], choices.matrix, _stiffness(one, tangent)
     if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
         advice = "ask for a station where no freedom of the shaft is held"
-        raise InputError("command line", "--matrix", str(path), "a stiffness in all six freedoms", advice)
+        raise ArgumentError("matrix", str(path), "a stiffness in all six freedoms", advice)
     if path is not None and K is not None:
         from rollbench.compare.commands.solving.files import write_stiffness
 

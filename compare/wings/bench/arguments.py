@@ -32,9 +32,9 @@ def bench(
     store
         With --long: folder of stored runs to keep these times in, which a report then shows.
     """
-    from rollbench.compare.errors import InputError
+    from rollbench.compare.errors import ArgumentError
     from rollbench.compare.wings.bench.command import run_bench_command, run_long
 
     if not long and (names or store is not None):
-        raise InputError("command line", "names, --store", "given", "with --long", "add --long")
+        raise ArgumentError("names, store", "given", "with --long", "add --long")
     return print_answer(run_long(names or (), store) if long else run_bench_command(), as_json)

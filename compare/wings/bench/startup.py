@@ -9,11 +9,13 @@ from collections.abc import Iterator
 
 from rollbench.compare.wings.bench.costs.timing import Job, launch
 
+#: The command that is timed.
+COMMAND = "rollbench solve lin-case1 --json"
+
 
 def command_line_job() -> Job:
     """First solve from the command line, process start to exit."""
-    arguments = ["-m", "rollbench", "solve", "lin-case1", "--json"]
-    seconds, done = launch(arguments)
+    seconds, done = launch(["-m", *COMMAND.split()])
     try:
         solver = json.loads(done.stdout)["solver"]
         unknowns, failed = int(solver["unknowns"]), done.returncode != 0
@@ -22,7 +24,7 @@ def command_line_job() -> Job:
     if failed:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
         return Job("first call, command line", None, None, None, None, f"not measured: {last[0][:120]}")
-    note = "python -m rollbench solve lin-case1 --json: interpreter, imports, solve and output"
+    note = f"python -m {COMMAND}: interpreter, imports, solve and output"
     return Job("first call, command line", seconds, None, unknowns, None, note)
 
 

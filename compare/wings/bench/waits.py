@@ -19,7 +19,7 @@ from time import perf_counter, time_ns
 from typing import Literal
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.like import scene_like
 from rollbench.compare.system import machine
@@ -246,7 +246,7 @@ def long_jobs(names: Sequence[str], store: Path | None) -> Iterator[Job]:
     for name in names:
         if not any(one.job.startswith(name) for one in LONG):
             allowed = ", ".join(one.job for one in LONG)
-            raise InputError("command line", "--long", name, allowed, "give the beginning of one")
+            raise ArgumentError("long", name, allowed, "give the beginning of one")
     for one in LONG:
         if not names or one.job.startswith(tuple(names)):
             job = replace(one.measured(), when=now_and_here())

@@ -41,7 +41,7 @@ def find_ccx() -> str:
     """Path of CalculiX. Raises InputError where it is not installed."""
     found = shutil.which("ccx")
     if found is None:
-        advice = "install it (Debian: apt-get install calculix-ccx), or leave --run out"
+        advice = "install it (Debian: apt-get install calculix-ccx), or leave `run` out"
         raise InputError("this machine", "ccx", "not found", "CalculiX on the path", advice)
     return found
 

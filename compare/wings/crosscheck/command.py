@@ -54,9 +54,9 @@ def stored(folder: Path, scene: Scene) -> CrossData:
     """Results of a scene. Raises InputError where there are none, or they belong to another scene of its name."""
     found = load(folder, scene.name)
     if found is None:
-        raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: --run")
+        raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: `run=True`")
     if found.key != scene_key(scene.name):
-        wanted = "results of this scene", "solve it again: --run"
+        wanted = "results of this scene", "solve it again: `run=True`"
         raise InputError(scene.name, "crosscheck", "results of another scene", *wanted)
     return found
 

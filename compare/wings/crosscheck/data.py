@@ -94,7 +94,7 @@ def save(folder: Path, data: CrossData) -> Path:
 
 def load(folder: Path, scene: str) -> CrossData | None:
     """Results of a scene, None where there are none. Raises InputError for a damaged file."""
-    found = "results that rollbench crosscheck wrote", "make them again: --run"
+    found = "results that rollbench crosscheck wrote", "make them again: `run=True`"
     return read(path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found)
 
 

@@ -105,7 +105,7 @@ def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
     along y and about x and z."""
     balls, solid = scene.ball_count, scene.solid
     large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
-    cut = "cut the screw to a few neighbouring balls: --balls 3:5 keeps balls 3 to 5"
+    cut = "cut the screw to a few neighbouring balls: `balls=3:5` keeps balls 3 to 5"
     half_face = solid.nut_held is not None and solid.nut_held not in HELD
     bolts = scene.nut.flange is not None and bool(scene.nut.flange.bolts)
     at = f'"{solid.nut_held}"' if half_face else "single bolts"
@@ -178,7 +178,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     bodies = tuple(body for body, _ in meshed)
     quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
-    smaller = "lower --b-over-h, raise --growth, or cut the screw: --balls"
+    smaller = "lower `b_over_h`, raise `growth`, or cut the screw: `balls`"
     refuse(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
     contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
     deck = Deck(
@@ -298,7 +298,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
         low, high = dims.ends(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
         allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
-    advice = "a deck has no beams: cut the screw (--balls 3:5), or set solid.shaft and the stations to match"
+    advice = "a deck has no beams: cut the screw (`balls=3:5`), or set solid.shaft and the stations to match"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
         refuse(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])

@@ -114,5 +114,7 @@ def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
     faces = outer_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
     if not len(within):
-        raise ValueError("no face of the mesh lies within an expected contact: raise --b-over-h or lower --growth")
+        raise ValueError(
+            "no face of the mesh lies within an expected contact: take more elements across it, or less growth"
+        )
     return within

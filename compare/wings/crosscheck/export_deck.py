@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.commands.printing import Answer
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.system import need_gmsh
 from rollbench.compare.wings.crosscheck.deck import DeckOptions, build_deck, refuse
 from rollbench.compare.writing import replace_file
@@ -22,7 +22,7 @@ from rollbench.meshes.parts import Load, Scene, Support
 #: Programs that a deck can be written for; Abaqus reads CalculiX's.
 PROGRAMS = ("ccx",)
 #: Bounds of the choices: elements across, growth, contact stiffness [N/mm3].
-BOUNDS = {"--b-over-h": (0.4, 8.0), "--growth": (0.1, 1.5), "--stiffness": (1e5, 1e12)}
+BOUNDS = {"b_over_h": (0.4, 8.0), "growth": (0.1, 1.5), "stiffness": (1e5, 1e12)}
 #: Nut beyond the outermost balls, and 3D screw beyond the nut, over the ball's radius.
 NUT, SHAFT = 3.0, 3.0
 
@@ -36,15 +36,17 @@ def run(
     Raises InputError for a bad choice, a scene too large or not representable, and a file that cannot be written.
     """
     faults = [
-        (program not in PROGRAMS, "--deck", program, ", ".join(PROGRAMS), "Abaqus reads CalculiX's deck"),
-        (unit not in UNITS, "--unit", unit, ", ".join(UNITS), "forces are in N"),
+        (program not in PROGRAMS, "deck", program, ", ".join(PROGRAMS), "Abaqus reads CalculiX's deck"),
+        (unit not in UNITS, "unit", unit, ", ".join(UNITS), "forces are in N"),
     ]
     for (name, (low, high)), value in zip(BOUNDS.items(), (b_over_h, growth, stiffness), strict=True):
         within = low <= value <= high
         faults.append((not within, name, f"{value:g}", f"{low:g} to {high:g}", "leave it out for the default"))
     ending = out is None or out.suffix.lower() == ".inp"
-    faults.append((not ending, "--out", str(out), "a name ending in .inp", "CalculiX reads no other"))
-    refuse("command line", faults)
+    faults.append((not ending, "out", str(out), "a name ending in .inp", "CalculiX reads no other"))
+    for there, *said in faults:
+        if there:
+            raise ArgumentError(*said)
     need_gmsh()
     if balls:
         scene = cut_scene(scene, *parse_balls(balls, scene))
@@ -65,7 +67,7 @@ def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
     words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
     first, last = (int(words[1]), int(words[2])) if words else (0, 0)
     if not 1 <= first <= last <= scene.ball_count:
-        raise InputError("command line", "--balls", text, allowed, "3:5 keeps balls 3, 4 and 5")
+        raise ArgumentError("balls", text, allowed, "3:5 keeps balls 3, 4 and 5")
     return first, last
 
 
@@ -84,15 +86,15 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
         (scene.errors.random, "errors", "random errors", "errors that are given"),
         (any(v for s in scene.supports for _, v in s.fixed), "supports", "a prescribed displacement", "supports at zero"),
     )
-    refuse(scene.name, [(*fault, "write the small scene yourself and leave --balls out") for fault in faults])
+    refuse(scene.name, [(*fault, "write the small scene yourself and leave `balls` out") for fault in faults])
     kept = slice(first - 1, last)
     z, azimuth = layout.z[kept], layout.azimuth[kept]
     r, middle = scene.balls.radius, float(0.5 * (z.min() + z.max()))
     length = float(np.ptp(z)) + 2.0 * NUT * r
     low, high = middle - length / 2.0 - SHAFT * r, middle + length / 2.0 + SHAFT * r
     if low < 0.0 or high > scene.screw.length:
-        raise InputError(
-            scene.name, "--balls", f"{first}:{last}", "balls away from the screw's ends", "cut nearer to the nut's middle"
+        raise ArgumentError(
+            "balls", f"{first}:{last}", "balls away from the screw's ends", "cut nearer to the nut's middle", scene.name
         )
     share = (last - first + 1) / scene.ball_count
 

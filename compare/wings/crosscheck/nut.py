@@ -154,5 +154,5 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
 
 def load_nut(folder: Path) -> NutCheck | None:
     """The stored result, None where there is none. Raises InputError for a damaged file."""
-    found = "a result of rollbench crosscheck", "make it again: --run"
+    found = "a result of rollbench crosscheck", "make it again: `run=True`"
     return read(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

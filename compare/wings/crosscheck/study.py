@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.wings.crosscheck.calculix import Outcome, digest, run_calculix
@@ -63,7 +63,7 @@ def scene_key(name: str) -> str:
 def checked_scene(name: str) -> Scene:
     """One of the shipped scenes that are checked. Raises InputError for others."""
     if name not in STUDIES:
-        raise InputError("command line", "scene", name, ", ".join(STUDIES), "choose one of these")
+        raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from rollbench.compare.commands.printing import Answer, cell
 from rollbench.compare.commands.tables import ruled
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import tables
 from rollbench.compare.wings.evidence.audit import (
@@ -33,7 +33,7 @@ def run_audit(only: Sequence[str], *, write: Path | None) -> Answer:
     the stored list. Raises InputError for an unknown table."""
     unknown = [name for name in only if name not in tables()]
     if unknown:
-        raise InputError("command line", "--only", unknown[0], ", ".join(tables()), "see: rollbench list")
+        raise ArgumentError("only", unknown[0], ", ".join(tables()), "see: rollbench list")
     rows = audit(Study(), *only)
     if write is not None:
         replace_file(write, as_stored(rows))

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.arguments.terminal import Word, app, cache_folder
 from rollbench.compare.commands.printing import print_answer
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.registration import needed
 
 
@@ -66,17 +66,13 @@ def export(
 
     if deck:
         if part or format or level != 1 or ball is not None:
-            raise InputError(
-                "command line", "--deck", deck, "no part, --format, --level or --ball with it", "leave them out"
-            )
+            raise ArgumentError("deck", deck, "no `part`, `format`, `level` or `ball` with it", "leave them out")
         write_deck = needed("deck", "command line", "--deck", deck)
         return print_answer(write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out))
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
-        raise InputError(
-            "command line", "--unit, --balls, --b-over-h, --growth, --stiffness", "given", "with --deck", "add --deck ccx"
-        )
+        raise ArgumentError("unit, balls, b_over_h, growth, stiffness", "given", "with --deck", "add --deck ccx")
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
-            raise InputError("command line", "--format", "step", "no part, --level or --ball with it", "leave them out")
+            raise ArgumentError("format", "step", "no `part`, `level` or `ball` with it", "leave them out")
         return print_answer(run_step(scene_file.solvable(catalogue.any_scene(scene), scene), out))
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))

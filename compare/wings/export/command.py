@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.commands.printing import Answer
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_of
 from rollbench.compare.system import need_gmsh, need_packages
 from rollbench.meshes.arrays import Array
@@ -53,9 +53,9 @@ def run_export(
     holds or loads it beyond the low end of its 3D stretch.
     """
     if part not in parts_of(scene):
-        raise InputError("command line", "part", part, ", ".join(parts_of(scene)), "choose one of these")
+        raise ArgumentError("part", part, ", ".join(parts_of(scene)), "choose one of these")
     if form and form not in FORMATS:
-        raise InputError("command line", "--format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
+        raise ArgumentError("format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
     need_gmsh()
     need_packages("scikit-fem")
     if out is None:
@@ -67,12 +67,12 @@ def run_export(
         need(form)
     except ValueError:
         allowed = ", ".join(f".{name}" for name in FORMATS)
-        raise InputError("command line", "--out", str(out), f"a name ending in {allowed}", "or give --format") from None
+        raise ArgumentError("out", str(out), f"a name ending in {allowed}", "or give `format`") from None
     except ImportError as error:
-        raise InputError("command line", "--format", form, "a format whose packages are installed", str(error)) from None
+        raise ArgumentError("format", form, "a format whose packages are installed", str(error)) from None
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
-        raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh only")
+        raise ArgumentError("ball", str(ball), allowed, "leave it out for the mesh only")
     lines = []
     if ball is not None and part in BODIES:
         lines.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")

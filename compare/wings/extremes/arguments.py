@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rollbench.compare.commands.arguments.terminal import Json, app
 from rollbench.compare.commands.printing import print_answer
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 
 
 @app.command
@@ -40,5 +40,5 @@ def stability(
     if survey is not None:
         return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)
     if (out, workers, keep) != (None, None, None):
-        raise InputError("command line", "--out, --workers, --keep", "given", "with --survey", "add --survey COUNT")
+        raise ArgumentError("out, workers, keep", "given", "with --survey", "add --survey COUNT")
     return print_answer(run_stability(as_json=as_json), as_json)

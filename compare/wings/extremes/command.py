@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.printing import Answer, cell
 from rollbench.compare.commands.tables import aligned, ruled
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.wings.extremes.static import FORMULATIONS, Attempt, failures, table, tally, wide_rows
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
     from rollbench.compare.writing import need_writable, replace_file
 
     if not 1 <= count <= SCENES:
-        raise InputError("command line", "--survey", str(count), f"1 to {SCENES}", "choose a number in that range")
+        raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")
     if keep is not None:
         need_writable(keep)
     records = run.run_survey(SEED, count, folder, workers, on_terminal, keep)

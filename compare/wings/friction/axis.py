@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.commands.printing import Column
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import solve_sets
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.quantities import number
@@ -40,8 +40,8 @@ Solved = list[tuple[int, SetResult, FrictionState]]
 def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     """Loads by the chosen model, then friction of every set of balls. Raises InputError for choices that do not fit."""
     if choices.condensed is not None or choices.member or len(choices.mu) > 1:
-        given = "--condensed, --member, or several --mu"
-        raise InputError("command line", given, f"with {assembly.name}", "one set on the shaft", "leave them out")
+        given = "condensed, member, mu"
+        raise ArgumentError(given, f"with {assembly.name}", "one set on the shaft, or one `mu` alone", "leave them out")
     friction = _coefficient(assembly, choices.mu)
     motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":

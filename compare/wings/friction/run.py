@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.quantities import number
 from rollbench.compare.watch import bar
 from rollbench.compare.wings.friction.answer import Line
@@ -76,7 +76,7 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
         raise ValueError("the scene has no [time]")
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
-        raise InputError("command line", "--model", model, f"{' or '.join(AGAIN)} for a run in time", advice)
+        raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a run in time", advice)
     drawn = draw(scene, member)
     try:
         balls = balls_of(scene, friction, motion, drawn, member)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.models.answers import load_answers, outside
 from rollbench.compare.models.loading import preload
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
@@ -66,13 +66,13 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     """Coefficients to solve for: those of the command line, or the scene's. Raises InputError where there are none."""
     for value in mu:
         if not 0.0 <= value <= MOST:
-            raise InputError("command line", "--mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
+            raise ArgumentError("mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
     if mu:
         given = Friction(0.0, 0.0) if scene.friction is None else scene.friction
         assumed = ("The coefficient of friction is that of the command line.",)
         return [Friction(value, value, assumed, given.feedback, neighbours=given.neighbours) for value in mu]
     if scene.friction is None:
-        advice = "add a [friction] table with e.g. coefficient = 0.1, or write --mu 0.1 on the command line"
+        advice = "add a [friction] table with e.g. coefficient = 0.1, or give `mu=0.1`"
         raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)
     return [scene.friction]
 
@@ -84,11 +84,11 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
     """
     pairs = coefficients(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
-        raise InputError("command line", "--member", str(choices.member), "0 to 999999999", "give the specimen's number")
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
         allowed = "the model condensed"
-        raise InputError("command line", "--condensed", str(choices.condensed), allowed, "leave --model out")
+        raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     result = run_model(scene, model, options)
     named = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}

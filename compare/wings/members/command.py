@@ -14,7 +14,7 @@ import numpy as np
 
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import ruled
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.registry import default_model
 from rollbench.compare.quantities import number
 from rollbench.compare.reference.jobs import Engine
@@ -35,7 +35,7 @@ def run(
     converged. Raises InputError."""
     described = catalogue.any_scene(name)
     if seed is not None and not 0 <= seed < 2**62:
-        raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
+        raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
     scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
     each: list[Members] = []
@@ -69,7 +69,7 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[An
         os.replace(unfinished, path)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(str(path), "--csv", reason, "a file that can be written", "check the path") from None
+        raise ArgumentError("csv", reason, "a file that can be written", "check the path", str(path)) from None
     finally:
         unfinished.unlink(missing_ok=True)
 

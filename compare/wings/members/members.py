@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.registry import MODELS, Options, default_model, random_errors, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
@@ -148,9 +148,9 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
     single = isinstance(scene, Scene)
     if single and (model not in MODELS or model == "condensed"):
         allowed = ", ".join(name for name in MODELS if name != "condensed")
-        raise InputError("command line", "--model", model, allowed, "see: rollbench list")
+        raise ArgumentError("model", model, allowed, "choose one of these")
     if not 2 <= count <= MOST:
-        raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
+        raise ArgumentError("members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
     if not random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
         advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'

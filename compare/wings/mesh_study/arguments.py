@@ -46,7 +46,7 @@ def mesh_study(
     from rollbench.compare.commands.comparing.kinds import all_rolling
     from rollbench.compare.wings.mesh_study.command import run_mesh_study
 
-    if rolling := all_rolling(scenes, bodies, "rolling study", {"--spread": spread}):
+    if rolling := all_rolling(scenes, bodies, "rolling study", {"spread": spread}):
         answer = rolling(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
     else:
         answer = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)

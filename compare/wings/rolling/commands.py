@@ -8,7 +8,7 @@ from typing import Any
 
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned, ruled
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.reference.body_names import HALF_SPACE
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.parallel import as_done
@@ -45,8 +45,8 @@ def known_levels(levels: Sequence[int]) -> list[int]:
     other = [k for k in levels if k not in LEVELS]
     if other:
         got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
-        advice = "mesh-study --source-mesh shows the source's size"
-        raise InputError("command line", "--levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
+        advice = "mesh-study with `source_mesh=True` shows the source's size"
+        raise ArgumentError("levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
     return list(levels)
 
 
@@ -121,7 +121,7 @@ def run_rolling_study(
     from them all."""
     levels = len(LEVELS) if levels is None else levels
     if not 1 <= levels <= len(LEVELS):
-        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
+        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
     out: list[dict[str, Any]] = []
     for name in names:
         scene = catalogue.any_scene(name)

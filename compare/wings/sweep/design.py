@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from scipy.stats import qmc
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.wings.sweep.keys import Vary
 from rollbench.meshes.arrays import Array
 
@@ -35,9 +35,9 @@ def points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Arr
     Raises InputError for a bad method or number of samples.
     """
     if method not in METHODS:
-        raise InputError("command line", "--method", str(method), ", ".join(METHODS), "sobol gives indices too")
+        raise ArgumentError("method", str(method), ", ".join(METHODS), "sobol gives indices too")
     if not 2 <= samples <= MOST:
-        raise InputError("command line", "--samples", str(samples), f"2 to {MOST}", "start with a hundred")
+        raise ArgumentError("samples", str(samples), f"2 to {MOST}", "start with a hundred")
     d = len(keys)
     if method == "lhs":
         return np.asarray(qmc.LatinHypercube(d, rng=np.random.default_rng(seed)).random(samples))
@@ -56,7 +56,7 @@ def _grid(keys: Sequence[Vary], samples: int) -> Array:
     steps = int((samples / fixed) ** (1.0 / ranges) + 1e-9) if ranges else 1
     if fixed > samples or (ranges and steps < 2):
         least = fixed * 2**ranges
-        raise InputError("command line", "--samples", str(samples), f"{least} or more for this grid", "or --method lhs")
+        raise ArgumentError("samples", str(samples), f"{least} or more for this grid", "or `method=lhs`")
     axes = [(np.arange(len(v.choices)) + 0.5) / len(v.choices) if v.choices else np.linspace(0.0, 1.0, steps) for v in keys]
     return np.array(list(product(*axes)))
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.scenes.units import COMMA, has_comma, number_and_unit, show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
@@ -94,22 +94,22 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     """The varied keys of the command line. Raises InputError for a text of another form, or a key given twice."""
     found = tuple(_read(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
-        raise InputError("command line", "--vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
+        raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
     paths = [path for one in found for path in one.paths]
     for path in paths:
         if paths.count(path) > 1:
-            raise InputError("command line", "--vary", path, "each key once", "put all its values into one --vary")
+            raise ArgumentError("vary", path, "each key once", "put all its values into one text")
     return found
 
 
-def _refused(value: str, allowed: str, advice: str = f"give {_FORM}") -> InputError:
-    return InputError("command line", "--vary", show(value), allowed, advice)
+def _refused(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
+    return ArgumentError("vary", show(value), allowed, advice)
 
 
 def _read(text: str) -> Vary:
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
-        advice = 'e.g. --vary "errors.balls.oversize=0 um:7 um" --vary "loads[0].force[2]=1 kN,5 kN"'
+        advice = 'e.g. `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
         raise _refused(text, _FORM, advice)
     if ":" in values:
         return _range(key, text, values)

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
@@ -68,12 +68,12 @@ class Sweep:
         """Raise InputError for an unknown model or output, a key that a scene does not have, or values out of its range."""
         for name in self.outputs:
             if name not in OUTPUTS:
-                raise InputError("command line", "--outputs", name, ", ".join(OUTPUTS), "names with commas between")
+                raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "names with commas between")
         raw = scene_file.read_toml(self.text, self.origin)
         scene = scene_tables.read_tables(raw, self.origin)
         known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
         if self.model not in known:
-            raise InputError("command line", "--model", self.model, ", ".join(known), "see: rollbench list")
+            raise ArgumentError("model", self.model, ", ".join(known), "choose one of these")
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
@@ -116,7 +116,7 @@ def _try_first(sweep: Sweep, places: Array) -> None:
     if len({reason(error) for error in refused}) > 1:
         return
     few = f"each of the first {min(FIRST, len(places))} samples is refused for one reason, the last one so"
-    raise Refusal(sweep.origin, "--vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
+    raise Refusal(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 
 
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:

@@ -35,9 +35,9 @@ def stored() -> dict[str, Any]:
 
 def command(found: Mapping[str, Any]) -> str:
     """The command that a summary comes from."""
-    vary = " ".join(f'--vary "{text}"' for text in found["vary"])
-    options = " ".join(f"--{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
-    return f"rollbench sweep {found['scene'].removesuffix('.toml')} {vary} {options}"
+    vary = "".join(f' --vary "{text}"' for text in found["vary"])
+    options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
+    return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
 
 
 def short(vary: Vary) -> str:

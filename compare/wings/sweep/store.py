@@ -20,7 +20,7 @@ from time import monotonic
 from typing import Any
 from uuid import uuid4
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.writing import replace_file
 
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
@@ -34,15 +34,15 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
     """Make the folder that of this sweep. Raises InputError where it is another's, or cannot be written to."""
     path = folder / HEADER
     text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
-    advice = "choose another --out for another sweep"
+    advice = "choose another folder for another sweep"
     if path.exists():
         if path.read_text(encoding="utf-8") != text:
-            raise InputError(
-                str(folder), "--out", "the folder of another sweep", "a new one, or that of this sweep", advice
+            raise ArgumentError(
+                "out", "the folder of another sweep", "a new one, or that of this sweep", advice, str(folder)
             )
     else:
         if folder.exists() and any(folder.iterdir()):
-            raise InputError(str(folder), "--out", "a folder with other files", "a new one, or that of this sweep", advice)
+            raise ArgumentError("out", "a folder with other files", "a new one, or that of this sweep", advice, str(folder))
         replace_file(path, text)
     (folder / RECORDS).mkdir(exist_ok=True)
     (folder / LOCKS).mkdir(exist_ok=True)
@@ -61,7 +61,7 @@ def taken_over(folder: Path) -> Iterator[str]:
             held.enter_context(FileLock(folder / "run", timeout=0))
         except Timeout:
             advice = "wait for it, or end it"
-            raise InputError(str(folder), "--out", "a sweep under way", "one run at a time", advice) from None
+            raise ArgumentError("out", "a sweep under way", "one run at a time", advice, str(folder)) from None
         token = uuid4().hex
         replace_file(folder / TOKEN, token)
         _wait_for_others(folder)
@@ -79,7 +79,7 @@ def _wait_for_others(folder: Path) -> None:
                 path.unlink(missing_ok=True)
         except Timeout:
             advice = "end the processes of the earlier run"
-            raise InputError(str(folder), "--out", "processes of an earlier run", "none", advice) from None
+            raise ArgumentError("out", "processes of an earlier run", "none", advice, str(folder)) from None
 
 
 @contextmanager

@@ -104,7 +104,7 @@ def indices(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     base points all of whose samples converged, the first of them that make a power of two.
     """
     if sweep.method != "sobol":
-        return {"none": f"a design by {sweep.method} gives no Sobol indices: --method sobol does"}
+        return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
     d, n = len(sweep.keys), base_points(sweep.samples, len(sweep.keys))
     rows = [records.get(k) for k in range(n * (d + 2))]
     good = np.array([row is not None and row["status"] == CONVERGED for row in rows]).reshape(d + 2, n)

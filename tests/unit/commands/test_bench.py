@@ -163,7 +163,7 @@ def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path
     waits.keep(tmp_path, later)
     assert waits.kept([tmp_path / "none", tmp_path]) == [one, later]
     assert [row["measured"] for row in waits.spent_table(waits.kept([tmp_path])).rows] == [one.when, other.when]
-    with pytest.raises(errors.InputError, match="--long"):
+    with pytest.raises(errors.InputError, match="long: "):
         next(waits.long_jobs(["frist"], None))
     with pytest.raises(errors.InputError, match="add --long"):
         bench_command(["audit"])

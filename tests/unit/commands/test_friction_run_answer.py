@@ -121,7 +121,7 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
 
 
 def test_zero_friction_runs_without_loss_and_models_that_cannot_run_in_time_are_refused():
-    with pytest.raises(InputError, match=r"--model.*lin or refined"):
+    with pytest.raises(InputError, match=r"model: .*lin or refined"):
         solve_scene(with_time(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), angle=0.1, steps=4), Choices("mei"))
     scene = replace(with_time(sparse(), angle=0.1, steps=4), friction=replace(MU, screw=0.0, nut=0.0))
     found = solve_scene(scene, Choices("lin"))

@@ -12,10 +12,8 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.compare.commands.comparing.compare_output import compared
 from rollbench.compare.commands.solving.entries import block, entries
 from rollbench.compare.commands.solving.files import dmig, market
-from rollbench.compare.commands.solving.summary import answers_json
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, tangent_of
 from rollbench.compare.models.load_cases import Solved
@@ -24,6 +22,8 @@ from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.results.answers_json import answers_json
+from rollbench.compare.results.compared import compared
 from rollbench.compare.scenes import catalogue, like
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
@@ -71,7 +71,7 @@ def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
     # by pressure, which the screw's flank has more of at the same force
     assert data["worst_contact"]["side"].startswith("S")
     assert data["worst_contact"]["force_N"] == pytest.approx(data["loads"]["max_N"], rel=1e-3)
-    assert (data["friction"], "--mu" in data["friction_words"]) == (None, True)
+    assert (data["friction"], "mu = " in data["friction_words"]) == (None, True)
     alone, tangent = data["rigidities_N_per_um"]["contacts_alone"], data["axial"]["tangent_N_per_um"]
     assert 0.5 * alone < tangent < 1.5 * alone
 

@@ -226,7 +226,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
     halved = ((other, DeckOptions(half=True), "not its own mirror image") for other in (cut, aside, loose))
     stations = r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
     for bad, options, words in (
-        (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*--balls 3:5"),
+        (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*balls=3:5"),
         (replace(scene, errors=displaced), COARSE, "a displaced groove"),
         (replace(scene, errors=uneven), COARSE, "grooves of two radii"),
         (replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE, r"solid\.nut"),
@@ -238,13 +238,13 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
             build_deck(bad, options)
     good = {"program": "ccx", "unit": "mm", "balls": "", "b_over_h": 1.5, "growth": 0.4, "stiffness": 2e8}
     for choices, key in (
-        ({"program": "abaqus"}, "--deck"),
-        ({"unit": "inch"}, "--unit"),
-        ({"b_over_h": 0.0}, "--b-over-h"),
-        ({"growth": float("nan")}, "--growth"),
-        ({"balls": "5:3"}, "--balls"),
-        ({"balls": "a"}, "--balls"),
-        ({"out": tmp_path / "a.txt"}, "--out"),
+        ({"program": "abaqus"}, "deck: got"),
+        ({"unit": "inch"}, "unit: got"),
+        ({"b_over_h": 0.0}, "b_over_h: got"),
+        ({"growth": float("nan")}, "growth: got"),
+        ({"balls": "5:3"}, "balls: got"),
+        ({"balls": "a"}, "balls: got"),
+        ({"out": tmp_path / "a.txt"}, "out: got"),
     ):
         with pytest.raises(InputError, match=key):
             export_deck.run(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})

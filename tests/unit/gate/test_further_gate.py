@@ -171,7 +171,7 @@ def test_a_place_without_load_is_counted_from(monkeypatch: pytest.MonkeyPatch) -
 
 def test_faulty_limits() -> None:
     for text in ("rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1"):
-        with pytest.raises(InputError, match="--limit: got"):
+        with pytest.raises(InputError, match="limits: got"):
             judging.parse_limits([text])
     with pytest.raises(InputError, match="each once"):
         judging.parse_limits(["life=1", "life=2"])

@@ -168,7 +168,7 @@ def test_an_exception_is_raised_once_with_its_message(backend, where, capfd):
 
 @pytest.mark.parametrize("backend", ["joblib", "dask"])
 def test_a_worker_that_dies_is_reported(where):
-    with pytest.raises(InputError, match=r"--workers: got a worker that died.*fewer workers"):
+    with pytest.raises(InputError, match=r"workers: got a worker that died.*fewer workers"):
         run([(os._exit, (3,))] * 2, *where)
 
 
@@ -189,9 +189,9 @@ def test_one_job_at_a_time_in_a_process():
 
 def test_strange_options_are_refused_and_missing_packages_are_named(monkeypatch):
     for options, message in (
-        ({"backend": "mpi"}, r"--backend: got mpi; allowed: joblib or dask"),
-        ({"workers": 0}, r"--workers: got 0; allowed: 1 or more"),
-        ({"scheduler": "tcp://here:1"}, r"--scheduler: got tcp://here:1; allowed: only with --backend dask"),
+        ({"backend": "mpi"}, r"backend: got mpi; allowed: joblib or dask"),
+        ({"workers": 0}, r"workers: got 0; allowed: 1 or more"),
+        ({"scheduler": "tcp://here:1"}, r"scheduler: got tcp://here:1; allowed: only with `backend=dask`"),
     ):
         with pytest.raises(InputError, match=message):
             run(JOBS, **options)
@@ -230,7 +230,7 @@ def test_what_is_no_scheduler_is_refused_in_time(address, request, monkeypatch):
     assert parallel.PATIENCE <= 5.0
     monkeypatch.setattr(parallel, "PATIENCE", 0.5)
     begin = time.perf_counter()
-    with pytest.raises(InputError, match=r"--scheduler: got .*no answer of a scheduler.*advice: start one with"):
+    with pytest.raises(InputError, match=r"scheduler: got .*no answer of a scheduler.*advice: start one with"):
         run(JOBS, "dask", address)
     assert time.perf_counter() - begin < 2.0
 
@@ -247,13 +247,13 @@ def test_a_scheduler_without_workers_is_refused_after_the_wait_that_is_asked_for
     begin = time.perf_counter()
     with (
         empty_cluster() as cluster,
-        pytest.raises(InputError, match=r"no workers in 1 s; .*dask worker tcp://.*--wait-workers"),
+        pytest.raises(InputError, match=r"no workers in 1 s; .*dask worker tcp://.*wait_workers"),
     ):
         run(JOBS, "dask", cluster.scheduler_address, wait=1.0)
     assert 1.0 < time.perf_counter() - begin < 10.0
     assert "waiting 1 s for a worker" in capfd.readouterr().err
-    for options, message in (({"wait": 3.0}, "only with --scheduler"), ({"scheduler": "x", "wait": -1.0}, "0 to 1e6")):
-        with pytest.raises(InputError, match=f"--wait-workers.*{message}"):
+    for options, message in (({"wait": 3.0}, "only with `scheduler`"), ({"scheduler": "x", "wait": -1.0}, "0 to 1e6")):
+        with pytest.raises(InputError, match=f"wait_workers.*{message}"):
             run(JOBS, "dask", **options)
 
 
@@ -316,7 +316,7 @@ def test_workers_are_started_only_where_they_are_worth_it(monkeypatch, worth):
 def test_certificates_come_together_and_can_be_read(tmp_path):
     (tmp_path / "a.pem").write_text("x")
     name = str(tmp_path / "a.pem")
-    with pytest.raises(InputError, match="--tls-key"):
+    with pytest.raises(InputError, match="tls_key: "):
         parallel.use_tls(name, name, None)
     with pytest.raises(InputError, match="No such file"):
         parallel.use_tls(name, str(tmp_path / "b.pem"), name)

@@ -1,0 +1,101 @@
+"""Arguments that cannot be used: the library names the argument, and only the command line its option."""
+
+import ast
+import re
+from collections.abc import Callable
+
+import pytest
+from tests.copies import ROOT
+
+import rollbench
+from rollbench.compare.cli import in_options
+from rollbench.compare.errors import InputError
+
+VARY = ["errors.balls.oversize=0 um:7 um"]
+#: Calls with something that cannot be used, below the argument that each error names.
+CALLS: list[tuple[str, Callable[..., object], tuple[object, ...], dict[str, object]]] = [
+    ("model", rollbench.solve, ("lin-case1", "nope"), {}),
+    ("model", rollbench.solve, ("double-nut", "nope"), {}),
+    ("model", rollbench.solve, ("lin-case1", "condensed"), {}),
+    ("member", rollbench.solve, ("lin-case1", "lin"), {"member": 3}),
+    ("max_error", rollbench.check, ("lin-case1",), {"max_error": 700}),
+    ("levels", rollbench.check, ("lin-case1",), {"levels": 9}),
+    ("levels", rollbench.check, ("lin-case1",), {"levels": 2, "compute": False}),
+    ("levels", rollbench.check, ("lin-case1",), {"levels": 2, "reference": "mine.csv"}),
+    ("loads", rollbench.check, ("lin-case1",), {"loads": "mine.csv", "model": "lin"}),
+    ("values", rollbench.check, ("lin-case1",), {"values": "mine.csv", "model": "lin"}),
+    ("model", rollbench.check, ("lin-case1",), {"model": "nope"}),
+    ("model", rollbench.check, ("two-balls",), {"model": "mei", "compute": False}),
+    ("limits", rollbench.check, ("lin-case1",), {"limits": {"rigidity": -1.0}}),
+    ("limits", rollbench.check, ("lin-case1",), {"limits": {"nope": 1.0}}),
+    ("models", rollbench.compare_models, ("lin-case1", ["nope"]), {}),
+    ("reference", rollbench.compare_models, ("lin-case1",), {"reference": "mine.csv", "levels": 1}),
+    ("mu", rollbench.friction, ("lin-case1",), {"mu": (3.0,)}),
+    ("mu", rollbench.friction, ("clearance",), {}),
+    ("mu", rollbench.friction, ("double-nut",), {"mu": (0.1, 0.2)}),
+    ("mu", rollbench.friction, ("lin-pair-a",), {"mu": (0.1,)}),
+    ("model", rollbench.friction, ("lin-case1",), {"mu": (0.1,), "model": "nope"}),
+    ("levels", rollbench.mesh_study, ("lin-case1",), {"levels": 9}),
+    ("spread", rollbench.mesh_study, ("double-nut",), {"spread": True}),
+    ("vary", rollbench.sweep, ("lin-case1", []), {}),
+    ("vary", rollbench.sweep, ("lin-case1", ["nope"]), {}),
+    ("vary", rollbench.sweep, ("lin-case1", ["track.lead=1"]), {}),
+    ("vary", rollbench.sweep, ("lin-case1", VARY * 2), {}),
+    ("samples", rollbench.sweep, ("lin-case1", VARY), {"samples": 1}),
+    (
+        "samples",
+        rollbench.sweep,
+        ("lin-case1", [*VARY, "track.contact_angle=40 deg:45 deg"]),
+        {"samples": 3, "method": "grid"},
+    ),
+    ("method", rollbench.sweep, ("lin-case1", VARY), {"method": "nope"}),
+    ("model", rollbench.sweep, ("lin-case1", VARY), {"model": "nope"}),
+    ("outputs", rollbench.sweep, ("lin-case1", VARY), {"outputs": ["nope"]}),
+    ("out", rollbench.sweep, ("lin-case1", VARY), {"samples": 4, "out": ROOT}),
+    ("only", rollbench.report, ("lin-case1",), {"only": ["hertz"]}),
+    ("only", rollbench.report, (), {"only": ["nope"]}),
+    ("reference", rollbench.report, (), {"reference": "mine.csv"}),
+    ("stored", rollbench.report, (), {"stored": True, "fresh": True}),
+    ("out", rollbench.report, ("lin-case1",), {"out": ROOT}),
+]
+
+
+@pytest.mark.parametrize(("argument", "function", "given", "named"), CALLS)
+def test_the_library_names_arguments_and_the_command_line_options(argument, function, given, named, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError) as raised:
+        function(*given, **named)
+    text = str(raised.value)
+    assert argument in f"{raised.value.key}; {raised.value.advice}"
+    assert "--" not in text
+    assert "command line" not in text
+    assert "`" not in "".join(in_options(raised.value).lines())
+
+
+@pytest.mark.parametrize(
+    ("given", "named", "said"),
+    [
+        ({"max_error": 700}, "max_error: got 700; ", "command line: --max-error: got 700; "),
+        ({"limits": {"life": -1.0}}, "limits: got ", "of the loads it is --max-error"),
+        ({"levels": 2, "compute": False}, "without `stored` and `compute=False`", "without --stored and --no-compute"),
+    ],
+)
+def test_an_argument_becomes_its_option(given, named, said):
+    with pytest.raises(InputError) as raised:
+        rollbench.check("lin-case1", **given)
+    assert named in str(raised.value)
+    assert said in str(in_options(raised.value))
+
+
+def test_what_a_user_wrote_stays_as_it_is():
+    assert "got `lead=1`; " in str(in_options(InputError("my.toml", "`track`", "`lead=1`", "a length", "see `levels=1`")))
+
+
+def test_no_module_below_the_command_line_has_an_option():
+    below = [path for folder in ("lowfi", "hifi", "meshes", "reports", "compare") for path in (ROOT / folder).rglob("*.py")]
+    line = ROOT / "compare/commands"
+    for path in below:
+        if line in path.parents or path.name in ("cli.py", "arguments.py", "__main__.py"):
+            continue
+        texts = (x.value for x in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(x, ast.Constant))
+        assert not [text for text in texts if isinstance(text, str) and re.match("--[a-z]", text)], path
