@@ -4,7 +4,7 @@ import sys
 from types import ModuleType
 from typing import NoReturn
 
-__version__ = "0.14.2"
+__version__ = "0.15.0"
 
 
 class _Package(ModuleType):

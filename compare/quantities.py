@@ -15,32 +15,31 @@ from rollbench.reports.quantity import Quantity
 
 
 class Unit(NamedTuple):
-    """A unit for people, its name for pint, and the factor from SI units (1 for percent, hours and revolutions)."""
+    """A unit for people, and the factor from SI units (1 for percent, hours and revolutions)."""
 
     text: str
-    pint: str
     factor: float = 1.0
 
 
 #: How keys of results end; the longest fits first.
 UNITS = {
-    "N_per_um": Unit("N/um", "newton / micrometer", 1e-6),
-    "N_mm": Unit("N/mm", "newton / millimeter", 1e-3),
-    "Nmm": Unit("N mm", "newton * millimeter", 1e3),
-    "Nm": Unit("N m", "newton * meter"),
-    "rad_s": Unit("rad/s", "radian / second"),
-    "percent": Unit("%", "percent"),
-    "million_revolutions": Unit("million revolutions", "1e6 * revolution"),
-    "hours": Unit("h", "hour"),
-    "MPa": Unit("MPa", "megapascal", 1e-6),
-    "mrad": Unit("mrad", "milliradian", 1e3),
-    "deg": Unit("deg", "degree", 180.0 / math.pi),
-    "mW": Unit("mW", "milliwatt", 1e3),
-    "um": Unit("um", "micrometer", 1e6),
-    "mm": Unit("mm", "millimeter", 1e3),
-    "km": Unit("km", "kilometer", 1e-3),
-    "N": Unit("N", "newton"),
-    "W": Unit("W", "watt"),
+    "N_per_um": Unit("N/um", 1e-6),
+    "N_mm": Unit("N/mm", 1e-3),
+    "Nmm": Unit("N mm", 1e3),
+    "Nm": Unit("N m"),
+    "rad_s": Unit("rad/s"),
+    "percent": Unit("%"),
+    "million_revolutions": Unit("million revolutions"),
+    "hours": Unit("h"),
+    "MPa": Unit("MPa", 1e-6),
+    "mrad": Unit("mrad", 1e3),
+    "deg": Unit("deg", 180.0 / math.pi),
+    "mW": Unit("mW", 1e3),
+    "um": Unit("um", 1e6),
+    "mm": Unit("mm", 1e3),
+    "km": Unit("km", 1e-3),
+    "N": Unit("N"),
+    "W": Unit("W"),
 }
 
 
@@ -48,6 +47,15 @@ def unit_of(key: str) -> tuple[str, Unit | None]:
     """Name and unit of a key; no unit where it names none."""
     ending = next((ending for ending in UNITS if key.endswith(f"_{ending}")), None)
     return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
+
+
+def count_of(number: int, one: str) -> str:
+    """A number of things.
+
+    >>> count_of(1, "set"), count_of(2, "set")
+    ('1 set', '2 sets')
+    """
+    return f"{number} {one}" if number == 1 else f"{number} {one}s"
 
 
 def split_unit(key: str) -> tuple[str, str]:

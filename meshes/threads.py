@@ -33,6 +33,9 @@ def one_thread() -> None:
 @contextmanager
 def held_to_one_thread() -> Iterator[None]:
     """The same, as a context or a decorator, for a while and in this process alone."""
+    if not for_one_thread():
+        yield
+        return
     import scipy.linalg  # noqa: F401 - it brings a library of its own: later it would not be held
 
     libraries = [(library, library.num_threads) for library in _loaded()]

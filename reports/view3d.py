@@ -76,14 +76,14 @@ def view_file(picture: LoadedScrew) -> str:
     return f"view-{picture.name}.html"
 
 
-def write_view(picture: LoadedScrew, path: Path, marker: str, back: str) -> None:
+def write_view(picture: LoadedScrew, path: Path, marker: str = "", back: str = "") -> None:
     """Write the page of a loaded screw that can be turned.
 
     Args:
         picture: the record; lengths in m, forces on the balls in N.
         path: the file to write.
         marker: an HTML element for its head, by which it is known as a page of a report.
-        back: the address that the page's link leads to.
+        back: the address that the page's link leads to; no link without one.
 
     Raises:
         ImportError: trimesh is not installed.
@@ -96,9 +96,8 @@ def write_view(picture: LoadedScrew, path: Path, marker: str, back: str) -> None
         draw_in_child("rollbench.reports.view3d", picture, scene)
         html: str = scene_to_html(_Exported(_finished(scene.read_text(encoding="utf-8"))))
     title = escape(picture.title)
-    words = (
-        f'<p style="{_STYLE}"><b>{title}</b><br>{escape(picture.caption)} {HOW}<br><a href="{escape(back)}">back</a></p>'
-    )
+    link = f'<br><a href="{escape(back)}">back</a>' if back else ""
+    words = f'<p style="{_STYLE}"><b>{title}</b><br>{escape(picture.caption)} {HOW}{link}</p>'
     head, rest = html.split("<head>", 1)
     rest = rest.replace("trimesh: threejs viewer", title, 1).replace("<body>", f"<body>{words}", 1)
     rest = rest.replace("</body>", f"{_scale(picture)}{_pointer(picture)}</body>", 1)

@@ -19,8 +19,9 @@ TESTS = Path(__file__).parent
 def begin() -> None:
     """Make the links that a source archive does not hold; linear algebra on one thread."""
     project = tomllib.loads((TESTS.parent / "pyproject.toml").read_text(encoding="utf-8"))
-    for folder, package in project["tool"]["hatch"]["build"]["targets"]["wheel"]["sources"].items():
-        link = TESTS.parent / project["tool"]["hatch"]["build"]["dev-mode-dirs"][0] / package
+    build = project["tool"].get("hatch", {}).get("build")  # none in a folder of tests alone
+    for folder, package in build["targets"]["wheel"]["sources"].items() if build else ():
+        link = TESTS.parent / build["dev-mode-dirs"][0] / package
         if not link.exists():
             link.symlink_to(os.path.relpath(TESTS.parent / folder, link.parent))
     from rollbench.meshes.threads import one_thread

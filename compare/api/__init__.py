@@ -1,19 +1,5 @@
-"""The library: what ``import rollbench`` gives. Reads scenes, solves them, sets models beside the 3D reference."""
+"""The library: what ``import rollbench`` gives. Reads scenes, solves them, compares models with the 3D reference."""
 
-from rollbench.compare.api.calls import check, compare_models, friction, mesh_study, read, report, solve, sweep
-from rollbench.compare.api.results import Friction, Judged, Result, Solution
+from rollbench.compare.api.calls import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
 
-__all__ = [
-    "Friction",
-    "Judged",
-    "Result",
-    "Solution",
-    "check",
-    "compare_models",
-    "friction",
-    "mesh_study",
-    "read",
-    "report",
-    "solve",
-    "sweep",
-]
+__all__ = ["check", "compare_models", "ensemble", "friction", "mesh_study", "new", "read", "solve", "sweep"]

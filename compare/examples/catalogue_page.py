@@ -7,12 +7,14 @@ from pathlib import Path
 import rollbench
 
 
-def main() -> rollbench.Solution:
-    """Solve it and print the answers."""
-    solution = rollbench.solve(Path(__file__).with_name("catalogue_page.toml"))
-    for name in ("axial.displacement_um", "axial.rigidity_N_per_um", "worst_contact.pressure_MPa", "preload.mean_N"):
-        print(f"{name.split('.')[1].rsplit('_')[0]:15} {solution.quantity(f'summary.{name}'):.4g~P}")
-    return solution
+def main() -> rollbench.Result:
+    """Solve it and print displacement, rigidity, pressure and preload."""
+    result = rollbench.solve(Path(__file__).with_name("catalogue_page.toml"))
+    if result.displacement is not None and result.rigidity is not None:
+        print(f"displacement {1e6 * result.displacement[2]:.4g} um, rigidity {1e-6 * result.rigidity:.4g} N/um")
+    if result.worst is not None and result.preload is not None:
+        print(f"pressure {1e-6 * result.worst.pressure:.4g} MPa, preload {result.preload.mean:.4g} N a contact")
+    return result
 
 
 if __name__ == "__main__":

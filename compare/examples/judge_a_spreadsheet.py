@@ -8,9 +8,10 @@ from tempfile import TemporaryDirectory
 import rollbench
 
 
-def main(factor: float = 1.08) -> rollbench.Judged:
+def main(factor: float = 1.08) -> rollbench.Verdict:
     """Write loads as a colleague's spreadsheet would, and judge them against the shipped 3D reference."""
-    load = rollbench.solve("lin-case1").load
+    load = rollbench.solve("lin-case1").loads
+    assert load is not None, "the scene converges"
     load[4] *= factor
     with TemporaryDirectory() as folder:
         path = Path(folder) / "colleague.csv"

@@ -18,7 +18,7 @@ from rollbench.meshes.loads import bearing
 from rollbench.meshes.parts import SIDES, Scene
 
 #: What is said of approaches and pressures that the reference does not hold itself.
-BY_HERTZ = "the reference's by Hertz from its loads, error-free radii"
+BY_HERTZ = "the reference's by Hertz from its loads, each contact's own radii"
 
 
 class Contacts(NamedTuple):

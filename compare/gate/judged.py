@@ -24,9 +24,11 @@ from rollbench.compare.reference.convergence import observe
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.registration import offered
 from rollbench.compare.scenes.units import COMMA, has_comma
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.problem import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 
 #: Options of the solution that gives the place without loads, and lends its contacts to friction.
@@ -95,8 +97,8 @@ def limit_of(quantity: Quantity, given: Mapping[str, float], of_loads: float) ->
 
 
 def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
-    """Approach [m] or pressure [Pa] of contact loads ``(n, 4)`` [N], error-free radii."""
-    h = nominal_hertz(scene)
+    """Approach [m] or pressure [Pa] of contact loads ``(n, 4)`` [N], with each contact's own radii."""
+    h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 

@@ -9,9 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.models import loading
-from rollbench.compare.models.load_path import LoadPath, path_of_set, path_of_sets, path_warnings
+from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
 from rollbench.compare.models.ring_play import play_warnings
@@ -19,7 +21,7 @@ from rollbench.compare.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life, rating
-from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
+from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
 from rollbench.lowfi.rating.roller_contacts import RollerContact, roller_safety, worst_roller
 from rollbench.lowfi.rating.static import Ratings, ratings
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
@@ -27,6 +29,8 @@ from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
@@ -61,16 +65,16 @@ class RollerAnswers:
 
 @dataclass(frozen=True)
 class Answers:
-    """Answers of one low-order result. displacement: axial [m] of the screw at the nut's centre from that without loads
-    (from the nominal place where nothing holds the screw then); force: axial on the nut [N]; tangent: axial rigidity [N/m],
-    rotation held, None where the model has no tangent, or none is found, for which ``tangent_words`` say why; friction: its
-    sums, JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
+    """Answers of one low-order result. motion (6,) [m, rad]: of the screw at the nut's centre from that without loads (from
+    the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
+    nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
+    JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
 
     loads: LoadAnswers
     force: float
-    displacement: float
+    motion: Array
     rigidities: Rigidities | None
-    tangent: float | None
+    at_nut: Tangent | None
     tangent_words: str
     preload: Preload | None
     lift: LiftOff | None
@@ -78,21 +82,35 @@ class Answers:
     friction_words: str
     path: LoadPath | None = None
 
+    @property
+    def displacement(self) -> float:
+        """Axial part [m] of `motion`."""
+        return float(self.motion[2])
 
-def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
-    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]."""
+    @property
+    def tangent(self) -> float | None:
+        """Axial rigidity [N/m] of `at_nut`, rotation held."""
+        return None if self.at_nut is None else self.at_nut.rigidity("uz")
+
+
+def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0) -> LoadAnswers:
+    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]; member: which specimen of a scene with
+    random errors carries them."""
+    drawn = specimen(scene, ball_layout(scene), member)
     words = ""
     rated_life: Life | None = None
     reach: Truncation | None = None
     rated: Ratings | None = None
     try:
-        reach = truncation(scene, load, angle)
+        reach = truncation(scene, drawn, load, angle)
         rated = ratings(scene)
         rated_life = life(scene, load)
     except ValueError as error:
         words = str(error)
-    worst = worst_contact(scene, load, angle)
-    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, rated_life, rated, words)
+    worst = worst_contact(scene, drawn, load, angle)
+    return LoadAnswers(
+        worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
+    )
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -113,22 +131,32 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
         raise Refusal(scene.name, blamed(error), str(error), advice) from error
 
 
-def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | None, str]:
-    """Tangent axial rigidity [N/m] at the nut's centre, rotation held, None where the model has none; words where the
-    bodies that it needs cannot be made, or do not come to rest."""
+def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
+    """Tangent stiffness at the nut's centre, None where the model has none; words where the bodies that it needs cannot be
+    made, or do not come to rest."""
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
         tangent = tangent_of(scene, scene.nut.position, model, options)
     except Refusal as refused:
         return None, refused.value.partition(";")[0]  # what to do instead is of other answers
-    return (tangent.rigidity("uz"), "") if tangent.status == "converged" else (None, tangent.status)
+    return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
 def unloaded_place(scene: Scene, bare: StaticResult) -> float:
     """Axial displacement [m] of the screw at the nut's centre without loads, from which displacements are counted; zero,
     its nominal place, where no contact holds it then. bare: the result without loads."""
-    return axial_displacement(scene, bare) if bare.converged and (bare.load > 0.0).any() else 0.0
+    return float(unloaded_motion(scene, bare)[2])
+
+
+def unloaded_motion(scene: Scene, bare: StaticResult) -> Array:
+    """The same in all six freedoms ``(6,)`` [m, rad]."""
+    return motion_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
+
+
+def motion_at_nut(scene: Scene, result: StaticResult) -> Array:
+    """Motion ``(6,)`` [m, rad] of the screw's section at the nut's centre from its nominal place."""
+    return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
 
 
 def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
@@ -136,18 +164,17 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     which a preloaded contact opens."""
     bare = loading.solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
-    start = unloaded_place(scene, bare)
-    force, moved = axial_force(result), axial_displacement(scene, result) - start
+    force, moved = axial_force(result), motion_at_nut(scene, result) - unloaded_motion(scene, bare)
     try:
-        three = rigidities(scene, force, moved)
+        three = rigidities(scene, force, float(moved[2]))
     except ValueError:
         three = None
     lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
-    slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
-    loads = load_answers(scene, result.load, result.contact_angle)
+    tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
+    loads = load_answers(scene, result.load, result.contact_angle, result.member)
     path = path_of_set(scene, result, bare)
-    return Answers(loads, force, moved, three, slope, why, held, lift, friction, words, path)
+    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
@@ -214,21 +241,39 @@ class SetAnswers:
 
 @dataclass(frozen=True)
 class AxisAnswers:
-    """sets: of each; force [N]: axial loads on shaft and housings; displacement [m]: of what is asked about, along the
-    axis, from that without loads; path: where the loads go, None without any."""
+    """sets: of each; force [N]: axial loads on shaft and housings; motion (6,) [m, rad]: of what is asked about, from that
+    without loads, None where it does not solve without them; path: where the loads go, None without any; paths: where those
+    on each body go, judged one by one, so that one that a frame takes does not hide behind another."""
 
     sets: tuple[SetAnswers, ...]
     force: float
-    displacement: float | None
+    motion: Array | None
     path: LoadPath | None = None
+    paths: tuple[LoadPath, ...] = ()
+
+    @property
+    def displacement(self) -> float | None:
+        """Axial part [m] of `motion`."""
+        return None if self.motion is None else float(self.motion[2])
 
 
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
-    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
-    moved = loading.along_axis(assembly, result) - loading.along_axis(assembly, bare) if bare.converged else None
-    return AxisAnswers(sets, loading.axial_load(assembly), moved, path_of_sets(assembly, result, bare))
+    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
+    moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
+    path = path_of_sets(assembly, result, bare)
+    return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
+
+
+def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
+    """Paths of the loads on each body: of one body that of all loads; of several what changes without the loads of one."""
+    bodies, options = loaded_bodies(assembly), Options(member=result.member)
+    if len(bodies) < 2:
+        return () if path is None else (path,)
+    without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
+    found = (path_of_sets(alone, result, without[name], name) for name, (alone, _) in bodies.items())
+    return tuple(x for x in found if x is not None)
 
 
 def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
@@ -238,19 +283,20 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
         return result, None
     answers = gather_axis(assembly, result)
     warned = (w.of(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
-    further = (*warned, *path_warnings(answers.path), *play_warnings(assembly))
+    held = (w for path in answers.paths for w in path_warnings(path))
+    further = (*warned, *held, *play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers:
-    """bare: the set without the scene's loads, None where that does not solve."""
+def _of_set(s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+    """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
     parts = s.of.parts
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
         answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
     else:
         assert s.balls is not None, "a set of balls has contacts"
-        answers = load_answers(parts, s.balls.load, s.balls.contact_angle)
+        answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
     if bare is None:
         return SetAnswers(s.of.name, parts, answers, None)
     loads = bare.loads[bare.loads > 0.0]

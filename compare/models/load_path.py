@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,7 +36,8 @@ class LoadPath:
     frames of housings; contacts: what the loads change of the forces and moments (6,) of the contacts, moments about their
     nut or ring; of several sets the sum of the sizes; arm [m]: pitch radius, which makes forces of couples.
 
-    All are differences from the scene without its loads, so that displacements of supports and preload do not count.
+    All are differences from the scene without its loads, so that displacements of supports and preload do not count. where:
+    what the loads act on, of those on one body only; empty for all.
     """
 
     applied: Array
@@ -44,6 +45,7 @@ class LoadPath:
     takers: tuple[Taker, ...]
     contacts: Array
     arm: float
+    where: str = ""
 
 
 def path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadPath | None:
@@ -55,7 +57,7 @@ def path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadP
     return LoadPath(applied, applied, _supports(scene, result, bare), -contacts, scene.track.pitch_radius)
 
 
-def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult) -> LoadPath | None:
+def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where: str = "") -> LoadPath | None:
     """Where the loads on a shaft and its housings go; bare: the result without them. None without loads."""
     on_shaft = sum_of(assembly.loads)
     applied = on_shaft + sum_of([Load(h.at, h.force, h.moment) for h in assembly.housings])
@@ -68,7 +70,21 @@ def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult) -> Lo
     contacts = np.abs(np.array(each) - np.array(idle)).sum(axis=0)
     radii = [s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)]
     arm = max(radii, default=assembly.screw.outer_diameter / 2.0)
-    return LoadPath(applied, on_shaft, (*_supports(assembly, result, bare), *frames), contacts, arm)
+    return LoadPath(applied, on_shaft, (*_supports(assembly, result, bare), *frames), contacts, arm, where)
+
+
+def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
+    """Of each body with loads, the shaft or a housing, by name: the assembly with its loads only, and with all others."""
+    none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
+    bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
+    off = tuple(replace(x, force=none, moment=none) for x in assembly.loads)
+    if sum_of(assembly.loads).any():
+        out["the shaft"] = replace(assembly, housings=bare), replace(assembly, loads=off)
+    for i, h in enumerate(assembly.housings):
+        if any((*h.force, *h.moment)):
+            alone, others = (*bare[:i], h, *bare[i + 1 :]), (*assembly.housings[:i], bare[i], *assembly.housings[i + 1 :])
+            out[h.name] = replace(assembly, loads=off, housings=alone), replace(assembly, housings=others)
+    return out
 
 
 def sum_of(loads: Sequence[Load]) -> Array:
@@ -111,7 +127,7 @@ def path_words(path: LoadPath) -> str:
 
 def path_warnings(path: LoadPath | None) -> Iterator[Warned]:
     """A warning where little of the axial force, or of all loads on the shaft together, reaches the contacts: what is
-    computed of them then says nothing of the load."""
+    computed of them then says nothing of the load. Of loads on several bodies: of the path of each by itself."""
     if path is None:
         return
     size, axial = np.repeat([1.0, 1.0 / path.arm], 3), path.applied[2]
@@ -119,7 +135,8 @@ def path_warnings(path: LoadPath | None) -> Iterator[Warned]:
     load = float(np.linalg.norm((path.on_shaft * size)[given]))
     reached = float(np.linalg.norm((path.contacts * size)[given]))
     if axial and abs(path.contacts[2]) < LITTLE * abs(axial):
-        what, share = f"the axial load of {axial:.5g} N", abs(path.contacts[2] / axial)
+        on = f" on {path.where}" if path.where else ""
+        what, share = f"the axial load of {axial:.5g} N{on}", abs(path.contacts[2] / axial)
     elif load and reached < LITTLE * load:
         what, share = "the loads on the shaft", reached / load
     else:

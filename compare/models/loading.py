@@ -12,6 +12,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Load, Scene
@@ -172,12 +173,17 @@ def axial_load(assembly: Assembly) -> float:
 
 def along_axis(assembly: Assembly, result: AxisResult) -> float:
     """Axial displacement [m] of what is asked about."""
+    return float(motion_asked(assembly, result)[2])
+
+
+def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
+    """Motion ``(6,)`` [m, rad] of what is asked about: a station of the shaft, or a housing."""
     from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
 
     at = asked(assembly)
     if isinstance(at, str):
-        return next((float(h.motion[2]) for h in result.housings if h.name == at), 0.0)
-    return float(np.interp(at, result.centreline_z, result.centreline[:, 2]))
+        return next((h.motion for h in result.housings if h.name == at), np.zeros(6))
+    return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
 
 
 def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options: Options) -> list[CurvePoint]:

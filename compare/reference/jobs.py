@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import Any
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.quantities import count_of
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_with_bodies, with_bodies
 from rollbench.compare.reference.expected import Progress, duration, expected, need_memory
@@ -211,7 +212,7 @@ def ensure(
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
     """The announcement before set-ups are computed. Raises InputError where this machine has too little memory."""
     kept = f", {stored} are stored" if stored > 0 else ""
-    head = f"3D reference: {len(left)} set-ups to compute{kept}"
+    head = f"3D reference: {count_of(len(left), 'set-up')} to compute{kept}"
     if not here:
         return f"{head}; stored in {store}"
     memory = need_memory(left, workers)

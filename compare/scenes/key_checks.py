@@ -240,6 +240,8 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
     if circuits == 1:
         if balls.circuit_gap is not None and not listed:
             yield Fault(("balls.circuits",), "2 or more with circuit_gap", "give circuits, or leave circuit_gap out", "one")
+        if len(balls.arcs or []) > 1:
+            yield from _circulating(keys, len(balls.arcs or []))
         return
     if listed:
         yield Fault(("balls.circuits",), f"1 together with {listed}", remedy)
@@ -249,10 +251,21 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
         advice = "makers rarely print it: measure from ball to ball on a drawing, 0.3 to 1 turns are usual"
         value = f"{circuits} without circuit_gap"
         yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
+    yield from _circulating(keys, circuits)
+
+
+def _circulating(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
+    """Where balls go round, circuits of [circulation] that are not those of [balls]: balls would run on across a gap."""
+    if keys.circulation is None and keys.time is None:
+        return
     stated = 1 if keys.circulation is None else keys.circulation.circuits
-    if (keys.circulation is not None or keys.time is not None) and stated != circuits:
+    if stated != circuits:
         advice = f"[balls] has {circuits} circuits of each start: write circuits = {circuits} under [circulation]"
         yield Fault(("circulation.circuits", "circulation", "time"), str(circuits), advice, str(stated))
+    spans = [end - start for start, end in keys.balls.arcs or []]
+    if spans and max(spans) - min(spans) > 1e-9 * max(spans):
+        advice = "circuits share the balls of their start equally; without [circulation] and [time] arcs may differ"
+        yield Fault(("balls.arcs",), "arcs of one length where balls go round", advice)
 
 
 def _preload(keys: SceneKeys) -> Iterator[Fault]:

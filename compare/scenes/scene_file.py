@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import SceneError
+from rollbench.compare.quantities import count_of
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
 from rollbench.compare.registration import data_files
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
@@ -62,10 +63,10 @@ def whole(scene: Described, origin: str) -> Scene:
         return scene
     if isinstance(scene, DutyCycle):
         advice = "leave the cases out here; solve, compare, check, friction, sweep and report take them"
-        raise SceneError(origin, "cases", f"{len(scene.cases)} cases", "a scene without [[cases]]", advice)
+        raise SceneError(origin, "cases", count_of(len(scene.cases), "case"), "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
         advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
-        raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
+        raise SceneError(origin, "sets", count_of(len(scene.sets), "set"), "one set that stands", advice)
     advice = f"only friction solves this kind: rollbench friction {shlex.quote(origin)}"
     raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 

@@ -40,6 +40,21 @@ INTRODUCTION = """\
 Node = Mapping[str, Any]
 
 
+def text_of(kind: str = "ball screw", size: str = "") -> str:
+    """A commented scene of a kind, of a nominal size such as 40x10 where one is given. Raises InputError for an unknown
+    kind, for the size of another kind than ball screw and double nut, and where the rules of sizes do not reach."""
+    from rollbench.compare.scenes.like import double_nut_like, scene_like
+
+    kind = (kind or "ball-screw").replace("-", " ")
+    sized = {"ball screw": scene_like, "double nut": double_nut_like}
+    if not size:
+        return template(kind)
+    if kind not in sized:
+        allowed = "without --kind, or with --kind double-nut"
+        raise ArgumentError("like", size, allowed, "a nominal size is that of a ball screw")
+    return sized[kind](size)
+
+
 def template(kind: str = "ball screw") -> str:
     """A commented scene of a kind that solves as it stands; words of the kind may be joined by hyphens.
 

@@ -1,7 +1,7 @@
 """Quantities as text (``"20 mm"``, ``"5 kN"``) to SI numbers.
 
-Only a number followed by a unit is read: nothing is evaluated. Common units come from a table; pint, which is
-slow to import, is asked only about the others.
+Only a number followed by a unit is read: nothing is evaluated. A unit stands in a table, with or without a prefix, or is a
+product or quotient of such units; factors are exact decimals.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import math
 import re
 from decimal import Decimal
 from functools import lru_cache
-from typing import Any
 
 #: What each dimension is called, its SI unit, and an example.
 DIMENSIONS = {
@@ -24,28 +23,111 @@ DIMENSIONS = {
     "number": ("", "0.28"),
 }
 
-#: By dimension, units with their factor to SI as exact decimal text or fraction; degrees are turned by ``math.radians``.
-_FACTORS = {
-    "length": {"m": "1", "cm": "1e-2", "mm": "1e-3", "um": "1e-6", "nm": "1e-9", "in": "0.0254", "inch": "0.0254"},
-    "force": {"N": "1", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
-    "pressure": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9", "psi": "4.4482216152605/0.00064516"},
-    "angle": {"rad": "1", "mrad": "1e-3", "deg": "deg"},
-    "moment": {"N m": "1", "N mm": "1e-3", "kN m": "1e3", "lbf in": "0.1129848290276167"},
-    "stiffness": {"N/m": "1", "N/mm": "1e3", "N/um": "1e6", "lbf/in": "4.4482216152605/0.0254"},
-    "temperature difference": {"K": "1", "degF": "5/9"},
+#: By dimension, the units that advice names.
+COMMON = {
+    "length": ("m", "cm", "mm", "um", "nm", "in", "inch"),
+    "force": ("N", "kN", "MN", "lbf"),
+    "pressure": ("Pa", "kPa", "MPa", "GPa", "psi"),
+    "angle": ("rad", "mrad", "deg"),
+    "moment": ("N m", "N mm", "kN m", "lbf in"),
+    "stiffness": ("N/m", "N/mm", "N/um", "lbf/in"),
+    "temperature difference": ("K", "degF"),
 }
-#: Dimension and factor of each unit.
-COMMON = {unit: (of, factor) for of, factors in _FACTORS.items() for unit, factor in factors.items()}
 
-_RADIAN = "radian"
-_BASE = {  # pint's base units of each dimension
-    "length": {"meter": 1},
-    "force": {"kilogram": 1, "meter": 1, "second": -2},
-    "pressure": {"kilogram": 1, "meter": -1, "second": -2},
-    "angle": {_RADIAN: 1},
-    "moment": {"kilogram": 1, "meter": 2, "second": -2},
-    "stiffness": {"kilogram": 1, "second": -2},
-    "temperature difference": {"kelvin": 1},
+_PI = "3.14159265358979323846264338328"
+#: By dimension, the names of units that may have a prefix or stand in a product, and their factor to SI, exact: a decimal
+#: or a quotient of two. Degrees by themselves are turned by ``math.radians``.
+_TABLE = {
+    "length": {
+        "m meter metre": "1",
+        "in inch inches": "0.0254",
+        "ft foot feet": "0.3048",
+        "yd yard": "0.9144",
+        "mi mile": "1609.344",
+        "nmi nautical_mile": "1852",
+        "th thou": "0.0000254",
+        "µ micron": "1e-6",
+        "Å angstrom": "1e-10",
+    },
+    "mass": {
+        "g gram": "1e-3",
+        "t tonne metric_ton": "1e3",
+        "lb pound": "0.45359237",
+        "oz ounce": "0.45359237/16",
+        "slug": "4.4482216152605/0.3048",
+        "slinch blob": "4.4482216152605/0.0254",
+    },
+    "time": {"s sec second": "1", "min minute": "60", "h hr hour": "3600"},
+    "force": {
+        "N newton": "1",
+        "dyn dyne": "1e-5",
+        "gf gram_force pond": "9.80665e-3",
+        "kgf kilogram_force force_kilogram": "9.80665",
+        "tf metric_ton_force": "9806.65",
+        "lbf pound_force force_pound": "4.4482216152605",
+        "ozf ounce_force": "4.4482216152605/16",
+        "kip": "4448.2216152605",
+        "pdl poundal": "0.138254954376",
+    },
+    "pressure": {
+        "Pa pascal": "1",
+        "bar": "1e5",
+        "atm atmosphere": "101325",
+        "at technical_atmosphere": "98066.5",
+        "torr": "101325/760",
+        "mHg": "133322.387415",
+        "inHg": "3386.388640341",
+        "psi": "4.4482216152605/0.00064516",
+        "ksi": "4448.2216152605/0.00064516",
+    },
+    "angle": {
+        "rad radian": "1",
+        "deg degree arcdeg": f"{_PI}/180",
+        "arcmin arcminute": f"{_PI}/10800",
+        "arcsec arcsecond": f"{_PI}/648000",
+        "gon grad grade gradian": f"{_PI}/200",
+        "turn revolution cycle circle": f"{_PI}/0.5",
+        "mil": f"{_PI}/32000",
+    },
+    "moment": {"J joule": "1", "erg": "1e-7", "ft_lb foot_pound": "1.3558179483314004"},
+    "temperature difference": {
+        "K kelvin degK": "1",
+        "degC celsius °C delta_degC": "1",
+        "degF fahrenheit °F delta_degF": "5/9",
+        "degR rankine": "5/9",
+    },
+}
+UNITS = {name: (of, factor) for of, units in _TABLE.items() for names, factor in units.items() for name in names.split()}
+#: Powers of ten of the prefixes, symbols and names.
+PREFIXES = {
+    "": 0,
+    "p": -12,
+    "n": -9,
+    "u": -6,
+    "µ": -6,
+    "m": -3,
+    "c": -2,
+    "d": -1,
+    "da": 1,
+    "h": 2,
+    "k": 3,
+    "M": 6,
+    "G": 9,
+    "T": 12,
+}
+PREFIXES |= {"pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "deci": -1, "deca": 1, "hecto": 2}
+PREFIXES |= {"kilo": 3, "mega": 6, "giga": 9, "tera": 12}
+#: Powers of m, kg, s, rad and K in the SI unit of each dimension.
+_POWERS = {
+    "length": (1, 0, 0, 0, 0),
+    "mass": (0, 1, 0, 0, 0),
+    "time": (0, 0, 1, 0, 0),
+    "force": (1, 1, -2, 0, 0),
+    "pressure": (-1, 1, -2, 0, 0),
+    "angle": (0, 0, 0, 1, 0),
+    "moment": (2, 1, -2, 0, 0),
+    "stiffness": (0, 1, -2, 0, 0),
+    "temperature difference": (0, 0, 0, 0, 1),
 }
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
@@ -116,24 +198,15 @@ def _of_text(value: str, dimension: str) -> float:
     number, unit = _split(value, dimension)
     if not unit:
         raise UnitError(value, dimension, "has no unit")
-    if unit in COMMON:
-        kind, factor = COMMON[unit]
-    else:
-        kind, factor = _ask_pint(unit)
+    kind, above, below = _factor(unit)
     if kind != dimension:
         if kind:
             raise UnitError(value, dimension, f"is {expected(kind).split(',')[0]}")
         raise UnitError(value, dimension, "has no such unit", _nearest(unit, dimension))
-    result = math.radians(float(number)) if factor == "deg" else _scaled(number, factor)
+    result = math.radians(float(number)) if unit == "deg" else float(number * above / below)
     if not math.isfinite(result):
         raise UnitError(value, dimension, "is too large to be a number")
     return result
-
-
-def _scaled(number: Decimal, factor: str) -> float:
-    """Number times a factor of the table, rounded once."""
-    above, _, below = factor.partition("/")
-    return float(number * Decimal(above) / Decimal(below or "1"))
 
 
 def _plain(value: object) -> float:
@@ -182,44 +255,42 @@ def tidy(unit: str) -> str:
     return re.sub(r"^(k|M)?N(mm|m)$", lambda m: f"{m[1] or ''}N {m[2]}", unit)
 
 
-@lru_cache(maxsize=1)
-def _registry() -> Any:
-    import pint
-
-    return pint.UnitRegistry()
-
-
 @lru_cache(maxsize=256)
-def _ask_pint(unit: str) -> tuple[str, str]:
-    """Dimension ("" if none here) and factor to SI of a product or quotient of units, each known to pint."""
-    registry = _registry()
-    factor = 1.0
-    powers: dict[str, float] = {}
+def _factor(unit: str) -> tuple[str, Decimal, Decimal]:
+    """Dimension of a product or quotient of units, "" if none here, and what to multiply and to divide by for SI."""
+    above, below = Decimal(1), Decimal(1)
+    powers: tuple[int, ...] = (0,) * 5
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
         for name in product.split() or [""]:
             match = _FACTOR.fullmatch(name)
-            if match is None:
-                return "", "1"
+            found = match and _single(match[1])
+            if not match or not found:
+                return "", above, below
+            of, over, under = found
             power = int(match[2] or 1) * (-1 if i else 1)
-            try:
-                scale, base = registry.get_base_units(registry.parse_units(match[1]), check_nonmult=True)
-            except Exception:  # undefined, logarithmic or offset units: pint raises several kinds
-                return "", "1"
-            factor *= float(scale) ** power
-            for key, value in dict(base._units).items():
-                powers[key] = powers.get(key, 0.0) + power * float(value)
-    kept = {k: v for k, v in powers.items() if v != 0.0}
-    for dimension, base_units in _BASE.items():
-        if kept == base_units:
-            return dimension, repr(factor)
-    return "", "1"
+            powers = tuple(p + power * q for p, q in zip(powers, _POWERS[of], strict=True))
+            if power < 0:
+                over, under = under, over
+            above, below = above * over ** abs(power), below * under ** abs(power)
+    return next((of for of in DIMENSIONS if _POWERS.get(of) == powers), ""), above, below
+
+
+def _single(name: str) -> tuple[str, Decimal, Decimal] | None:
+    """As `_factor` of one unit, with or without a prefix, singular or plural; None where there is no such unit."""
+    for whole in (name, name.removesuffix("s")):
+        for prefix, tens in PREFIXES.items():
+            if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:
+                of, factor = UNITS[whole.removeprefix(prefix)]
+                above, _, below = factor.partition("/")
+                return of, Decimal(above).scaleb(tens), Decimal(below or 1)
+    return None
 
 
 def _nearest(unit: str, dimension: str) -> str:
     """Advice naming the nearest common unit of the dimension, or all of them."""
     import difflib
 
-    known = [u for u, (d, _) in COMMON.items() if d == dimension]
+    known = COMMON[dimension]
     folded = [u for u in known if u.lower() == unit.lower()]
     near = folded or difflib.get_close_matches(unit, known, n=1, cutoff=0.6)
     return f'did you mean "{near[0]}"?' if near else f"use one of {', '.join(known)}"

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.conformity import curvature_changes
+from rollbench.lowfi.statics.problem import nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.errors import Specimen
 from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
 
@@ -21,7 +22,7 @@ PALMGREN = 1.3e-19
 
 @dataclass(frozen=True)
 class Contact:
-    """One contact by Hertz, with the error-free parts' constants at the nominal contact angle.
+    """One contact by Hertz, with its own radii of ball and groove at the nominal contact angle.
 
     ball from 1; side; force [N]; angle [rad]; approach, semi-axes a (across the groove) and b [m]; pole pressure [Pa].
     """
@@ -66,14 +67,16 @@ class Truncation:
     cut: int
 
 
-def worst_contact(scene: Scene, load: Array, angle: Array) -> Contact | None:
+def worst_contact(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Contact | None:
     """The loaded contact of the highest pole pressure, None without load. load ``(n, 4)`` [N], angle ``(n, 4)`` [rad].
 
-    Elliptical Hertz contact (Johnson 1985, 4.2); valid as long as the ellipse is small against ball and groove.
+    Elliptical Hertz contact (Johnson 1985, 4.2) of the radii of ball and groove that are drawn, whatever constants the
+    force law has (ingredient ``hertz``); valid as long as the ellipse is small against ball and groove. Raises ValueError
+    where a drawn ball conforms to its groove.
     """
     if not (load > 0.0).any():
         return None
-    h = nominal_hertz(scene)
+    h = own_hertz(scene, drawn)
     pressure = h.pressure(load)
     i, s = (int(k) for k in np.unravel_index(int(pressure.argmax()), load.shape))
     force, root = float(load[i, s]), float(np.cbrt(load[i, s]))
@@ -82,37 +85,39 @@ def worst_contact(scene: Scene, load: Array, angle: Array) -> Contact | None:
         SIDES[s],
         force,
         float(angle[i, s]),
-        float(h.C[s]) * root**2,
-        float(h.C_a[s]) * root,
-        float(h.C_b[s]) * root,
+        float(h.C[i, s]) * root**2,
+        float(h.C_a[i, s]) * root,
+        float(h.C_b[i, s]) * root,
         float(pressure[i, s]),
     )
 
 
-def static_safety(scene: Scene, worst: Contact) -> StaticSafety:
+def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety:
     """Static safety of a contact of hardened bearing steel.
 
     By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: Palmgren (1959; Harris
     and Kotzalas 2007, ball against raceway), permanent deformation of both surfaces together
     1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; fitted near the elastic limit, hardness 63 to 65 HRC.
+    D and curvatures are the contact's own.
     """
-    across, along = nominal_curvatures(scene)[SIDES.index(worst.side)]
-    diameter = 2.0 * scene.balls.radius
+    i, s = worst.ball - 1, SIDES.index(worst.side)
+    across, along = (nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radius))[i, s]
+    diameter = 2.0 * float(drawn.ball_radius[i])
     permanent = PALMGREN * worst.force**2 / diameter * float(across * along)
     return StaticSafety((DENT_PRESSURE / worst.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
 
 
-def truncation(scene: Scene, load: Array, angle: Array) -> Truncation | None:
+def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
     """Where the ellipses reach on the arcs of their grooves; None without load. Arguments as for `worst_contact`.
 
     The nut's land is not dimensioned in a low-order scene: its arc ends at 90 deg. Raises ValueError where the screw's
-    surface does not cut its groove.
+    surface does not cut its groove, and as `worst_contact`.
     """
     loaded = (load > 0.0) & np.isfinite(angle)
     if not loaded.any():
         return None
     low, high = groove_range(scene)
-    half = nominal_hertz(scene).C_a * np.cbrt(load) / groove_radii(scene)
+    half = own_hertz(scene, drawn).C_a * np.cbrt(load) / drawn.radius
     to_land = np.where(loaded, high - angle - half, np.inf)
     to_apex = np.where(loaded, angle - half - low, np.inf)
     margin = np.minimum(to_land, to_apex)

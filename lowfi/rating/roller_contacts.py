@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.rating.contacts import StaticSafety
-from rollbench.lowfi.rollers.roller_slices import middles, slice_contacts
+from rollbench.lowfi.rollers.roller_slices import middles, slice_contacts, tapered
 from rollbench.lowfi.rollers.tapered_roller import roller_contacts
-from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow

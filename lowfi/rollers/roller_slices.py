@@ -19,7 +19,14 @@ from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers.line_contact import LineLaw, half_width, pressure
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.roots import brentq
+
+
+def tapered(row: RollerRow) -> TaperedBearing:
+    """The row as a bearing of `lowfi.rollers.tapered_roller`. Raises ValueError where it is none."""
+    young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
+    return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
 
 
 @dataclass(frozen=True)

@@ -171,6 +171,12 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
     return _hertz_at(_parts_alone(scene), float(ball_radius[0]))
 
 
+def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
+    """As `drawn_hertz`, ``(N, 4)``, computed once where all balls are alike. Not to be written to."""
+    h, shape = distinct_hertz(scene, drawn, drawn.ball_radius), (drawn.ball_radius.size, 4)
+    return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
+
+
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
     """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, nominal_hertz
+from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, own_hertz
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
@@ -39,7 +39,7 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
     """All warnings of a solved state. gamma ``(N, 4)`` [rad]: contact angles; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad]
     of the centreline."""
     problem, force = solved.problem, solved.force
-    constants = nominal_hertz(problem.scene)
+    constants = own_hertz(problem.scene, problem.drawn)
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
     shift = solved.centre * loaded
     return (
@@ -80,7 +80,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
             f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends_of_arc(problem.scene)}), where the model does "
             "not hold"
         )
-    semi_axis = nominal_hertz(problem.scene).C_a * np.cbrt(force)  # the long axis lies across the groove
+    semi_axis = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force)  # the long axis lies across the groove
     half = semi_axis / problem.drawn.radius
     cut = loaded & ~off & ((gamma - half < low) | (gamma + half > high))
     if cut.any():
@@ -97,7 +97,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
 def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
     """Balls whose contacts with both flanks of a groove lie within one ellipse, angles ``(N, 4)`` [rad] apart by their sum:
     the flanks' arcs are one circle there, and two springs stand for one contact."""
-    half = nominal_hertz(problem.scene).C_a * np.cbrt(force) / problem.drawn.radius
+    half = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.radius
     pairs = force.reshape(-1, 2, 2)
     double = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
     if not double.any():

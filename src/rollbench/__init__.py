@@ -1,14 +1,14 @@
 """rollbench as a library.
 
 >>> import rollbench
->>> solution = rollbench.solve("lin-case1")
->>> solution.load.shape, solution["summary.loads.worst_ball"]
+>>> result = rollbench.solve("lin-case1")
+>>> result.loads.shape, result.worst.element
 ((32, 4), 12)
 
-``read`` a scene, ``solve`` it with a low-order model, its ``friction``; ``compare_models`` with the 3D reference, which
-``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene; write a ``report``.
-Results show as tables in a notebook; ``solution["summary.axial.displacement_um"]`` is a number,
-``solution.quantity("summary.axial.displacement_um")`` the same with its unit. ``python -m rollbench`` is the command line.
+``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``friction``; ``compare_models`` with the
+3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene;
+write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands by
+``to_dict()``. ``python -m rollbench`` is the command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
 """
@@ -17,49 +17,66 @@ from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING
+from warnings import warn
 
 if TYPE_CHECKING:
     from rollbench.compare import __version__
-    from rollbench.compare.api import (
-        Friction,
-        Judged,
-        Result,
-        Solution,
-        check,
-        compare_models,
-        friction,
-        mesh_study,
-        read,
-        report,
-        solve,
-        sweep,
-    )
+    from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
+    from rollbench.compare.commands.reporting.library import report
     from rollbench.compare.errors import InputError
+    from rollbench.compare.results.comparison import Comparison
+    from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
+    from rollbench.compare.results.solved import Result, Status
+    from rollbench.compare.results.verdict import Judgement, Verdict
 
 __all__ = [
+    "Comparison",
+    "Ensemble",
     "Friction",
     "InputError",
-    "Judged",
+    "Judgement",
+    "MeshStudy",
     "Result",
-    "Solution",
+    "Status",
+    "Sweep",
+    "Verdict",
     "__version__",
     "check",
     "compare_models",
+    "ensemble",
     "friction",
     "mesh_study",
+    "new",
     "read",
     "report",
     "solve",
     "sweep",
 ]
 #: Where a name of the library stands, if not in the package ``rollbench.compare.api``.
-_ELSEWHERE = {"InputError": "rollbench.compare.errors", "__version__": "rollbench.compare"}
+_ELSEWHERE = {
+    "InputError": "rollbench.compare.errors",
+    "Comparison": "rollbench.compare.results.comparison",
+    "report": "rollbench.compare.commands.reporting.library",
+    "__version__": "rollbench.compare",
+    **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
+    **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
+    **dict.fromkeys(("Judgement", "Verdict"), "rollbench.compare.results.verdict"),
+}
+#: Former names, and what they are now.
+_FORMER = {"Solution": "Result", "Judged": "Verdict"}
 
 
 def __getattr__(name: str) -> object:
     """A name of the library, loaded when it is first used; AttributeError for others."""
     if name == "compare":
         return import_module("rollbench.compare")
+    if name in _FORMER:
+        warn(
+            f"rollbench.{name} is rollbench.{_FORMER[name]} now; the former name goes in the next version",
+            DeprecationWarning,
+            2,
+        )
+        name = _FORMER[name]
     if name not in __all__:
         raise AttributeError(f"module 'rollbench' has no attribute {name!r}")
     found: object = getattr(import_module(_ELSEWHERE.get(name, "rollbench.compare.api")), name)

@@ -70,7 +70,11 @@ def test_blocks_of_the_readme_run_as_printed(tmp_path: Path, monkeypatch: pytest
                 if not heavy(line):
                     run(line, command)
                     ran.append(line)
-    for begins in ("sweep my.toml --vary errors.balls.oversize", "solve my.toml --members 1000", "check my.toml --loads"):
+    for begins in (
+        "sweep my.toml --vary errors.balls.oversize",
+        "solve lin-random --members 1000",
+        "check my.toml --loads",
+    ):
         assert any(line.replace("'", "").startswith(f"rollbench {begins}") for line in ran), begins
 
 

@@ -60,19 +60,13 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         size.
     """
     from rollbench.compare.registration import ROOT
-    from rollbench.compare.scenes.like import double_nut_like, scene_like
     from rollbench.compare.scenes.names import WHOLE
-    from rollbench.compare.scenes.template import AXES, BEARINGS, template
+    from rollbench.compare.scenes.template import AXES, BEARINGS, text_of
     from rollbench.compare.writing import write_new
 
-    kind = (kind or "ball-screw").replace("-", " ")
-    sized = {"ball screw": scene_like, "double nut": double_nut_like}
-    if like and kind not in sized:
-        allowed = "without --kind, or with --kind double-nut"
-        raise ArgumentError("like", like, allowed, "a nominal size is that of a ball screw")
     schema_line = f"#:schema {(ROOT / 'scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
-    write_new(file, schema_line + (sized[kind](like) if like else template(kind)))
-    command = "solve" if kind in (*WHOLE, *AXES, *BEARINGS) else "friction"
+    write_new(file, schema_line + text_of(kind, like))
+    command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -137,7 +137,7 @@ def report(
         raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.commands.reporting.report import make_report
 
-    kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +11,13 @@ from rollbench.compare.commands.printing import Answer, cell, on_terminal
 from rollbench.compare.commands.tables import ruled
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.baseline import Change, changes
-from rollbench.compare.gate.further import not_judged
 from rollbench.compare.gate.publish import Outcome, of_row, of_verdict, publish
-from rollbench.compare.gate.user import Asked, as_shares, check_scenes
-from rollbench.compare.gate.verdict import CODES, LIMIT, Limits, Verdict, Word, worst_of
+from rollbench.compare.gate.user import Asked, as_shares
+from rollbench.compare.gate.verdict import CODES, LIMIT, Limits
 from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.results.base import with_schema
+from rollbench.compare.results.verdict import verdict_of
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.duty_cycle import Described, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
 
 if TYPE_CHECKING:
@@ -63,53 +63,19 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
                 advice = "verdicts differ by the name of file and case: rename one"
                 raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
             taken[scene.name] = name
-    warnings: list[str] = []
-    verdicts = judged_cases(described, names, request, engine, warnings.append)
+    found = verdict_of(described, names, request, engine, on_terminal)
+    verdicts, left = found.judged, found.not_judged
     outcomes = [of_verdict(v) for v in verdicts]
-    left, changed = not_judged(verdicts) if request.loads or request.values else [], files.changed(outcomes)
-    above = [f"WARNING: {warning}" for warning in warnings]
+    changed = files.changed(outcomes)
+    above = [f"WARNING: {warning}" for warning in found.warnings]
     below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
     below += files.since(changed)
     written = files.write(outcomes, [*above, *below])
     counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
-    data = verdicts_json(described, verdicts) | {"warnings": warnings, "not_judged": left}
+    data: dict[str, Any] = found.to_dict()
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
     return Answer(data, [*above, *(v.line() for v in verdicts), *worst, *below, counts, *written], CODES[data["verdict"]])
-
-
-def judged_cases(
-    described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, warn: Callable[[str], None]
-) -> list[Verdict]:
-    """Verdicts on scenes and their load cases; a case whose model does not converge is told from one that fails. warn: as
-    `check_scenes`."""
-    cases = cases_by_name(described)
-    scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
-    of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
-    out = []
-    for v in check_scenes(scenes, request, engine, on_terminal, warn, of_one):
-        case = cases.get(v.scene)
-        lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
-        out.append(v if case is None else replace(v, scene=case.cycle.name, case=case.case.name, word=lost))
-    return out
-
-
-def verdicts_json(described: Sequence[Described], verdicts: Sequence[Verdict]) -> dict[str, Any]:
-    """All verdicts, the gravest, and of scenes with load cases those of each, in order, and which case decides."""
-    gravest = worst_of([v.word for v in verdicts])
-    data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
-    cases, graveness = [], []
-    for case in cases_by_name(described).values():
-        its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
-        word, beyond = worst_of([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
-        cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
-        graveness.append(([*CODES].index(word), -beyond))
-    if not cases:
-        return data
-    worst: dict[str, dict[str, Any]] = {}
-    for k in sorted(range(len(cases)), key=graveness.__getitem__):
-        worst.setdefault(cases[k]["scene"], {key: cases[k][key] for key in ("scene", "case", "verdict")})
-    return data | {"worst_cases": [*worst.values()], "cases": cases}
 
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:
@@ -124,7 +90,9 @@ def run_shipped(max_error: float | None, files: Files) -> Answer:
     changed = files.changed(outcomes)
     written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
     warnings = [*as_shares(Limits(limit))]
-    data = {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
+    data = with_schema(
+        {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
+    )
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     words = [row.verdict for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))

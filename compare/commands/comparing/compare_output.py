@@ -3,44 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.compare.commands.printing import cell
-from rollbench.compare.commands.solving.output import expected_json
-from rollbench.compare.commands.solving.summary import GROUPS, contacts_json, loads_json
 from rollbench.compare.commands.tables import plain
-from rollbench.compare.errors import Refusal
-from rollbench.compare.gate.verdict import LIMIT
-from rollbench.compare.measure import LoadError, error_percent, load_error
-from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
-from rollbench.compare.models.comparison import (
-    RULE,
-    Loads,
-    from_result,
-    from_run,
-    gate_points,
-    options_for,
-    reference_answers,
-    solved,
-)
-from rollbench.compare.models.loading import solve_scaled
-from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.compare.models.referenced import Answered, SetOf, answered
-from rollbench.compare.models.registry import DEFAULT, MODELS, Model
-from rollbench.compare.models.total_uncertainty import Total, total
-from rollbench.compare.quantities import number, quantity
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.quantities import quantity
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
-from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load
+from rollbench.compare.results.answers_json import GROUPS
+from rollbench.compare.results.compared import OURS, Beside, Compared, answers_of
 from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.writing import write_csv, write_figure
-from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
@@ -48,8 +25,6 @@ from rollbench.reports.content import Figure
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-#: Name of the stored 3D reference beside a user's own.
-OURS = "stored 3D reference"
 COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
 
 
@@ -72,137 +47,7 @@ ANSWERS = (
 )
 
 
-@dataclass(frozen=True)
-class Beside:
-    """A model beside the reference: its answer, its errors (None for the reference itself), what its loads answer, axial
-    displacement [m] of the screw at the nut's centre from its place without loads, axial force [N] of it on the nut, how
-    many contacts the nominal screw loads; largest error [%] of a contact as the gate has it."""
-
-    answer: Loads
-    error: LoadError | None
-    found: LoadAnswers
-    displacement: float
-    force: float
-    contacts: int
-    by_gate: float = 0.0
-
-    @property
-    def label(self) -> str:
-        """Name for tables."""
-        return self.answer.model
-
-    @property
-    def pressure(self) -> float:
-        """Pole pressure [Pa] of the worst contact."""
-        return 0.0 if self.found.worst is None else self.found.worst.pressure
-
-
-def beside(scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
-    """An answer beside a reference, or by itself; start: the axial place [m] without loads; contacts: how many the nominal
-    screw loads, where the scene itself does not tell."""
-    angle = np.radians(answer.angle)
-    moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
-    error = None if ref is None else load_error(answer.load, ref.load, ref.contacts)
-    pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
-    count = nominal_contacts(scene) if contacts is None else contacts
-    found, force = load_answers(scene, answer.load, angle), float(pull[0] - pull[1])
-    points = [] if ref is None else gate_points(ref.scene, ref, LIMIT, answer.load)
-    by_gate = max((abs(p.error_percent) for p in points), default=0.0)
-    return Beside(answer, error, found, moved - start, force, count, by_gate)
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Models and coarser meshes beside the reference of a scene; the reference itself; the error that was to be expected of
-    the model that the verdict speaks of; what the comparison is uncertain by; start: axial place [m] of the screw without
-    loads by that model, from which the displacements of the reference are counted too."""
-
-    models: tuple[Beside, ...]
-    itself: Beside
-    expected: ModelForm | None
-    total: Total
-    start: float = 0.0
-
-    @property
-    def spoken(self) -> Beside:
-        """What the verdict speaks of: the default model, or else the first."""
-        return next((b for b in self.models if b.label == DEFAULT), self.models[0])
-
-
-def compared(
-    scene: Scene,
-    models: Sequence[Model],
-    reference: Reference,
-    stores: Sequence[Path],
-    of: SetOf | None = None,
-    ours: Reference | None = None,
-) -> Comparison:
-    """Models, coarser meshes and the source's mesh beside the reference; of: which set it is of several on one shaft; ours:
-    the stored 3D reference beside a user's own.
-
-    Raises InputError for a model that cannot be run, Refusal for one that finds no loads of several sets.
-    """
-    answers, expected, starts = [], {}, {}
-    for model in models:
-        of_model = answer_of(model, scene, reference, stores) if of is None else answered(of, model.name)
-        if isinstance(of_model, str):
-            raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one: `models`")
-        answers.append(from_result(of_model.result, of_model.seconds))
-        starts[answers[-1].model] = unloaded_place(scene, of_model.bare)
-        if of_model.result.converged:
-            expected[model.name] = estimate(of_model.scene, of_model.result, others_than(reference))
-    others = reference_answers(reference, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
-    answers += [answer for answer in others if not is_itself(answer, reference)]
-    answers += [] if ours is None else [from_run(ours.best, OURS)]
-    shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
-    count = None if of is None else reference.contacts
-    each = tuple(beside(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
-    itself = beside(scene, from_run(reference.best, reference.label), None, shared, count)
-    whole = Comparison(each, itself, None, total(scene, reference, inputs=of is None), shared)
-    return replace(whole, expected=expected.get(whole.spoken.label))
-
-
-def answer_of(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
-    """What a model finds for a scene of one set."""
-    result, seconds = solved(model, scene, reference, stores)
-    bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
-    return Answered(result, bare, seconds, scene)
-
-
-def others_than(reference: Reference) -> list[Point]:
-    """Compared points of other scenes, whatever the name of this one: what is measured here is not to be expected of
-    itself."""
-    own = {reference.scene, *(run.scene for run in reference.runs)}
-    return [point for point in shipped_points() if point.scene not in own]
-
-
-def answers_of(b: Beside) -> dict[str, Any]:
-    """What the loads of a model or of the reference answer, as JSON has it; null where there is no such answer."""
-    stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
-    axial = {"force_N": number(b.force), "displacement_um": number(1e6 * b.displacement)}
-    axial["rigidity_N_per_um"] = None if stiff is None else number(1e-6 * stiff)
-    return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
-
-
-def answers_json(whole: Comparison, reference: Reference) -> dict[str, Any]:
-    """Verdict, levels and uncertainty of the reference, error expected and measured, answers of models and reference."""
-    error, expected = whole.spoken.error, whole.expected
-    return {
-        "scene": reference.scene,
-        "verdict": verdict(whole, reference),
-        "levels": list(reference.levels),
-        "uncertainty_percent": uncertainty_percent(reference),
-        "reference_status": reference.unsettled or "converged",
-        "uncertainty": whole.total.as_json(),
-        "model": whole.spoken.label,
-        "expected_error_percent": None if expected is None else expected.percent,
-        **expected_json(expected, "expected_{}_error_percent"),
-        "measured_error_percent": None if error is None else error.max_percent,
-        "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
-    }
-
-
-def answers_table(whole: Comparison) -> RenderableType:
+def answers_table(whole: Compared) -> RenderableType:
     """Ten answers of the model that the verdict speaks of beside those of the reference."""
     spoken, reference = answers_of(whole.spoken), answers_of(whole.itself)
     rows = []
@@ -215,7 +60,7 @@ def answers_table(whole: Comparison) -> RenderableType:
     return plain(("answer", whole.spoken.label, whole.itself.label, "difference / %"), rows, ("answer",), apart=2)
 
 
-def start_lines(whole: Comparison) -> list[str]:
+def start_lines(whole: Compared) -> list[str]:
     """From where displacements are counted, where that is not the nominal place."""
     if not whole.start:
         return []
@@ -223,52 +68,6 @@ def start_lines(whole: Comparison) -> list[str]:
         f"displacements: from the place without loads, by {whole.spoken.label} {1e6 * whole.start:.3g} um from the nominal "
         "one, which the reference's are counted from too"
     ]
-
-
-def is_itself(answer: Loads, reference: Reference) -> bool:
-    """Whether an answer is the run that it would be compared with."""
-    return answer.model == f"3D level {reference.best.level}"
-
-
-def levels_text(reference: Reference, total: Total) -> str:
-    """Levels of the reference and what it is uncertain by, in words."""
-    if reference.stated:
-        return total.text
-    levels = ", ".join(str(run.level) for run in reference.runs)
-    rest = f" ({reference.unsettled}, which is added)" if reference.unsettled else ""
-    return f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}, {total.text}{rest}"
-
-
-def verdict(whole: Comparison, reference: Reference) -> str:
-    """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
-    comparison is uncertain by."""
-    return "; ".join(filter(None, [_off(whole.spoken, _expected(whole.expected)), levels_text(reference, whole.total)]))
-
-
-def others(whole: Comparison) -> list[str]:
-    """The same sentence of the other low-order models, without what was to be expected."""
-    return [_off(b) for b in whole.models if b is not whole.spoken and b.label in MODELS]
-
-
-def _off(b: Beside, expected: str = "") -> str:
-    """What a model is off by; empty for the reference itself."""
-    e = b.error
-    if e is None:
-        return ""
-    where = f" (ball {e.ball} {e.side})" if e.ball else ""
-    return (
-        f"{b.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-        f"{e.rms_percent:.2f} % RMS{expected}, and by {b.by_gate:.2f} %, {RULE}"
-    )
-
-
-def _expected(worth: ModelForm | None) -> str:
-    """What was to be expected, as an insertion."""
-    if worth is None:
-        return ""
-    if worth.percent is None:
-        return " (expected: not covered by earlier comparisons)"
-    return f" (expected: {worth.percent:.2f} %, {worth.rms_percent:.2f} % RMS)"
 
 
 def _cells(b: Beside) -> list[str]:

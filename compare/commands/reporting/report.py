@@ -43,22 +43,26 @@ def provenance() -> dict[str, str]:
     }
 
 
-class Progress:
-    """Lines on the terminal: which section, which step, how long it took."""
+def _printed(line: str) -> None:
+    print(line, flush=True)
 
-    def __init__(self, total: int) -> None:
-        """Start counting sections out of ``total``."""
-        self.total, self.count = total, 0
+
+class Progress:
+    """Lines of progress: which section, which step, how long it took."""
+
+    def __init__(self, total: int, say: Step) -> None:
+        """Start counting sections out of ``total``; say: takes the lines."""
+        self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
     def section(self, name: str) -> None:
         """Announce a section."""
         self.count += 1
-        print(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)", flush=True)
+        self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
     def step(self, text: str) -> None:
         """Announce a step of the section."""
-        print(f"      {text}", flush=True)
+        self.say(f"      {text}")
 
 
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
@@ -153,12 +157,14 @@ def make_report(
     fresh: bool = False,
     everything: bool = False,
     against: Path | None = None,
+    say: Step = _printed,
 ) -> Answer:
     """Run, draw and write the report; exit code 1 where the live check does not agree.
 
     quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
     store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
-    holds them; everything: the costly sections too; against: an earlier report, to list what moved. Run times are those of
+    holds them; everything: the costly sections too; against: an earlier report, to list what moved;
+    say: takes the lines of progress. Run times are those of
     the measuring run that is kept; with ``fresh``, and where the section of run times is named, of a new one.
     Raises InputError for a bad section name or folder.
     """
@@ -182,7 +188,7 @@ def make_report(
     checking = runs and meshing and not (only or stored or fresh or quick)
     timed = fresh or "timing" in only
     study = Study(None if stored else stores, quick=quick, timed=timed, cache=engine.cache)
-    progress = Progress(len(wanted) + runs + checking + 1)
+    progress = Progress(len(wanted) + runs + checking + 1, say)
     start = perf_counter()
     if runs:
         progress.section("runs of the 3D reference")

@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.commands.solving.cases_output import case_rows, cases_json, together_entries
+from rollbench.compare.commands.solving.cases_output import case_rows, together_entries
 from rollbench.compare.commands.solving.entries import entries
-from rollbench.compare.commands.solving.output import case_json
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
@@ -27,10 +26,13 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.together import together
 from rollbench.compare.models.u_val import QUANTITIES, Validated, validated
 from rollbench.compare.provenance import SOURCES, commit, sources_hash
+from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.registration import offered
+from rollbench.compare.results.cases_json import cases_json
+from rollbench.compare.results.solved_json import case_json
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.applicability import range_figure, range_table
@@ -38,9 +40,11 @@ from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.sections.sketch import sketch_of
 from rollbench.compare.system import libraries
 from rollbench.compare.writing import need_writable, replace_file
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.problem import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.reports.content import Figure, LoadedScrew, Quantity, Row, Section, Table, Text
 from rollbench.reports.manifest import sha256
@@ -106,12 +110,12 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
     answers = together_entries(whole)
     table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
     lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
-    life_said = dict(answers)["life"]
+    life_said, cases = dict(answers)["life"], count_of(len(solved), "load case")
     return replace(
         page,
         title=cycle.title,
-        subtitle=f"{cycle.name}, {len(solved)} load cases: {page.subtitle.partition(': ')[2]}; below, case {worst}",
-        verdict=f"Of {len(solved)} load cases {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
+        subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; below, case {worst}",
+        verdict=f"Of {cases} {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
         answers=[*answers, *((f"{worst}: {label}", text) for label, text in page.answers)],
         parts=(Section("cases", "Load cases", (table,)), *page.parts),
         results=data,
@@ -205,7 +209,7 @@ def verdict(
 def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
     """Figure and table of all contacts with their pressures, beside those of references."""
     panels = []
-    pressure = 1e-6 * nominal_hertz(scene).pressure(result.load)
+    pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
@@ -225,7 +229,7 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
         row[Quantity("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
     items: list[Figure | Table] = [Figure("loads", "Contact loads, ball by ball", tuple(panels))] if panels else []
-    items.append(Table.of("contacts", "Every loaded contact", rows, "Peak pressure: Hertz, error-free radii."))
+    items.append(Table.of("contacts", "Every loaded contact", rows, "Peak pressure: Hertz, each contact's own radii."))
     return Section("loads", "Loads and pressures", items)
 
 

@@ -1,4 +1,4 @@
-"""The load cases of a duty cycle as JSON and for the terminal."""
+"""The load cases of a duty cycle for the terminal."""
 
 from __future__ import annotations
 
@@ -7,31 +7,16 @@ from typing import Any
 
 from rollbench.compare.commands.printing import text_width
 from rollbench.compare.commands.solving.entries import entry, life_words
-from rollbench.compare.commands.solving.output import case_json, case_table, stiffness_lines
-from rollbench.compare.commands.solving.summary import life_json
+from rollbench.compare.commands.solving.output import case_table, stiffness_lines
 from rollbench.compare.commands.tables import aligned
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.together import Lives, Together
-from rollbench.compare.quantities import number, quantity, record
-from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.compare.quantities import count_of
+from rollbench.compare.results.answers_json import life_json
+from rollbench.compare.results.cases_json import cases_json
+from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.statics.tangent import Tangent
 
-#: What the cases of a duty cycle say together.
-TOGETHER = (
-    quantity("largest_pressure_MPa", lambda t: t.pressure and t.pressure.value),
-    quantity("largest_pressure_case", lambda t: t.pressure and t.pressure.case),
-    quantity("least_static_safety", lambda t: t.safety and t.safety.value),
-    quantity("least_static_safety_case", lambda t: t.safety and t.safety.case),
-    quantity("largest_expected_error_percent", lambda t: t.error and t.error.value),
-    quantity("largest_expected_error_case", lambda t: t.error and t.error.case),
-    quantity("expected_error_not_covered", "uncovered"),
-    quantity("unsolved"),
-)
-STANDARD_LIFE = (
-    quantity("L10_million_revolutions", "revolutions"),
-    quantity("equivalent_loads_N", "loads"),
-    quantity("standard"),
-)
 #: Columns of the table of cases: heading, group of a case's summary, and key.
 COLUMNS = (
     ("largest load N", "loads", "max_N"),
@@ -40,46 +25,6 @@ COLUMNS = (
     ("static safety", "static_safety", "factor"),
     ("life 1e6 rev", "life", "L10_million_revolutions"),
 )
-
-
-def cases_json(
-    cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: Together, tangents: Sequence[Tangent | None] = ()
-) -> dict[str, Any]:
-    """The load cases in order, and what they say together; tangents: of each, where they were asked for."""
-    each = zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True)
-    unsolved = "; ".join(f"case {name}: {status}" for name, status in whole.unsolved.items())
-    return {
-        "scene": cycle.name,
-        "model": solved[0].result.model,
-        "status": unsolved or "converged",
-        "summary": together_json(whole),
-        "cases": [{**head(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each],
-    }
-
-
-def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
-    """What every row of a case begins with."""
-    return {"scene": cycle.name, "case": case.name, "share": number(case.share)}
-
-
-def together_json(whole: Together) -> dict[str, Any]:
-    """Extremes of the cases, and the lives over the cycle with words where there is none."""
-    data = (record(TOGETHER, whole) or {}) | _lives_json(whole.least, whole.speed)
-    if len(whole.lives) == 1:
-        return data
-    each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
-    return data | {"life_set": whole.least.set, "sets": [*each]}
-
-
-def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
-    off = lives.difference_percent
-    return {
-        "life": life_json(lives.life, speed),
-        "life_words": lives.life_words or None,
-        "standard_life": record(STANDARD_LIFE, lives.standard),
-        "standard_life_words": lives.standard_words or None,
-        "life_difference_percent": None if off is None else number(off),
-    }
 
 
 def cases_table(
@@ -93,7 +38,7 @@ def cases_table(
 ) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
-    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
+    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()

@@ -5,11 +5,11 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.solving.summary import answers_json, by_pressure, set_json, starting_torque, whole_json
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.load_path import path_words
 from rollbench.compare.models.model_form import ModelForm
-from rollbench.compare.quantities import shown
+from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.results.answers_json import answers_json, by_pressure, set_json, starting_torque, whole_json
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
@@ -149,14 +149,15 @@ def _loads(data: dict[str, Any], worth: ModelForm | None = None) -> str:
     d = data["loads"]
     if d is None:
         return "no contact carries load"
-    lost = f"; {d['balls_without_load']} balls without load" if d["balls_without_load"] else ""
+    lost = f"; {count_of(d['balls_without_load'], 'ball')} without load" if d["balls_without_load"] else ""
     if d["contacts_in_mean"] != d["loaded_contacts"]:
-        lost += f"; the mean is their sum over the {d['contacts_in_mean']} contacts that the screw without errors loads"
+        nominal = count_of(d["contacts_in_mean"], "contact")
+        lost += f"; the mean is their sum over the {nominal} that the screw without errors loads"
     error = load_error(d["mean_N"], worth)
     most, mean, least = (shown(d[key], error) for key in ("max_N", "mean_N", "min_N"))
     return (
         f"ball {d['worst_ball']} {d['worst_side']} carries most, {most} N; mean {mean} N, least {least} N of "
-        f"{d['loaded_contacts']} loaded contacts{lost}"
+        f"{count_of(d['loaded_contacts'], 'loaded contact')}{lost}"
     )
 
 
@@ -204,19 +205,19 @@ def _ellipse(data: dict[str, Any]) -> str:
     ends = f"ellipse {d['contact_angle_deg']:.1f} +- {d['ellipse_half_width_deg']:.1f} deg, {d['edge']} at"
     if d["contacts_cut"]:
         return (
-            f"TRUNCATED on {d['contacts_cut']} contacts, most on {where}: {ends} {d['edge_angle_deg']:.1f} deg, "
-            f"{-d['margin_deg']:.1f} deg beyond"
+            f"TRUNCATED on {count_of(d['contacts_cut'], 'contact')}, most on {where}: {ends} {d['edge_angle_deg']:.1f} "
+            f"deg, {-d['margin_deg']:.1f} deg beyond"
         )
     return f"inside all grooves; nearest to an edge on {where}: {ends} {d['edge_angle_deg']:.1f} deg"
 
 
 def _roller_loads(data: dict[str, Any]) -> str:
     d = data["loads"]
-    lost = f"; {d['rollers_without_load']} rollers without load" if d["rollers_without_load"] else ""
+    lost = f"; {count_of(d['rollers_without_load'], 'roller')} without load" if d["rollers_without_load"] else ""
     most, mean, least = (shown(d[key]) for key in ("max_N", "mean_N", "min_N"))
     return (
-        f"roller {d['worst_roller']} carries most, {most} N; mean {mean} N, least {least} N of {d['loaded_contacts']} "
-        f"loaded rollers{lost}"
+        f"roller {d['worst_roller']} carries most, {most} N; mean {mean} N, least {least} N of "
+        f"{count_of(d['loaded_contacts'], 'loaded roller')}{lost}"
     )
 
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
+from rollbench.compare.api.calls import solve_described
 from rollbench.compare.commands.printing import Answer
-from rollbench.compare.commands.solving.output import case_json, case_table, stiffness_lines
-from rollbench.compare.errors import ArgumentError, named, one_line
-from rollbench.compare.models.answers import tangent_of
-from rollbench.compare.models.load_cases import Solved, SolvedAxis, solve_any
+from rollbench.compare.commands.solving.output import case_table, stiffness_lines
+from rollbench.compare.errors import ArgumentError, one_line
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import Options, default_model
+from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes import catalogue, units
-from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.compare.watch import checked, watched
 from rollbench.lowfi.statics.result import StaticResult
@@ -55,36 +55,26 @@ def run_solve(name: str, choices: Choices) -> Answer:
     model, station = _checked(choices)
     model = model or default_model(scenes[0])
     _check_parts(scenes[0], choices, station)
-    cases = described.cases if isinstance(described, DutyCycle) else ()
-    of_cases = [_of_case(choices, case.name) for case in cases] or [choices]
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    solved: list[Solved | SolvedAxis] = []
-    tangents: list[Tangent | None] = []
-    written: list[str] = []
+    at = station if choices.stiffness_at else None
     with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
-        for scene, files in zip(scenes, of_cases, strict=True):
-            with named(scene.name, name):
-                if isinstance(scene, Assembly) and choices.stiffness_at:
-                    scene = replace(scene, stiffness_at=station)
-                solved.append(solve_any(scene, model, options))
-                wanted = choices.stiffness_at and solved[-1].answers is not None
-                tangents.append(tangent_of(scene, station, model, options) if wanted and isinstance(scene, Scene) else None)
-                written += _write(solved[-1], tangents[-1], options, files)
-    names = [case.name for case in cases]
+        found = solve_described(described, model, options, at, name)
+    solved, names = found.solved, [*found.cases]
+    of_cases = [_of_case(choices, case) for case in names] or [choices]
+    written: list[str] = []
+    for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
+        written += _write(one, tangent, options, files)
     if choices.loads_csv is not None:
         written += _write_loads(choices.loads_csv, solved, names)
-    code, shown = code_of(solved, choices), {"balls": choices.balls, "details": choices.assumptions}
-    if not isinstance(described, DutyCycle):
-        lines = [] if tangents[0] is None else stiffness_lines(tangents[0])
-        return Answer(
-            case_json(solved[0], tangents[0]), [*case_table(solved[0], **shown), *lines, *written], code, folded=True
-        )
-    from rollbench.compare.commands.solving.cases_output import cases_json, cases_table
-    from rollbench.compare.models.together import together
+    shown = {"balls": choices.balls, "details": choices.assumptions}
+    if found.cycle is None or found.together is None:
+        tangent = found.tangents[0]
+        lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]
+    else:
+        from rollbench.compare.commands.solving.cases_output import cases_table
 
-    whole = together(described, solved)
-    data = cases_json(described, solved, whole, tangents)
-    return Answer(data, [*cases_table(described, solved, whole, tangents, **shown), *written], code, folded=True)
+        lines = cases_table(found.cycle, solved, found.together, found.tangents, **shown)
+    return Answer(found.to_dict, [*lines, *written], code_of(solved, choices), folded=True)
 
 
 def _of_case(choices: Choices, name: str) -> Choices:
@@ -115,7 +105,9 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
     if not rows:
         return []
     write_csv(path, rows)
-    return [f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {shlex.quote(str(path))}"]
+    return [
+        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
+    ]
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:

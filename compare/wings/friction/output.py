@@ -50,7 +50,8 @@ def jam_words(state: FrictionState) -> str:
     if not state.second:
         return f"{start}; none was found from four displaced starts of every ball"
     numbers = ", ".join(str(k + 1) for k in state.second[:8])
-    return f"{len(state.second)} balls have a second, jammed state: {numbers}; this is the one that rolls on"
+    what = "1 ball has" if len(state.second) == 1 else f"{len(state.second)} balls have"
+    return f"{what} a second, jammed state: {numbers}; this is the one that rolls on"
 
 
 def slip_warnings(share: float) -> list[Warned]:

@@ -6,6 +6,7 @@ from typing import Any
 
 from rollbench.compare.commands.printing import Answer
 from rollbench.compare.errors import ArgumentError, one_line
+from rollbench.compare.results.base import with_schema
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.watch import checked, watched
@@ -29,9 +30,7 @@ def run_friction(
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         found = solve_friction(name, choices)
     code = 1 if not found.converged or (strict and found.warning) else 0
-    return Answer(
-        found.data | {"warning": found.warning or None}, as_table(found, balls=balls, details=details), code, folded=True
-    )
+    return Answer(with_schema(_json(found)), as_table(found, balls=balls, details=details), code, folded=True)
 
 
 def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
@@ -63,4 +62,8 @@ def solve_any(scene: Described, choices: Choices, origin: str) -> FrictionAnswer
 
 def library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
     """JSON-ready answer on a scene; mu: coefficients in place of the scene's. Raises InputError."""
-    return solve_any(scene, Choices(model, mu), f"with {scene.name}").data
+    return _json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
+
+
+def _json(found: FrictionAnswer) -> dict[str, Any]:
+    return found.data | {"warning": found.warning or None}

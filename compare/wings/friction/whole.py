@@ -13,7 +13,7 @@ from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.models.answers import load_answers, outside
 from rollbench.compare.models.loading import preload
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import count_of, number
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.wings.friction import output
 from rollbench.compare.wings.friction.answer import FrictionAnswer, balance
@@ -172,10 +172,12 @@ def status_of(state: FrictionState) -> str:
     """Text of how it ended."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
-        return f"no balance of friction found on {len(failed)} balls: {', '.join(failed[:8])}"
+        return f"no balance of friction found on {count_of(len(failed), 'ball')}: {', '.join(failed[:8])}"
     if state.unsettled:
         numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
-        return f"friction and place do not agree on {len(state.unsettled)} balls: {numbers}; see feedback = false"
+        return (
+            f"friction and place do not agree on {count_of(len(state.unsettled), 'ball')}: {numbers}; see feedback = false"
+        )
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 
@@ -244,7 +246,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             (
                 *([] if played is None else [play_warning(played)]),
                 *result.warnings,
-                *outside(scene, load_answers(scene, result.load, result.contact_angle), held),
+                *outside(scene, load_answers(scene, result.load, result.contact_angle, result.member), held),
                 *feedback_warnings(state),
                 *output.slip_warnings(slip),
             ),

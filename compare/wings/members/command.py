@@ -18,8 +18,9 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.registry import default_model
 from rollbench.compare.quantities import number
 from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.results.base import with_schema
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.compare.wings.members.blocks import KEPT, OF_SET, WHOLE, columns, with_seed
 from rollbench.compare.wings.members.members import Bands, Members, run_members, statistics
@@ -34,6 +35,37 @@ def run(
     """Solve, write one CSV row a member as they come (balls: show the bands of every ball too); exit code 1 where none
     converged. Raises InputError."""
     described = catalogue.any_scene(name)
+    each, cases = _solved(described, name, model, count, seed, engine, on_terminal, csv_out)
+    shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
+    data = with_schema(_whole(described, each, cases))
+    return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
+
+
+def library(
+    described: Described, model: str, count: int, seed: int | None, workers: int | None, step: Callable[[str], None]
+) -> dict[str, Any]:
+    """What `rollbench.ensemble` returns of a scene, JSON-ready. Raises InputError."""
+    each, cases = _solved(described, described.name, model, count, seed, Engine(workers=workers), step)
+    return _whole(described, each, cases)
+
+
+def _whole(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
+    data = [as_json(batch) for batch in each]
+    by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
+    return {"scene": described.name, "cases": by_case} if cases else data[0]
+
+
+def _solved(
+    described: Described,
+    name: str,
+    model: str,
+    count: int,
+    seed: int | None,
+    engine: Engine,
+    step: Callable[[str], None],
+    csv_out: Path | None = None,
+) -> tuple[list[Members], list[str]]:
+    """Members of the scene, or of each of its load cases, and the names of these. Raises InputError."""
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
@@ -42,12 +74,8 @@ def run(
     with _rows(csv_out, [*(["case"] if cases else []), "member", "status", *columns(scenes[0])]) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
             row = partial(_row, write, head)
-            each.append(run_members(scene, model or default_model(scene), count, engine, on_terminal, row))
-    shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
-    data = [as_json(batch) for batch in each]
-    by_case = [{"case": c} | x for c, x in zip(cases, data, strict=True)] if cases else []
-    whole = {"scene": described.name, "cases": by_case} if cases else data[0]
-    return Answer(whole, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
+            each.append(run_members(scene, model or default_model(scene), count, engine, step, row))
+    return each, cases
 
 
 def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:

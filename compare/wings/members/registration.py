@@ -2,4 +2,4 @@
 
 from rollbench.compare.registration import Registration
 
-REGISTRATION = Registration(functions={"members": "wings.members.command:run"})
+REGISTRATION = Registration(functions={"members": "wings.members.command:run", "ensemble": "wings.members.command:library"})

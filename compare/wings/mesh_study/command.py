@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.commands.comparing.study import code_of, named, unconverged
+from rollbench.compare.commands.comparing.study import code_of
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned
 from rollbench.compare.errors import ArgumentError
@@ -15,6 +15,7 @@ from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
+from rollbench.compare.results.comparison import named, unconverged
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.compare.wings.mesh_study.table import closing, level_rows, quantity_table, study_table
@@ -117,13 +118,14 @@ def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def library(
-    target: Solvable, levels: int | None, *, spread: bool, store: Path
+    target: Solvable, levels: int | None, step: Callable[[str], None], *, spread: bool, store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
-    """What `rollbench.mesh_study` returns of a scene: JSON-ready, key of the table that is shown, closing lines."""
+    """What `rollbench.mesh_study` returns of a scene: JSON-ready, key of the table that is shown, closing lines.
+    step: takes lines of progress."""
     from rollbench.meshes.cache import default_root
 
     stores, wanted = (store, shipped_store()), levels_of(levels)
-    references = compute_study([target], wanted, stores, Engine(cache=default_root()), on_terminal, spread=spread)
+    references = compute_study([target], wanted, stores, Engine(cache=default_root()), step, spread=spread)
     results = [
         {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
         for x in references

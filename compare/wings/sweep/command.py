@@ -116,7 +116,8 @@ def library(
     model: str,
     seed: int,
     out: Path,
-    outputs: Sequence[str] = (),
+    outputs: Sequence[str],
+    step: Callable[[str], None],
 ) -> dict[str, Any]:
-    """JSON-ready summary of a sweep, which is written to the folder. Raises InputError."""
-    return solve_sweep(sweep_of(scene, vary, samples, method, seed, model, outputs), out, Engine(), on_terminal)
+    """JSON-ready summary of a sweep, which is written to the folder; step: takes lines of progress. Raises InputError."""
+    return solve_sweep(sweep_of(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)

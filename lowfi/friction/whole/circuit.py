@@ -17,6 +17,8 @@ from rollbench.meshes.parts import Circulation, Scene
 
 #: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
 CLOSE = 1e-9
+#: Distance between neighbours over the median distance from which on a gap lies between two circuits.
+APART = 1.5
 
 
 class CircuitError(ValueError):
@@ -43,8 +45,9 @@ class Circuit(NamedTuple):
 def circuits(scene: Scene) -> tuple[Circuit, ...]:
     """The circuits of a scene, those of the first start first.
 
-    Without [circulation] the balls of a screw leave the loaded arc at one end and enter it at the other at once. Raises
-    CircuitError for arcs that do not hold their balls, or overlap, and for returns that do not hold theirs.
+    Without [circulation] the balls of a screw leave their loaded arc, from one gap to the next, at one end and enter it at
+    the other at once. Raises CircuitError for arcs that do not hold their balls, or overlap, and for returns that do not
+    hold theirs.
     """
     loop = scene.circulation or Circulation()
     azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
@@ -54,7 +57,8 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     if azimuths.size % loop.circuits:
         allowed = f"a number that divides the {azimuths.size} balls of a start"
         raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
-    groups = np.split(azimuths, loop.circuits)
+    apart = scene.circulation is None and not ring
+    groups = np.split(azimuths, _gaps(azimuths) if apart else loop.circuits)
     turns = None if loop.turns is None else 2.0 * np.pi * loop.turns / loop.circuits
     arcs = [2.0 * np.pi if ring else _arc(group, turns, spacing) for group in groups]
     middles = [0.5 * float(group[0] + group[-1]) for group in groups]
@@ -63,9 +67,10 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
             most = len(groups) * float(np.min(np.diff(middles))) / (2.0 * np.pi)
             raise CircuitError("turns", f"up to {most:.6g}", "the loaded arcs of neighbouring circuits would overlap")
     order, out, count = np.argsort(np.asarray(scene.balls.azimuths), kind="stable"), list[Circuit](), 0
+    members = np.split(order, np.cumsum([group.size for group in groups])[:-1])
     for start in range(scene.track.starts):
         for k, group in enumerate(groups):
-            number = order[k * group.size : (k + 1) * group.size] + start * azimuths.size
+            number = members[k] + start * azimuths.size
             begin = float(group[0]) - 0.5 * spacing if ring else middles[k] - 0.5 * arcs[k]
             length = arcs[k] if ring else _ring(loop, group.size, arcs[k], spacing, path.radius)
             back = begin + arcs[k] + (length - arcs[k]) * (np.arange(loop.returning) + 0.5) / max(loop.returning, 1)
@@ -75,6 +80,12 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
             out.append(Circuit(Track(start, begin, arcs[k], length, spacing, balls), azimuth, ball))
             count = balls.stop
     return tuple(out)
+
+
+def _gaps(azimuths: Array) -> NDArray[np.int64]:
+    """Numbers of the balls, in the order of their azimuths [rad], before which a gap between circuits lies."""
+    apart = np.diff(azimuths)
+    return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
 
 def _arc(group: Array, given: float | None, spacing: float) -> float:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_force
-from rollbench.lowfi.rollers.roller_slices import middles
-from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
+from rollbench.lowfi.rollers.roller_slices import middles, tapered
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RowState
@@ -260,12 +259,6 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
         joined(profile, (4, degree)),
         0.0,
     )
-
-
-def tapered(row: RollerRow) -> TaperedBearing:
-    """The row as a bearing of `lowfi.bearings`. Raises ValueError where it is none."""
-    young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
-    return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
 
 
 def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:

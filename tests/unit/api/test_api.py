@@ -1,5 +1,7 @@
 """``import rollbench``: the commands' answers as records with units, and the module's own packages."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,79 +9,278 @@ import numpy as np
 import pytest
 from tests.axes import one_set
 from tests.helpers import small_screw
+from tests.load_cases import written
+from tests.shipped_texts import own_text
 
 import rollbench
+from rollbench.compare.results.data import Data
+from rollbench.meshes.parts import SIDES
 from rollbench.reports.cells import typeset
 
 
 @pytest.fixture(scope="module")
-def solved() -> rollbench.Solution:
+def solved() -> rollbench.Result:
     return rollbench.solve("lin-case1", "lin")
 
 
-def test_solve_is_what_the_command_prints(solved: rollbench.Solution, command) -> None:
-    printed = command.answer("solve", "lin-case1", "--model", "lin")
-    assert solved.converged
-    assert solved["summary.loads"] == printed["summary"]["loads"]
-    np.testing.assert_allclose(solved.load[:, 0], [ball["load_N"]["SL"] for ball in printed["balls"]])
+def balls_of(data, key, size):
+    return np.array([[np.nan if x is None else x for x in ball[key].values()] for ball in data["balls"]]).reshape(size, 4)
 
 
-def test_values_have_units(solved: rollbench.Solution) -> None:
-    number = solved["summary.axial.displacement_um"]
-    assert solved.quantity("summary.axial.displacement_um").to("mm").magnitude == pytest.approx(1e-3 * number)
-    stiff = solved.quantity("summary.rigidities_N_per_um.contacts_alone")
-    assert stiff.to("N/m").magnitude == pytest.approx(1e6 * solved["summary.rigidities_N_per_um.contacts_alone"])
-    with pytest.raises(ValueError, match="no number with a unit"):
-        solved.quantity("summary.loads.worst_ball")
-    with pytest.raises(KeyError, match="keys here: sides, loads"):
+def test_fields_of_one_set_are_the_printed_numbers_in_si_units(solved: rollbench.Result, command) -> None:
+    data = command.answer("solve", "lin-case1", "--model", "lin")
+    summary = data["summary"]
+    assert (solved.scene, solved.model, solved.status, solved.reason) == ("lin-case1", "lin", "converged", "")
+    np.testing.assert_allclose(solved.loads, balls_of(data, "load_N", 32))
+    np.testing.assert_allclose(np.degrees(solved.angles), balls_of(data, "contact_angle_deg", 32))
+    np.testing.assert_allclose(1e3 * solved.z, [ball["z_mm"] for ball in data["balls"]])
+    assert (solved.loads.shape, solved.displacement.shape, solved.stiffness.shape) == ((32, 4), (6,), (6, 6))
+    worst = solved.worst
+    assert 1e-6 * worst.pressure == pytest.approx(summary["worst_contact"]["pressure_MPa"])
+    assert solved.pressure[worst.element - 1, ["SL", "SR", "NL", "NR"].index(worst.side)] == pytest.approx(worst.pressure)
+    assert ((solved.pressure > 0.0) == (solved.loads > 0.0)).all()
+    assert 1e6 * solved.displacement[2] == pytest.approx(summary["axial"]["displacement_um"])
+    assert 1e-6 * solved.axial_stiffness == pytest.approx(summary["axial"]["tangent_N_per_um"])
+    assert 1e-6 * solved.rigidity == pytest.approx(summary["axial"]["rigidity_N_per_um"])
+    assert pytest.approx(summary["life"]["L10_million_revolutions"]) == 1e-6 * solved.life.L10
+    assert solved.expected_error.loads == data["model_form"]["largest_percent_of_mean"]
+    assert {k: v for k, v in solved.to_dict().items() if k != "solver"} == {k: v for k, v in data.items() if k != "solver"}
+
+
+def test_the_axial_stiffness_is_that_of_the_matrix_with_all_but_the_rotation_free(solved: rollbench.Result) -> None:
+    K = solved.stiffness
+    np.testing.assert_allclose(K, K.T, atol=1e-9 * np.abs(K).max())
+    assert 1.0 / np.linalg.inv(K[:5, :5])[2, 2] == pytest.approx(solved.axial_stiffness)
+    elsewhere = rollbench.solve("lin-case1", "lin", stiffness_at=0.3)
+    assert elsewhere.axial_stiffness == solved.axial_stiffness
+    assert not np.allclose(elsewhere.stiffness, K, rtol=1e-3)
+
+
+def test_fields_of_several_sets(command) -> None:
+    found, data = rollbench.solve("double-nut", "lin"), command.answer("solve", "double-nut", "--model", "lin")
+    assert [*found.sets] == [one["name"] for one in data["sets"]]
+    np.testing.assert_allclose(found.loads, balls_of(data, "load_N", len(data["balls"])))
+    np.testing.assert_array_equal(found.loads, np.concatenate([one.loads for one in found.sets.values()]))
+    for one, printed in zip(found.sets.values(), data["sets"], strict=True):
+        np.testing.assert_allclose(one.force, printed["force_on_shaft_N"])
+        assert 1e-6 * one.worst.pressure == pytest.approx(printed["summary"]["worst_contact"]["pressure_MPa"])
+        assert pytest.approx(printed["summary"]["life"]["L10_million_revolutions"]) == 1e-6 * one.life.L10
+        assert one.preload.mean == pytest.approx(printed["summary"]["preload"]["mean_N"])
+        assert one.stiffness.shape == (6, 6)
+    assert 1e6 * found.displacement[2] == pytest.approx(data["summary"]["axial"]["displacement_um"])
+    assert 1e-6 * found.axial_stiffness == pytest.approx(data["summary"]["axial"]["tangent_N_per_um"])
+    assert min(one.life.L10 for one in found.sets.values()) == found.life.L10
+    assert found.columns()["set"].count("nut 2") == len(found.sets["nut 2"].loads)
+
+
+def test_rollers_have_loads_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "rollers.toml").write_text(own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'))
+    found = rollbench.solve(tmp_path / "rollers.toml")
+    rows = [one for one in found.sets.values() if one.roller_loads is not None]
+    assert rows
+    assert all(one.loads is None and one.life is None for one in rows)
+    assert any(one.worst is not None and one.worst.angle is None and one.worst.side in ("inner", "outer") for one in rows)
+
+
+def test_load_cases_by_name(tmp_path: Path, command) -> None:
+    path = written(tmp_path)
+    found, data = rollbench.solve(path, "lin"), command.answer("solve", path, "--model", "lin")
+    assert [*found.cases] == ["balls", "push", "loose"]
+    assert (found.loads, found.displacement) == (None, None)
+    for one, printed in zip(found.cases.values(), data["cases"], strict=True):
+        np.testing.assert_allclose(one.loads, balls_of(printed, "load_N", 2))
+    assert found.worst == found.cases["push"].worst
+    assert 1e-6 * found.worst.pressure == pytest.approx(data["summary"]["largest_pressure_MPa"])
+    assert pytest.approx(data["summary"]["life"]["L10_million_revolutions"]) == 1e-6 * found.life.L10
+    assert found.columns()["case"] == ["balls"] * 2 + ["push"] * 2 + ["loose"] * 2
+
+
+def test_without_equilibrium_there_are_no_answers() -> None:
+    scene = rollbench.read("lin-case1")
+    lost = rollbench.solve(replace(scene, supports=()), "lin")
+    assert (lost.status, "along the helix" in lost.reason) == (rollbench.Status.NOT_HELD, True)
+    for name in ("loads", "angles", "pressure", "displacement", "stiffness", "life", "worst", "expected_error"):
+        assert getattr(lost, name) is None, name
+    assert lost.columns() == {}
+    assert "loads: none" in repr(lost)
+    with pytest.raises(ValueError, match="no loads to draw"):
+        lost.plot()
+
+
+def test_a_new_scene_solves() -> None:
+    scene = rollbench.new("40x10")
+    assert (scene.track.lead, rollbench.solve(scene, "lin").converged) == (pytest.approx(0.01), True)
+    assert rollbench.new(kind="bearing").track.lead == 0.0
+    with pytest.raises(rollbench.InputError):
+        rollbench.new("40")
+
+
+def test_the_loads_are_drawn(solved: rollbench.Result) -> None:
+    (axes,) = solved.plot().axes
+    (first, *_), (*_, last) = axes.lines, axes.lines
+    np.testing.assert_array_equal(first.get_ydata(), solved.loads[:, 0])
+    np.testing.assert_array_equal(last.get_ydata(), solved.loads[:, 3])
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["SL", "NR"]
+
+
+@pytest.mark.slow
+def test_the_loaded_screw_can_be_turned(tmp_path: Path) -> None:
+    path = rollbench.solve("two-balls", "lin").view(tmp_path / "screw.html")
+    assert "two-balls, lin" in path.read_text(encoding="utf-8")
+    with pytest.raises(ValueError, match="one set"):
+        rollbench.solve("double-nut", "lin").view(tmp_path / "none.html")
+
+
+def test_a_row_for_every_ball(solved: rollbench.Result) -> None:
+    columns = solved.columns()
+    assert len(columns["ball"]) == 32
+    np.testing.assert_array_equal(columns["load_SL_N"], solved.loads[:, 0])
+    np.testing.assert_array_equal(columns["pressure_NR_Pa"], solved.pressure[:, 3])
+    pandas = pytest.importorskip("pandas")
+    assert isinstance(solved.to_dataframe(), pandas.DataFrame)
+
+
+def test_the_library_prints_nothing_and_changes_no_state() -> None:
+    code = (
+        "import os, sys, random, numpy, rollbench\n"
+        "import matplotlib, logging, signal, warnings, scipy.linalg, scipy.special, scipy.sparse\n"
+        "from threadpoolctl import threadpool_info\n"
+        "def state():\n"
+        "    threads = [(x['filepath'], x['num_threads']) for x in threadpool_info()]\n"
+        "    drawn = random.getstate(), str(numpy.random.get_state())\n"
+        "    here = dict(os.environ), os.getcwd(), sys.path[:], signal.getsignal(signal.SIGTERM), warnings.filters[:]\n"
+        "    shown = numpy.geterr(), numpy.get_printoptions(), matplotlib.rcParams.copy()\n"
+        "    return threads, drawn, here, shown, logging.getLogger().handlers[:], logging.getLogger().level\n"
+        "before = state()\n"
+        "result = rollbench.solve('lin-case1', 'lin')\n"
+        "repr(result), str(result), result._repr_html_(), result.to_dict(), result.plot()\n"
+        "repr(rollbench.check('lin-case1', compute=False))\n"
+        "repr(rollbench.compare_models('lin-case1', ['lin']))\n"
+        "assert state() == before\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_paths_of_earlier_versions_still_work_with_a_warning(solved: rollbench.Result) -> None:
+    with pytest.warns(DeprecationWarning, match="to_dict"):
+        assert solved["summary.loads.max_N"] == solved.loads.max()
+    with pytest.warns(DeprecationWarning, match="result.loads"):
+        np.testing.assert_array_equal(solved.load, solved.loads)
+    with pytest.warns(DeprecationWarning, match=r"rollbench\.Result now"):
+        assert rollbench.Solution is rollbench.Result
+    with pytest.warns(DeprecationWarning, match="to_dict"), pytest.raises(KeyError, match="keys here: sides, loads"):
         solved["summary.load"]
 
 
-def test_results_are_tables_in_a_notebook(solved: rollbench.Solution) -> None:
+def test_values_have_units(solved: rollbench.Result) -> None:
+    number = 1e6 * solved.displacement[2]
+    assert solved.quantity("summary.axial.displacement_um").to("mm").magnitude == pytest.approx(1e-3 * number)
+    stiff = solved.quantity("summary.rigidities_N_per_um.contacts_alone")
+    assert stiff.to("N/m").magnitude == pytest.approx(1e6 * stiff.magnitude)
+    with pytest.raises(ValueError, match="no number with a unit"):
+        solved.quantity("summary.loads.worst_ball")
+
+
+def test_results_are_tables_in_a_notebook(solved: rollbench.Result) -> None:
     left = "style='text-align:left'"
     for words in (f"<th colspan='3' {left}>axial</th></tr>", f"<td {left}>displacement</td>", ">µm</td>"):
         assert words in solved._repr_html_()
     assert "rigidities: contacts alone" in str(solved)
-    assert len(solved.balls().splitlines()) == 33
-    assert "<script>" not in rollbench.Result({"a<script>": 1.0})._repr_html_()
+    assert len(repr(solved).splitlines()) == 5
+    assert "<script>" not in Data({"a<script>": 1.0})._repr_html_()
 
 
 def test_a_scene_is_a_record_that_can_be_changed(tmp_path: Path) -> None:
     scene = rollbench.read("lin-case1")
     half = replace(scene, loads=tuple(replace(x, force=tuple(0.5 * f for f in x.force)) for x in scene.loads))
-    less, whole = (rollbench.solve(one, "lin").load.sum() for one in (half, scene))
+    less, whole = (rollbench.solve(one, "lin").loads.sum() for one in (half, scene))
     assert less == pytest.approx(0.5 * whole, rel=0.02)
     (tmp_path / "bad.toml").write_text("[track]\nlead = 3\n")
     with pytest.raises(rollbench.InputError):
         rollbench.read(tmp_path / "bad.toml")
 
 
-def test_compare_and_check_take_stored_references(tmp_path: Path) -> None:
-    beside = rollbench.compare_models("lin-case1", ["lin"], store=tmp_path)
-    assert beside["models.lin.largest_error_percent"] == pytest.approx(6.15, abs=0.1)
-    assert "lin is off by" in str(beside)
-    judged = rollbench.check("lin-case1", max_error=1e-3, compute=False, store=tmp_path)
-    assert (judged.word, judged.passed) == ("fail", False)
+def test_models_are_compared_with_a_stored_reference(tmp_path: Path) -> None:
+    found = rollbench.compare_models("lin-case1", ["lin"], store=tmp_path)
+    lin, exact = found.models["lin"], found.reference
+    mean = exact.loads.sum() / 64.0
+    assert found.errors["lin"] == lin.largest_error == pytest.approx(6.15, abs=0.1)
+    np.testing.assert_allclose(lin.errors, 100.0 * (lin.loads - exact.loads) / mean, atol=1e-9)
+    assert np.abs(lin.errors).max() == pytest.approx(lin.largest_error)
+    assert np.abs(lin.errors)[lin.ball - 1, SIDES.index(lin.side)] == pytest.approx(lin.largest_error)
+    assert found.seconds["lin"] > 0.0
+    assert found.uncertainties.shape == exact.loads.shape == (32, 4)
+    assert 0.0 < found.uncertainty.discretisation < found.uncertainty.total < lin.largest_error
+    data = found.to_dict()
+    assert data["models"]["lin"]["largest_error_percent"] == lin.largest_error
+    assert data["answers"]["3D reference"]["worst_contact"]["pressure_MPa"] == pytest.approx(1e-6 * exact.pressure)
+    assert "lin is off by" in str(found)
+    with pytest.warns(DeprecationWarning, match="to_dict"):
+        assert found["models"] == data["models"]
+
+
+def test_several_sets_are_compared_and_judged_one_by_one(tmp_path: Path) -> None:
+    found = rollbench.compare_models("double-nut", ["lin"], store=tmp_path)
+    assert [*found.sets] == ["nut 1", "nut 2"]
+    assert found.reference is None
+    assert all(one.errors for one in found.sets.values())
+    judged = rollbench.check("double-nut", compute=False, store=tmp_path)
+    assert [row.set for row in judged.rows] == ["nut 1", "nut 2"]
+
+
+def test_check_takes_stored_references(tmp_path: Path) -> None:
     assert rollbench.check("lin-case1", compute=False, store=tmp_path).passed
+
+
+def test_a_verdict_has_typed_rows(tmp_path: Path, command) -> None:
+    judged = rollbench.check("lin-case1", max_error=1e-3, limits={"angle": 1}, compute=False, store=tmp_path)
+    words = "check", "lin-case1", "--max-error", "1e-3", "--limit", "angle=1", "--no-compute", "--store", str(tmp_path)
+    code, data = command.json(*words, "--json")
+    assert (judged.passed, judged.judgement, code) == (False, rollbench.Judgement.FAIL, 1)
+    assert judged.to_dict() == data
+    first, angle = judged.rows[0], judged.rows[1]
+    assert judged.worst == first
+    assert (first.error, first.uncertainty, first.ball) == (
+        *(data["verdicts"][0][key] for key in ("error_percent", "uncertainty_percent", "ball")),
+    )
+    assert (angle.unit, angle.error) == ("deg", data["verdicts"][1]["error_deg"])
+    assert repr(judged).startswith("verdict: fail")
+    with pytest.warns(DeprecationWarning, match="to_dict"):
+        assert judged["verdicts"] == data["verdicts"]
 
 
 def test_several_sets_on_a_shaft() -> None:
     found = rollbench.solve(one_set(small_screw(count=4)), "lin")
     assert found.converged
-    assert any(name.endswith("force on shaft") for name, *_ in found.rows())
+    assert any(name.endswith("force on shaft") for name, *_ in found.table())
 
 
 def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:
     study = rollbench.mesh_study("two-balls", store=tmp_path)
-    assert [row["level"] for row in study["levels"]] == [1, 3]
-    assert study["quantities"]
+    assert [row.level for row in study.levels] == [1, 3]
+    data = study.to_dict()
+    largest, printed = study.quantities[0], data["quantities"][0]
+    assert (largest.name, largest.values) == ("largest load, SL", (printed["level 1"], printed["level 3"]))
+    assert largest.uncertainty == printed["uncertainty"] > 0.0
     with pytest.raises(rollbench.InputError, match="three levels give an order"):
         rollbench.mesh_study("two-balls", levels=9, store=tmp_path)
 
 
+def test_an_ensemble_has_typed_statistics(command) -> None:
+    found = rollbench.ensemble("lin-random", 3, "lin")
+    data = command.answer("solve", "lin-random", "--members", "3", "--model", "lin")
+    assert (found.members, found.converged, found.failed) == (3, 3, {})
+    each = [rollbench.solve("lin-random", "lin", member=k).loads.max() for k in range(3)]
+    largest = found.outputs["largest_load_N"]
+    assert (largest.mean, largest.largest) == (pytest.approx(np.mean(each)), pytest.approx(max(each)))
+    assert largest.quantiles[0.5] == pytest.approx(np.median(each))
+    assert found.to_dict()["statistics"] == data["statistics"]
+
+
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
-    assert page["passed"]
-    assert typeset(page["verdict"]) in Path(page["page"]).read_text(encoding="utf-8")
+    assert page.passed
+    assert typeset(page.verdict) in page.page.read_text(encoding="utf-8")
     with pytest.raises(rollbench.InputError, match="quick: got given; allowed: without a scene"):
         rollbench.report("two-balls", quick=True, out=tmp_path / "page")

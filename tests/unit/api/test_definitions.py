@@ -11,7 +11,7 @@ from rollbench.compare.scenes.template import template
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (
     *("index", "member", "members", "seed", "set", "level", "levels[]", "converged", "contacts", "seconds", "ball"),
-    *("printed", "value", "reference", "reference_error", "error_percent", "station_mm", "screw", "nut"),
+    *("printed", "value", "reference", "reference_error", "error_percent", "station_mm", "screw", "nut", "schema"),
 )
 
 

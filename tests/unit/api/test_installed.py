@@ -1,7 +1,9 @@
 """What is installed is the package rollbench alone, whatever a user's own files are called."""
 
+import inspect
 import json
 import os
+import re
 import shutil
 import sysconfig
 import tarfile
@@ -32,7 +34,7 @@ assert meshes.OWN and compare.OWN and reports.OWN
 assert not {"lowfi", "hifi"} & set(sys.modules)
 judged = rollbench.check("lin-case1", max_error=7, compute=False)
 assert judged.passed, judged
-print(repr(float(found.load.max())))
+print(repr(float(found.loads.max())))
 """
 
 
@@ -145,7 +147,7 @@ def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, 
         (tmp_path / file).write_text("OWN = True\n")
     done = ran(python, "-c", order + SOLVE, cwd=tmp_path, env=ALONE)
     assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").load.max(), rel=1e-9)
+    assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").loads.max(), rel=1e-9)
 
 
 def test_a_report_is_verified_alike_from_the_wheel_and_from_here(python: Path) -> None:
@@ -174,16 +176,53 @@ def test_the_names_of_the_library_are_loaded_when_used() -> None:
         rollbench.nothing  # noqa: B018
 
 
+#: A user's script: what is right, then a fault in each of the last lines.
+SCRIPT = """\
+import rollbench
+
+result = rollbench.solve("lin-case1", "lin")
+assert result.loads is not None and result.displacement is not None and result.life is not None
+largest: float = float(result.loads.max())
+moved: float = float(result.displacement[2])
+life: float = result.life.L10
+forces = [one.force for one in result.sets.values()]
+worst = {name: one.worst.pressure for name, one in result.cases.items() if one.worst is not None}
+passed: bool = rollbench.check(rollbench.new("40x10"), max_error=7).passed
+error: float = rollbench.compare_models("lin-case1").errors["lin"]
+torque: float | None = rollbench.friction("lin-case1", mu=[0.1]).torque
+orders = [row.order for row in rollbench.mesh_study("lin-case1").quantities]
+mean = {name: one.mean for name, one in rollbench.sweep("lin-case1", ["x=1,2"]).outputs.items() if one is not None}
+rollbench.solve(17)
+word: int = rollbench.check("lin-case1").word
+result.loads = None
+result.life.l10
+unsure: float = rollbench.friction("lin-case1").torque
+"""
+
+
 def test_types_of_the_library_are_checked_in_a_users_script(python: Path, tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text(
-        "import rollbench\n\n"
-        "found = rollbench.solve('lin-case1', 'lin')\n"
-        "largest: float = float(found.load.max())\n"
-        "passed: bool = rollbench.check('lin-case1', max_error=7).passed\n"
-        "rollbench.solve(17)\n"
-        "word: int = rollbench.check('lin-case1').word\n"
+    (tmp_path / "mine.py").write_text(SCRIPT)
+    mypy = (
+        "-m",
+        "mypy",
+        "--strict",
+        "--follow-imports=silent",
+        "--cache-dir",
+        tmp_path / "cache",
+        "--python-executable",
+        python,
     )
-    mypy = "-m", "mypy", "--follow-imports=silent", "--cache-dir", tmp_path / "cache", "--python-executable", python
     done = here_python(*mypy, "mine.py", cwd=tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
-    assert [line.split(":")[1] for line in done.stdout.splitlines() if ": error:" in line] == ["6", "7"]
+    assert [line.split(":")[1] for line in done.stdout.splitlines() if ": error:" in line] == ["15", "16", "17", "18", "19"]
+
+
+def test_no_signature_of_the_library_is_untyped() -> None:
+    """Of functions, and of fields and methods of their records: no Any, object or dict of nothing."""
+    for name in rollbench.__all__:
+        told = getattr(rollbench, name)
+        methods = [m for k, m in inspect.getmembers(told) if inspect.isfunction(m) and not k.startswith("_")]
+        properties = [m.fget for _, m in inspect.getmembers(told) if isinstance(m, property)]
+        hints = [one.__annotations__ for one in (told, *methods, *properties) if hasattr(one, "__annotations__")]
+        for hint in (str(hint) for one in hints for hint in one.values()):
+            assert not re.search(r"\bAny\b|\bobject\b|\bdict\b(?!\[)", hint), (name, hint)

@@ -17,6 +17,7 @@ from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.total_uncertainty import Choices, Total, total
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
@@ -39,19 +40,20 @@ def case():
     runs = (SimpleNamespace(level=1, moving=0.0),)
     found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), grid_parts.GridParts(0.2))
     models = [
-        output.beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
+        found_by.beside(scene, loads(scene, name, f), found)
+        for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
     ]
-    return scene, models, found, output.beside(scene, exact, None)
+    return scene, models, found, found_by.beside(scene, exact, None)
 
 
 def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case) -> None:
     scene, models, found, itself = case
-    text = output.verdict(output.Comparison(tuple(models), itself, None, TOTAL), found)
+    text = found_by.verdict(found_by.Compared(tuple(models), itself, None, TOTAL), found)
     assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
     assert "3D reference on level 1, uncertain by 3.61 % in all: discretisation 0.20 % by experience with other" in text
     assert "modelling choices 3.00 %, most where the nut is held; inputs 2.00 %, most angle; large" in text
-    mesh = output.beside(scene, loads(scene, "3D level 2", 1.02), found)
-    (line,) = output.others(output.Comparison((*models, mesh), itself, None, TOTAL))
+    mesh = found_by.beside(scene, loads(scene, "3D level 2", 1.02), found)
+    (line,) = found_by.others(found_by.Compared((*models, mesh), itself, None, TOTAL))
     assert line.startswith("lin-source-partition is off by 10.72 % of the mean load on the worst contact (ball 32")
     assert f"and by 10.00 %, {RULE}" in line
 
@@ -63,8 +65,8 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     small[0, 0] = 0.01
     answer = loads(scene, "refined", 1.01)
     answer.load[0, 0] = 0.1
-    one = output.beside(scene, answer, replace(found, load=small))
-    text = output.verdict(output.Comparison((one,), one, None, TOTAL), found)
+    one = found_by.beside(scene, answer, replace(found, load=small))
+    text = found_by.verdict(found_by.Compared((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
     assert f"and by 1.00 %, {RULE}" in text
 
@@ -73,7 +75,7 @@ def test_a_renamed_copy_is_no_other_scene() -> None:
     """What is measured on a scene is not to be expected of it, and choices varied on it speak for it, whatever its name."""
     copy = replace(catalogue.scene("lin-case1"), name="my copy")
     found = reference(copy)
-    assert "lin-case1" not in {point.scene for point in output.others_than(found)}
+    assert "lin-case1" not in {point.scene for point in found_by.others_than(found)}
     assert total(copy, found, inputs=False).choices.scene == "lin-case1"
 
 
@@ -91,8 +93,8 @@ def test_the_table_has_the_reference_first_and_once(case) -> None:
     scene, models, found, itself = case
     lines = shown(output.table(models, itself))
     assert [line.split()[0] for line in lines] == ["model", "3D", "refined", "lin-source-partition"]
-    assert output.is_itself(loads(scene, "3D level 1", 1.0), found)
-    assert not output.is_itself(loads(scene, "3D source mesh", 1.0), found)
+    assert found_by.is_itself(loads(scene, "3D level 1", 1.0), found)
+    assert not found_by.is_itself(loads(scene, "3D source mesh", 1.0), found)
 
 
 def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
@@ -108,33 +110,33 @@ def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
 
 def test_answers_of_model_and_reference_stand_side_by_side(case) -> None:
     _, models, found, itself = case
-    whole = output.Comparison(tuple(models), itself, None, TOTAL)
+    whole = found_by.Compared(tuple(models), itself, None, TOTAL)
     lines = shown(output.answers_table(whole))
     assert len(lines) == 1 + len(output.ANSWERS)
     assert lines[0].split()[1:4] == ["refined", "3D", "reference"]
     assert [float(cell) for cell in lines[1].split()[-3:]] == [233.3, 231.0, 1.0]
     assert lines[5].split()[-1] == f"{100.0 * (1.01 ** (1.0 / 3.0) - 1.0):+.2f}"
-    data = output.answers_json(whole, found)
+    data = found_by.answers_json(whole, found)
     assert (data["levels"], data["uncertainty_percent"]) == ([1], pytest.approx(50.0 / found.load[found.load > 0.0].mean()))
     assert data["uncertainty"] == TOTAL.as_json()
     assert data["uncertainty"]["total_percent"] == pytest.approx(np.sqrt(0.2**2 + 3.0**2 + 2.0**2 + 0.1**2))
     assert data["uncertainty"]["shared_by_all_percent"] is None
     assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}
-    assert all(output.answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in output.ANSWERS)
+    assert all(found_by.answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in output.ANSWERS)
 
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
     scene = catalogue.scene("unseen-short-nut")
     found = reference(scene, (tmp_path, store.shipped_store()))
-    whole = output.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, store.shipped_store()))
+    whole = found_by.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, store.shipped_store()))
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
     wanted = estimate(scene, result, [p for p in shipped_points() if p.scene != scene.name])
     assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
     assert whole.expected.distance > estimate(scene, result).distance, "not expected of itself"
-    assert f"expected: {whole.expected.percent:.2f} %" in output.verdict(whole, found)
-    assert whole.total.text in output.verdict(whole, found)
+    assert f"expected: {whole.expected.percent:.2f} %" in found_by.verdict(whole, found)
+    assert whole.total.text in found_by.verdict(whole, found)
     assert whole.total.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
     assert whole.itself.displacement == pytest.approx(condensed.displacement, rel=0.01)

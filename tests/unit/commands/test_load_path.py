@@ -91,6 +91,17 @@ def test_a_load_that_the_frame_of_a_housing_takes_is_warned_of(command, tmp_path
     assert frame["force_N"][2] == pytest.approx(3000.0, rel=0.05)
 
 
+@pytest.mark.parametrize("held", HOLDS)
+def test_a_load_that_a_frame_takes_does_not_hide_behind_one_on_the_shaft(command, tmp_path: Path, held: str) -> None:
+    push = '[[loads]]\nat = "0 mm"\nforce = ["0 N", "0 N", "2 kN"]\n\n[[housings]]'
+    for hold in ((), (HOLDS[held],)):
+        file = axis(tmp_path, *hold, ("[[housings]]", push))
+        code, found = command.json("solve", file, "--model", "lin", "--strict", "--json")
+        warned = [w for w in found["warnings"] if "reaches the contacts" in w]
+        assert code == len(warned) == len(hold)
+        assert all("3000 N on carriage" in w for w in warned)
+
+
 def test_soft_springs_and_bearings_that_take_a_load_are_not_warned_of(command, tmp_path: Path) -> None:
     soft = ("# displace = { uz", 'springs = { uz = "50 N/um" }\n# displace = { uz')
     for changes in ((), (soft,)):

@@ -16,7 +16,7 @@ KEPT = ("percent", "million_revolutions", "hours")
 @pytest.mark.parametrize("ending", [ending for ending in UNITS if ending not in KEPT])
 def test_the_factor_of_a_unit_is_that_of_pint(ending):
     pint = pytest.importorskip("pint")
-    one = pint.application_registry.get().Quantity(1.0, UNITS[ending].pint)
+    one = pint.application_registry.get().Quantity(1.0, UNITS[ending].text)
     assert one.to_base_units().magnitude * UNITS[ending].factor == pytest.approx(1.0)
 
 

@@ -12,10 +12,8 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.compare.commands.comparing.compare_output import compared
 from rollbench.compare.commands.solving.entries import block, entries
 from rollbench.compare.commands.solving.files import dmig, market
-from rollbench.compare.commands.solving.summary import answers_json
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, tangent_of
 from rollbench.compare.models.load_cases import Solved
@@ -24,6 +22,8 @@ from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.results.answers_json import answers_json
+from rollbench.compare.results.compared import compared
 from rollbench.compare.scenes import catalogue, like
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
@@ -53,6 +53,12 @@ def test_the_block_has_eleven_entries_is_never_wider_and_says_what_is_not_covere
     scene, result, found = solved
     uncovered = replace(estimate(scene, result), percent=None)
     assert dict(entries(Solved(scene, result, found, uncovered)))["error"].startswith("not covered by the comparisons")
+
+
+def test_one_set_is_one_set(command) -> None:
+    scenes = Path(__file__).parents[2] / "scenes" / "public"
+    assert "h3-hybrid-7208, 1 set, model" in command("solve", scenes / "h3-hybrid-7208.toml", "--model", "lin").out
+    assert "s2-double-nut-3000, 2 sets, model" in command("solve", scenes / "s2-double-nut-3000.toml", "--model", "lin").out
 
 
 def test_the_json_holds_the_numbers_of_the_result(solved) -> None:

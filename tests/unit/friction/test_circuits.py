@@ -29,6 +29,18 @@ def test_without_a_table_balls_fill_their_arc_evenly_whatever_their_order_and_a_
     assert (bearing.track.arc, bearing.track.ring) == (2.0 * np.pi, 2.0 * np.pi)
 
 
+def test_without_a_table_a_gap_parts_two_circuits_of_any_size():
+    base = small_screw(12, 1.5)
+    step = np.pi / 4.0
+    azimuths = (*(step * np.arange(5)), *(4.0 * np.pi + step * np.arange(7)))
+    scene = replace(base, track=replace(base.track, starts=2), balls=replace(base.balls, azimuths=azimuths))
+    found = circuits(scene)
+    assert [c.track.start for c in found] == [0, 0, 1, 1]
+    assert [c.ball.tolist() for c in found] == [[*range(5)], [*range(5, 12)], [*range(12, 17)], [*range(17, 24)]]
+    assert [c.track.arc for c in found[:2]] == pytest.approx([5.0 * step, 7.0 * step])
+    assert [c.track.first for c in found[:2]] == pytest.approx([-0.5 * step, 4.0 * np.pi - 0.5 * step])
+
+
 def test_filling_and_gap_say_the_same():
     a = circuits(screw(returning=5, filling=0.8))[0]
     assert a.azimuth.size == 17

@@ -15,8 +15,8 @@ from rollbench.compare.reference.tasks import groups, plain, settings_of
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.rating.life import life, over_cases
 
-#: No case has a shipped run.
-TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"')
+#: No case has a shipped run: the balls are larger by 0.1 um than those of the shipped scene.
+TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize = "5 um"', 'oversize = "5.1 um"')
 
 
 def keep(store, text: str, **off: float) -> dict[str, np.ndarray]:
@@ -50,7 +50,7 @@ def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path) -> None:
     assert found["verdicts"] == [v for one in found["cases"] for v in one["verdicts"]]
     assert "two, case push" in (tmp_path / "out.xml").read_text()
     same = rollbench.check(written(tmp_path, TEXT), model="lin", store=tmp_path / "store", compute=False)
-    assert same.data["worst_cases"] == found["worst_cases"]
+    assert same.to_dict()["worst_cases"] == found["worst_cases"]
 
 
 def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undecided(command, tmp_path, monkeypatch) -> None:
@@ -86,7 +86,7 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}
-    same = rollbench.compare_models(written(tmp_path, TEXT), ["lin"], store=tmp_path / "store")
+    same = rollbench.compare_models(written(tmp_path, TEXT), ["lin"], store=tmp_path / "store").to_dict()
     assert same["summary"] == whole
     assert [one["case"] for one in same["cases"]] == ["rest", "push", "loose"]
 

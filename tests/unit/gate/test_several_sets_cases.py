@@ -56,7 +56,7 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
         assert abs(of_set["life_difference_percent"]) < 20.0, "the axial force of a nut is that of its contacts"
     shortest = min(whole["sets"], key=lambda of_set: of_set["life"]["L10_million_revolutions"])
     assert (whole["life"], whole["life_set"]) == (shortest["life"], shortest["name"])
-    same = rollbench.solve(written(tmp_path), "lin")
+    same = rollbench.solve(written(tmp_path), "lin").to_dict()
     assert same["summary"] == whole
     assert same["cases"][2]["balls"] == found["cases"][2]["balls"]
 
@@ -82,7 +82,7 @@ def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(command, t
     assert code == 1
     assert [(v["case"], v["set"]) for v in found["verdicts"] if v["word"] != "pass"] == [("cutting", "nut 2")]
     assert found["worst_cases"] == [{"scene": "dn", "case": "cutting", "verdict": "fail"}]
-    assert rollbench.check(path, loads=off, reference=file).data["verdicts"] == found["verdicts"]
+    assert rollbench.check(path, loads=off, reference=file).to_dict()["verdicts"] == found["verdicts"]
     code, found = command.json("compare", path, "--model", "lin", "--reference", off, "--json")
     assert (code, [(one["case"], one["set"]) for one in found["cases"]]) == (0, each)
     assert [(row["set"], row["largest_error_case"]) for row in found["summary"]][1] == ("nut 2", "cutting")
@@ -128,4 +128,4 @@ def test_friction_report_and_sweep(command, tmp_path: Path) -> None:
     assert "one nut or ring" in command.refused("report", written(tmp_path), "--out", tmp_path / "page")
     vary = ["sets[0].offset=-4 um,-5 um"]
     swept = rollbench.sweep(written(tmp_path), vary, samples=2, method="grid", model="lin", out=tmp_path / "sweep")
-    assert swept["converged"] == 2
+    assert swept.converged == 2

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.commands.solving.summary import loads_json
 from rollbench.compare.measure import load_error
+from rollbench.compare.results.answers_json import loads_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics import nominal, static
 from rollbench.meshes.loads import mean_load

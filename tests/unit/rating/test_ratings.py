@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
+from rollbench.compare.models.answers import load_answers
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import contacts, static
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
@@ -41,6 +42,10 @@ def loads(scene: Scene, force: float) -> np.ndarray:
 
 def oversized(scene: Scene, oversize: float) -> Scene:
     return replace(scene, errors=Errors(balls=BallErrors(oversize=oversize)))
+
+
+def drawn(scene: Scene) -> errors.Specimen:
+    return errors.specimen(scene, helix.ball_layout(scene))
 
 
 @pytest.mark.parametrize(("ratio", "printed"), [(0.10, 55.5), (0.16, 59.6), (0.20, 59.9), (0.26, 58.2)])
@@ -96,24 +101,52 @@ def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_tho
     scene = ring(0.15)
     force = float((validity.DENT_PRESSURE / problem.nominal_hertz(scene).pressure(np.ones(4))[0]) ** 3)
     load = loads(scene, force)
-    worst = contacts.worst_contact(scene, load, np.where(load > 0.0, 0.0, np.nan))
+    worst = contacts.worst_contact(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
     assert worst.pressure == pytest.approx(1.5 * force / (pi * worst.a * worst.b))
-    safety = contacts.static_safety(scene, worst)
+    safety = contacts.static_safety(scene, drawn(scene), worst)
     assert safety.factor == pytest.approx(1.0)
     assert safety.permanent == pytest.approx(1e-4, rel=0.5)
     across, along = 1e-3 * problem.nominal_curvatures(scene)[0]
     assert 10.0 * safety.permanent == pytest.approx(1.3e-7 * force**2 / 10.0 * across * along, rel=1e-9)  # in mm
 
 
+@pytest.mark.parametrize("hertz", ["nominal", "error-free"])
+def test_the_worst_contact_is_that_of_the_ball_that_is_there(hertz: str) -> None:
+    """Balls 5 um too large in grooves of 8 mm under 290.4 N, by another program; the law of the loads changes nothing."""
+    scene = catalogue.scene("two-balls")
+    wide = {"screw": replace(scene.screw, groove_radius=8e-3), "nut": replace(scene.nut, groove_radius=8e-3)}
+    scene = replace(scene, **wide, ingredients=replace(scene.ingredients, hertz=hertz))
+    load = np.zeros((2, 4))
+    load[0, 0] = 290.4
+    found = load_answers(scene, load, np.full((2, 4), pi / 4))
+    values = 1e-6 * found.worst.pressure, 1e3 * found.worst.a, 1e6 * found.worst.approach
+    assert values == pytest.approx((3038.5, 0.2831, 8.775), rel=2e-4)
+    larger = replace(scene, balls=replace(scene.balls, radius=4.005e-3), errors=Errors())
+    same = load_answers(larger, load, np.full((2, 4), pi / 4))
+    assert found.safety.factor == pytest.approx(same.safety.factor, rel=1e-4)
+    assert found.safety.permanent == pytest.approx(same.safety.permanent, rel=1e-4)
+    assert found.reach.half == pytest.approx(same.reach.half, rel=1e-4)
+
+
+def test_the_worst_contact_of_a_wider_groove_has_the_wider_groove_s_pressure() -> None:
+    scene = small_screw(4)
+    wide = replace(scene, errors=Errors(SL=SideErrors(profile=(-20e-6,))))
+    wider = replace(scene, screw=replace(scene.screw, groove_radius=scene.screw.groove_radius + 20e-6))
+    load = loads(scene, 100.0) * [1.0, 0.0, 0.0, 0.0]
+    before, by_error, by_key = (load_answers(s, load, np.full((4, 4), 0.7)).worst.pressure for s in (scene, wide, wider))
+    assert by_error == pytest.approx(by_key, rel=1e-4)
+    assert by_key > 1.002 * before
+
+
 def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
     scene = small_screw(4)
     load = loads(scene, 100.0)
     angle = np.where(load > 0.0, scene.track.contact_angle, np.nan)
-    free = contacts.truncation(scene, load, angle)
+    free = contacts.truncation(scene, drawn(scene), load, angle)
     assert free.margin > 0.0 == free.cut
     angle[2, 0] = free.limit - 0.5 * free.half
-    over = contacts.truncation(scene, load, angle)
+    over = contacts.truncation(scene, drawn(scene), load, angle)
     assert (over.ball, over.side, over.edge, over.cut) == (3, "SL", "land", 1)
     assert over.margin == pytest.approx(-0.5 * free.half)
 

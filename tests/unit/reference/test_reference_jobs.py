@@ -9,8 +9,7 @@ import pytest
 from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.commands.comparing import study
-from rollbench.compare.commands.comparing.compare_output import levels_text
-from rollbench.compare.commands.comparing.study import code_of, parse_levels, unconverged
+from rollbench.compare.commands.comparing.study import code_of, parse_levels
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.models import comparison
@@ -23,6 +22,8 @@ from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.results.compared import levels_text
+from rollbench.compare.results.comparison import unconverged
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.wings.mesh_study.command import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies

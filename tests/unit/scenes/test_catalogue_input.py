@@ -14,6 +14,7 @@ from rollbench.compare.models import loading, registry
 from rollbench.compare.scenes import catalogue, catalogue_input, keys, kinds, preload, scene_file
 from rollbench.compare.scenes.like import double_nut_like, scene_like
 from rollbench.compare.scenes.template import template
+from rollbench.lowfi.friction.whole.circuit import circuits
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import axis, helix, parts
@@ -82,6 +83,24 @@ def test_circuits_lie_about_the_nut_with_their_gaps() -> None:
     places = np.array(scene.balls.azimuths).reshape(3, 5) / (2.0 * math.pi)
     np.testing.assert_allclose(np.diff(places, axis=1), 0.1, atol=1e-12)
     np.testing.assert_allclose(places.mean(axis=1), [-0.75, 0.0, 0.75], atol=1e-12)
+
+
+def test_arcs_with_a_gap_are_circuits_of_their_own_in_a_run() -> None:
+    """Balls would run on across the gap as if it were a loaded arc."""
+    few, arcs = ("count = 32", "count = 20"), ("turns = 2", ARCS)
+    run = '[motion]\nspeed = "60 rpm"\n[time]\nangle = "90 deg"\n[friction]\ncoefficient = 0.1\n[[supports]]'
+    timed = ("[[supports]]", run)
+    assert refused(few, arcs, timed).key == "time"
+    assert "write circuits = 2 under [circulation]" in refused(few, arcs, timed).advice
+    assert refused(few, arcs, ("[[supports]]", "[circulation]\nreturning = 2\n[[supports]]")).key == "circulation"
+    read(few, arcs)
+    rounds = ("[[supports]]", f"[circulation]\ncircuits = 2\n{run}")
+    first, second = circuits(read(few, arcs, rounds))
+    assert first.track.first + first.track.arc == pytest.approx(math.radians(-60.0))
+    assert second.track.first == pytest.approx(math.radians(60.0))
+    unequal = (arcs[0], arcs[1].replace("300 deg", "500 deg", 1))
+    assert refused(few, unequal, rounds).key == "balls.arcs"
+    read(few, unequal)
 
 
 def test_filling_gives_the_count() -> None:

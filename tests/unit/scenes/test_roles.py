@@ -41,19 +41,18 @@ def test_headings_say_what_whole_scenes_say():
         assert (catalogue.heading(name)["title"], catalogue.kind(name)) == (scene.title, scene_file.kind_of(scene)), name
 
 
-DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial", "pint"}
+DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial"}
 
 
 def test_no_slow_package_is_imported():
     """`list` reads no scene whole and needs no scipy; a solve begins without scipy, friction without scipy.spatial; names
-    of scenes need no meshes and pictures, common units no pint, records of a report nothing that draws."""
+    of scenes need no meshes and pictures, records of a report nothing that draws."""
     for code, heavy in (
         ("import rollbench.reports.content", {"matplotlib", "pyvista", "vtk", "jinja2"}),
         ("import rollbench.compare.commands.listing", {"numba", "scipy.linalg", "pydantic"}),
         ("import rollbench.compare.commands.solving.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
         ("import rollbench.compare.wings.friction.solve", {"numba", "scipy.spatial", "pydantic"}),
         ("from rollbench.compare.scenes import catalogue; catalogue.scene_names()", DRAWING),
-        ("from rollbench.compare.scenes import units; units.parse('2 mm', 'length')", {"pint"}),
     ):
         asked = f"import sys; {code}; print({heavy!r} & sys.modules.keys() or 'none')"
         out = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)

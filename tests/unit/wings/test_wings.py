@@ -1,11 +1,7 @@
 """Wings have one door each: what they register exists, a command loads no other's code, and the core stands without any."""
 
-import ast
-import io
 import random
 import shutil
-import tokenize
-from pathlib import Path
 
 import pytest
 from tests.copies import ROOT, copy_of_tree, rollbench
@@ -56,42 +52,24 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
     assert not [name for name in inside if not name.endswith(".registration")]
     physics = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(physics)]
-    unasked = ("comparison.gate.", "comparison.reference.", "comparison.scenes.axis", "lowfi.statics.axis.")
+    unasked = ("compare.gate.", "compare.reference.", "compare.scenes.axis", "lowfi.statics.axis.")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(unasked)]
     assert "rollbench.compare.commands.arguments.validation" not in loaded, "options of other commands"
 
 
-LARGEST = [("solve lin-case1-cut", 10_500), ("solve lin-case1", 11_000), ("friction two-balls --mu 0.1", 14_500)]
-
-
-@pytest.mark.parametrize(("command", "most"), LARGEST)
-def test_a_solve_of_known_parts_loads_no_more_than_it_needs(tmp_path, command, most):
-    """Lines of code without docstrings, comments and blanks; the second solve finds what the first one kept."""
+@pytest.mark.parametrize("command", ["solve lin-case1-cut", "solve lin-case1", "friction two-balls --mu 0.1"])
+def test_a_second_solve_of_known_parts_finds_what_the_first_one_kept(tmp_path, command):
+    """And then takes none of the packages that are slow to import."""
     code = (
         "import atexit, sys\nfrom rollbench.compare.cli import main\n"
-        "names = lambda: [m.__file__ for n, m in sys.modules.items() if n[:4] == 'roll' and m.__file__]\n"
         "others = lambda: [n for n in ('numba', 'scipy', 'pydantic') if n in sys.modules]\n"
-        "atexit.register(lambda: print(*others(), *names(), sep='\\n', file=sys.stderr))\n"
+        "atexit.register(lambda: print(*others(), sep='\\n', file=sys.stderr))\n"
         f"sys.argv = ['rollbench', *{command.split()}]\nmain()"
     )
     environ = HERE | {"ROLLBENCH_CACHE": str(tmp_path / "cache")}
     first, again = (python("-c", code, cwd=tmp_path, environ=environ) for _ in range(2))
     assert again.stdout == first.stdout != ""
-    loaded = again.stderr.split("\n")
-    assert not {"numba", "scipy", "pydantic"} & set(loaded)
-    lines = sum(lines_of_code(Path(name)) for name in loaded if name.endswith(".py"))
-    assert 5_000 < lines <= most
-
-
-def lines_of_code(path):
-    text = path.read_text(encoding="utf-8")
-    documented = set()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
-            documented.update(range(node.body[0].lineno, node.body[0].end_lineno + 1))
-    blank = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
-    tokens = (t for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in blank)
-    return len({line for t in tokens for line in range(t.start[0], t.end[0] + 1)} - documented)
+    assert not {"numba", "scipy", "pydantic"} & set(again.stderr.split("\n"))
 
 
 def stands(wing, tmp_path):

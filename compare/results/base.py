@@ -1,0 +1,148 @@
+"""What all results of the library have: JSON, a table for a notebook, numbers with units by path."""
+
+from __future__ import annotations
+
+import html
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from rollbench.compare.definitions import definition
+from rollbench.compare.quantities import split_unit, unit_of
+from rollbench.reports.cells import micro
+
+if TYPE_CHECKING:
+    import pint
+
+#: A value that JSON holds.
+JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
+#: Version of the JSON of results: the number at its key ``schema``. A key that goes or changes its meaning raises it.
+SCHEMA = 1
+
+
+def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
+    """JSON of a result with its version first."""
+    return {"schema": SCHEMA, **data}
+
+
+class Record(ABC):
+    """A result: frozen, in SI units; `to_dict` gives the JSON that the command of its name prints."""
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, JSON]:
+        """The JSON that the command of its name prints: units in the names of the keys."""
+
+    @property
+    def _shown(self) -> str:
+        """Path in the JSON of what tables show; all unless given."""
+        return ""
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Sentences below tables."""
+        return ()
+
+    def __getitem__(self, path: str) -> JSON:
+        """The value at a path of keys in the JSON, such as ``"summary.loads.max_N"``. Deprecated: use the fields, or
+        `to_dict`. Raises KeyError with the keys that there are."""
+        deprecated(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
+        return self._at(path)
+
+    @property
+    def data(self) -> dict[str, JSON]:
+        """The JSON. Deprecated: use `to_dict`."""
+        deprecated("result.data", "result.to_dict()")
+        return self.to_dict()
+
+    def quantity(self, path: str) -> pint.Quantity:
+        """The number, or the list of numbers, at a path of keys in the JSON with the unit that its key ends with.
+
+        The package pint makes it, which is not installed with this one.
+
+        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number, ImportError
+        without pint.
+        """
+        try:
+            import pint
+        except ImportError as error:
+            raise ImportError("quantities with units need the package pint: pip install pint") from error
+
+        value = self._at(path)
+        keys = reversed(path.split("."))  # a table of one unit has it in its own name
+        unit = next((unit for key in keys if (unit := unit_of(key)[1]) is not None), None)
+        if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
+            raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
+        return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
+
+    def definition(self, path: str) -> str:
+        """What the number at a path of keys in the JSON is, and what its error is; empty where nothing is known of it.
+        Raises KeyError for a path that is not there."""
+        self._at(path)
+        meaning = definition(path)
+        return "" if meaning is None else meaning.text + (f"; its error: {meaning.error}" if meaning.error else "")
+
+    def table(self) -> list[tuple[str, str, str]]:
+        """Name, value and unit of every single value that the table shows."""
+        return [(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
+
+    def __str__(self) -> str:
+        """The table as aligned text."""
+        rows = self.table()
+        width = max((len(name) for name, *_ in rows), default=0)
+        return "\n".join([*(f"{name:<{width}}  {value} {unit}".rstrip() for name, value, unit in rows), *self._notes])
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook, a heading for every quantity that has parts."""
+        body = ""
+        for group, rows in groupby(self.table(), lambda row: row[0].rpartition(": ")[0]):
+            body += f"<tr><th colspan='3' style='text-align:left'>{html.escape(group)}</th></tr>" if group else ""
+            body += "".join(
+                f"<tr><td style='text-align:left'>{html.escape(name.removeprefix(f'{group}: '))}</td>"
+                f"<td style='text-align:right'>{html.escape(value)}</td>"
+                f"<td style='text-align:left'>{html.escape(micro(unit))}</td></tr>"
+                for name, value, unit in rows
+            )
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
+        head = "<thead><tr><th>quantity</th><th>value</th><th>unit</th></tr></thead>"
+        return f"<table>{head}<tbody>{body}</tbody></table>{notes}"
+
+    def _at(self, path: str) -> JSON:
+        """The value at a path of keys in the JSON. Raises KeyError with the keys that there are."""
+        value: JSON = self.to_dict()
+        for key in path.split(".") if path else ():
+            if not isinstance(value, dict) or key not in value:
+                there = ", ".join(value) if isinstance(value, dict) else "none, this is a value"
+                raise KeyError(f"{path}: no {key!r}; keys here: {there}")
+            value = value[key]
+        return value
+
+
+def deprecated(what: str, instead: str) -> None:
+    """Warn the caller's caller that a name goes."""
+    warnings.warn(f"{what} goes in the next version: use {instead}", DeprecationWarning, stacklevel=3)
+
+
+def _flat(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
+    """Single values below a value, with the words and the unit of their keys (or of what holds them: ``of_all``); None,
+    and lists of records, left out."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            words, unit = split_unit(key)
+            whole = f"{name}: {words}" if name else words
+            if isinstance(inner, dict):
+                yield from _flat(inner, whole, unit or of_all)
+            elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (dict, list)) for x in inner)):
+                yield whole, inner, unit or of_all
+    elif isinstance(value, list):
+        for number, inner in enumerate(value, start=1):
+            yield from _flat(inner, f"{name} {number}".strip())
+
+
+def _text(value: JSON) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    if isinstance(value, list):
+        return ", ".join(map(_text, value))
+    return str(value)

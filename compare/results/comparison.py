@@ -1,0 +1,412 @@
+"""What `rollbench.compare_models` gives: `Comparison`; models set by set, and load cases together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.gate.user import judged_by, stored_beside
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.comparison import suited
+from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.models.registry import Model
+from rollbench.compare.models.together import cycle_life
+from rollbench.compare.quantities import number
+from rollbench.compare.reference.jobs import Engine, ensure, plan
+from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
+from rollbench.compare.reference.store import Run, shipped_store
+from rollbench.compare.reference.tasks import Solvable, Task
+from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.compare.results.compared import Beside, Compared, answers_of, compared, verdict
+from rollbench.compare.results.solved import ExpectedError, expected_error
+from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
+from rollbench.compare.scenes.scene_file import each_case
+from rollbench.meshes.arrays import Array
+
+#: What is compared of each case and set, by the names of their scene and set.
+ByCase = Mapping[tuple[str, str], Compared]
+#: References, set by set, with what is compared with each.
+Pairs = Sequence[tuple[Referenced, Compared]]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Loads:
+    """Contact loads of a model, or of the reference, and what they answer; sides in the order SL, SR, NL, NR."""
+
+    name: str
+    """Name of the model; ``3D reference``, or the file of one's own; ``3D level 1``: a coarser mesh of the reference."""
+    loads: Array
+    """Contact loads, (n, 4) [N]."""
+    angles: Array
+    """Contact angles, (n, 4) [rad]; nan without contact."""
+    pressure: float
+    """Largest pressure [Pa], by Hertz from the loads."""
+    displacement: float
+    """Axial displacement [m] of the screw at the nut's centre from its place without loads; nan where that is not known."""
+    L10: float | None
+    """Life by the loads [revolutions]; None without load, and where the formulas do not take the scene."""
+    seconds: float | None
+    """Run time [s]; None where it was not measured."""
+    measured: str
+    """What the time was measured with; empty: with this version, here."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ModelLoads(Loads):
+    """A model, or a coarser mesh, compared with the reference."""
+
+    errors: Array
+    """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
+    largest_error: float
+    """Largest of them in size [% of the mean contact load]."""
+    rms_error: float
+    """Root of the mean of their squares over the loaded contacts [% of the mean contact load]."""
+    gate_error: float
+    """Largest error [%] of a contact's own load, of the mean load for contacts below a tenth of it: what `check` judges."""
+    ball: int
+    """Ball of the largest error, from 1."""
+    side: str
+    """Its flank."""
+
+    def __repr__(self) -> str:
+        """Name and errors."""
+        return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """What a comparison is uncertain by, of the largest contact load [% of the mean contact load]; None: not known."""
+
+    total: float
+    """All parts, by the root of the sum of squares."""
+    discretisation: float
+    """Of the reference's mesh."""
+    choices: float | None
+    """Of choices of modelling that no mesh shows."""
+    inputs: float | None
+    """Of tolerances of the scene's values."""
+    second_order: float
+    """Of large displacements."""
+    words: str
+    """All in words; of one's own reference what that says."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Comparison(Record):
+    """Low-order models compared with a reference. Of several sets on one shaft each is a comparison in `sets`, of load
+    cases each in `cases` (with sets in these); the fields on contacts are those of one set, None and empty of several."""
+
+    scene: str
+    """Name of the scene, of a set with the name of both."""
+    verdict: str
+    """What the default model is off by, in words; of several sets and load cases a line for each."""
+    warnings: tuple[str, ...] = ()
+    """What a user should see before."""
+    reference: Loads | None = None
+    """The reference."""
+    levels: tuple[int, ...] = ()
+    """Mesh levels of the reference; empty of one's own."""
+    unsettled: str = ""
+    """What of the reference's loads did not settle; empty where all did."""
+    uncertainties: Array | None = None
+    """What each contact load of the reference is uncertain by, (n, 4) [N]."""
+    uncertainty: Uncertainty | None = None
+    """What the comparison is uncertain by."""
+    models: Mapping[str, ModelLoads] = field(default_factory=dict)
+    """Models, and coarser meshes of the reference, by name."""
+    expected_error: ExpectedError | None = None
+    """What was to be expected of the default model, without this comparison."""
+    sets: Mapping[str, Comparison] = field(default_factory=dict)
+    """Several sets by name; empty of one."""
+    cases: Mapping[str, Comparison] = field(default_factory=dict)
+    """Load cases by name; empty without."""
+    compared: tuple[tuple[Referenced, Compared], ...] = ()
+    """Records with all that was found, of each load case and set."""
+    described: Described | None = None
+    """The scene."""
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Largest error of a contact load by model [% of the mean contact load]."""
+        return {name: one.largest_error for name, one in self.models.items()}
+
+    @property
+    def seconds(self) -> dict[str, float | None]:
+        """Run time by model [s]; None where it was not measured."""
+        return {name: one.seconds for name, one in self.models.items()}
+
+    def to_dict(self) -> dict[str, JSON]:
+        """Models with their errors, and the answers of models and reference."""
+        return with_schema(self._json())
+
+    def _json(self) -> dict[str, Any]:
+        results = [_set_json(whole, one) | named(one) for one, whole in self.compared]
+        if isinstance(self.described, DutyCycle):
+            cases = cases_by_name([self.described])
+            rows = [row | cases[one.described].keys for row, (one, _) in zip(results, self.compared, strict=True)]
+            whole = together_json(self.described, {(one.described, one.set): each for one, each in self.compared})
+            summary = whole[0] if len(whole) == 1 else {row["set"]: row for row in whole}
+            return {"scene": self.scene, "summary": summary, "cases": rows}
+        return {"scene": self.scene, "sets": results} if self.sets else results[0]
+
+    @property
+    def _shown(self) -> str:
+        return "summary" if self.cases else "sets" if self.sets else "models"
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
+
+    def __repr__(self) -> str:
+        """Scene, then models, sets or cases, in a line each."""
+        if self.cases or self.sets:
+            return "\n".join([self.scene, *self.verdict.splitlines()])
+        return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
+
+
+def comparison_of(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+    """The record of a scene, from what was compared of each load case and set."""
+    if not isinstance(described, DutyCycle):
+        return _of_sets(described.name, described, pairs, warnings)
+    by_case = {
+        case.name: [(one, whole) for one, whole in pairs if one.described == case.scene.name] for case in described.cases
+    }
+    return Comparison(
+        scene=described.name,
+        verdict="\n".join(verdict(whole, one.found) for one, whole in pairs),
+        warnings=tuple(warnings),
+        cases={name: _of_sets(name, None, its, ()) for name, its in by_case.items()},
+        compared=tuple(pairs),
+        described=described,
+    )
+
+
+def _of_sets(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+    first, whole = pairs[0]
+    if first.of is None:
+        return _of_set(name, first, whole, described, warnings)
+    return Comparison(
+        scene=name,
+        verdict="\n".join(verdict(whole, one.found) for one, whole in pairs),
+        warnings=tuple(warnings),
+        sets={one.set: _of_set(one.found.scene, one, whole, None, ()) for one, whole in pairs},
+        compared=tuple(pairs),
+        described=described,
+    )
+
+
+def _of_set(
+    name: str, one: Referenced, whole: Compared, described: Described | None, warnings: Sequence[str]
+) -> Comparison:
+    found, t = one.found, whole.total
+    return Comparison(
+        scene=name,
+        verdict=verdict(whole, found),
+        warnings=tuple(warnings),
+        reference=Loads(**_loads(whole.itself)),
+        levels=found.levels,
+        unsettled=found.unsettled,
+        uncertainties=found.uncertainty,
+        uncertainty=Uncertainty(
+            t.percent, t.discretisation, None if t.choices is None else t.choices.percent, t.inputs, t.second_order, t.text
+        ),
+        models={b.label: _model(b, one) for b in whole.models},
+        expected_error=expected_error(whole.expected),
+        compared=((one, whole),),
+        described=described,
+    )
+
+
+def _loads(b: Beside) -> dict[str, Any]:
+    life = b.found.life
+    return {
+        "name": b.label,
+        "loads": b.answer.load,
+        "angles": np.where(b.answer.load > 0.0, np.radians(b.answer.angle), np.nan),
+        "pressure": b.pressure,
+        "displacement": b.displacement,
+        "L10": None if life is None else 1e6 * life.revolutions,
+        "seconds": b.answer.seconds or None,
+        "measured": b.answer.measured,
+    }
+
+
+def _model(b: Beside, one: Referenced) -> ModelLoads:
+    assert b.error is not None, "a model has errors"
+    errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
+    e = b.error
+    return ModelLoads(
+        **_loads(b),
+        errors=errors,
+        largest_error=e.max_percent,
+        rms_error=e.rms_percent,
+        gate_error=b.by_gate,
+        ball=e.ball,
+        side=e.side,
+    )
+
+
+def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
+    """What is known of a scene, or of one of several sets on a shaft."""
+    found = one.found
+    return {
+        "scene": found.scene,
+        "levels": list(found.levels),
+        "reference_status": found.unsettled or "converged",
+        "models": {
+            b.label: {
+                "largest_error_percent": None if b.error is None else b.error.max_percent,
+                "rms_error_percent": None if b.error is None else b.error.rms_percent,
+                "largest_load_N": float(b.answer.load.max(initial=0.0)),
+                "pressure_MPa": 1e-6 * b.pressure,
+                "displacement_um": number(1e6 * b.displacement),
+            }
+            for b in whole.models
+        },
+        "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
+    }
+
+
+@dataclass(frozen=True)
+class Comparing:
+    """Scenes with their references, of which `each` computes what is compared. own: the references are the user's."""
+
+    described: Sequence[Described]
+    scenes: Sequence[Solvable]
+    references: Sequence[Sequence[Referenced]]
+    models: Sequence[Model]
+    stores: Sequence[Path]
+    failed: Sequence[Run]
+    warnings: Sequence[str]
+    own: bool
+
+    def each(self) -> Iterator[tuple[Referenced, Compared]]:
+        """What is compared, set by set. Raises Refusal where a scene has no reference."""
+        return each_compared(self.scenes, self.references, self.models, self.stores, self.failed, own=self.own)
+
+
+def comparing(
+    described: Sequence[Described],
+    origins: Sequence[str],
+    models: Sequence[Model],
+    engine: Engine,
+    step: Callable[[str], None],
+    *,
+    store: Path,
+    levels: Sequence[int] | None = None,
+    otherwise: Sequence[int] = ADVISED,
+    fresh: bool = False,
+    reference: Path | None = None,
+) -> Comparing:
+    """Find the references of scenes and their load cases; what is not stored is computed first.
+
+    origins: what errors name the scenes; step: takes lines of progress, the verdict by the coarsest level among them;
+    store: folder of runs, besides those shipped; levels: to compute where they are not stored (fresh: even there); None for
+    the best stored, and ``otherwise`` where there is none; reference: the user's file in place of it. Raises InputError.
+    """
+    scenes: list[Solvable] = [x for one, name in zip(described, origins, strict=True) for x in each_case(one, name)]
+    stores, warnings = (store, shipped_store()), list[str]()
+    if reference is not None:
+        names = {name: case.case.name for name, case in cases_by_name(described).items()}
+        given = own_references(scenes, reference, names, warnings)
+        return Comparing(described, scenes, given, models, stores, (), warnings, own=True)
+    without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
+    failed: list[Run] = []
+    if without:
+        wanted = levels or otherwise
+
+        def first(task: Task) -> None:
+            """The verdict by the coarsest level while finer ones are computed."""
+            for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
+                for one in referenced(scene, (store,), (task.level,)):
+                    whole = compared(one.scene, (models or suited(scene))[:1], one.found, stores, one.of)
+                    step(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
+
+        tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
+        failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
+    return Comparing(
+        described, scenes, [referenced(scene, stores) for scene in scenes], models, stores, failed, warnings, own=False
+    )
+
+
+def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
+    """The refusal of a scene without a converged run, with the status of each of its runs."""
+    why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
+    reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
+    return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
+
+
+def each_compared(
+    scenes: Sequence[Solvable],
+    references: Sequence[Sequence[Referenced]],
+    models: Sequence[Model],
+    stores: Sequence[Path],
+    failed: Sequence[Run],
+    *,
+    own: bool,
+) -> Iterator[tuple[Referenced, Compared]]:
+    """References, set by set, and what is compared with them, as they are asked for; models: those that suit a scene where
+    none is named; own: they are the user's, beside which stored ones stand. Raises Refusal where a scene has none."""
+    for scene, sets in zip(scenes, references, strict=True):
+        if not sets:
+            raise unconverged(scene.name, failed)
+        for one in sets:
+            ours = stored_beside(one, stores) if own else None
+            yield one, compared(one.scene, models or suited(scene), one.found, stores, one.of, ours)
+
+
+def own_references(
+    scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
+) -> list[list[Referenced]]:
+    """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
+    InputError for several scenes."""
+    if len(scenes) != 1 and len(cases) != len(scenes):
+        advice = "compare the scenes one by one, each with its file"
+        raise ArgumentError("reference", str(path), f"one scene, not {len(scenes)}", advice)
+    warned: dict[str, None] = {}
+    references = [judged_by(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
+    warnings += warned
+    return references
+
+
+def named(one: Referenced) -> dict[str, str]:
+    """Keys of a set of several on one shaft: that of the scene, and its own."""
+    return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
+
+
+def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
+    """The cycles of some cases, each once."""
+    return {case.cycle.name: case.cycle for case in cases.values()}.values()
+
+
+def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
+    """Of each set: largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6
+    revolutions] of every model and of the reference; null where a case has none."""
+    return [_summary(cycle, name, each) for name in cycle.sets]
+
+
+def _summary(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
+    by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
+    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
+    error, worst = max(errors, default=(None, None))
+    lives = {}
+    for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
+        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
+        rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
+        lives[label] = None if rated is None else number(rated.revolutions)
+    predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
+    off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
+    return {
+        "scene": cycle.name,
+        **({"set": name} if name else {}),
+        "model": by_case[0][1].spoken.label,
+        "largest_error_percent": error,
+        "largest_error_case": worst,
+        "life_million_revolutions": lives,
+        "life_error_percent": off,
+    }

@@ -1,0 +1,519 @@
+"""What `rollbench.solve` gives: `Result` and its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.together import Together
+from rollbench.compare.results.answers_json import by_pressure
+from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
+from rollbench.compare.results.cases_json import cases_json
+from rollbench.compare.results.solved_json import case_json
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.lowfi.rating.contacts import Contact
+from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.result import SetResult as SolvedSet
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+    from rollbench.compare.models import loading
+    from rollbench.compare.models.model_form import ModelForm
+    from rollbench.lowfi.rating import life as rating
+
+
+class Status(StrEnum):
+    """How a solution ended."""
+
+    CONVERGED = "converged"
+    """In equilibrium: all fields may be used."""
+    NOT_HELD = "not held"
+    """Supports and contacts do not hold the screw under the loads."""
+    NOT_CONVERGED = "not converged"
+    """No equilibrium was found."""
+    STOPPED = "stopped"
+    """The solver was stopped before it found one."""
+
+
+@dataclass(frozen=True)
+class Life:
+    """Life that 90 % of equal ones reach, by the contact loads (ISO 281, ISO 3408-5)."""
+
+    L10: float
+    """Life [revolutions]."""
+    distance: float | None
+    """The same as travel of the nut [m]; None for rings."""
+    seconds: float | None
+    """The same as time [s] at the scene's speed; None without a speed."""
+    rating: float
+    """Basic dynamic load rating as computed [N]: axial for screws and thrust bearings, else radial."""
+    equivalent_load: float
+    """Load [N] under which the rating gives the same life."""
+    standard: str
+    """Whose formulas."""
+
+
+@dataclass(frozen=True)
+class Preload:
+    """What presses the contacts when the scene's loads are away."""
+
+    mean: float
+    """Mean load of the loaded contacts [N]."""
+    largest: float
+    """Largest load of a contact [N]."""
+    axial: float
+    """Internal axial force [N]; of a set of several, the axial force that it then has on the shaft."""
+    contacts: int
+    """How many contacts are loaded."""
+
+
+@dataclass(frozen=True)
+class WorstContact:
+    """The contact of the highest pressure."""
+
+    set: str
+    """Name of its set; empty where there is one."""
+    element: int
+    """Number of the ball or roller, from 1."""
+    side: str
+    """Flank of a ball: SL, SR, NL, NR (screw or nut, left or right); race of a roller: inner, outer."""
+    force: float
+    """Its load [N]."""
+    pressure: float
+    """Hertz pressure at its pole [Pa]."""
+    safety: float
+    """Static safety [1]: load of the allowed pressure (4200 MPa of balls, 4000 MPa of rollers) over its load."""
+    angle: float | None
+    """Contact angle [rad]; None of rollers."""
+    approach: float | None
+    """Approach of the two bodies [m]; None of rollers."""
+    semi_axes: tuple[float, float] | None
+    """Semi-axes of the ellipse, across and along the groove [m]; None of rollers."""
+
+
+@dataclass(frozen=True)
+class ExpectedError:
+    """Error of the model to expect, from its errors against the 3D reference on other scenes; None: not covered."""
+
+    loads: float | None
+    """Largest error of a contact load [% of the mean contact load]."""
+    loads_rms: float | None
+    """RMS error of the contact loads [% of the mean contact load]."""
+    displacement: float | None
+    """Of the axial displacement [%]."""
+    rigidity: float | None
+    """Of the axial stiffness [%]."""
+    pressure: float | None
+    """Of the largest pressure [%]."""
+    nearest: str
+    """The compared scene that is most alike."""
+    words: tuple[str, ...]
+    """What the model holds, and why a scene is not covered."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Balls:
+    """Contacts of n balls; sides in the order SL, SR, NL, NR: screw or nut, left or right seen along +z. Each field is None
+    without balls, and the answers among them (loads, angles, pressure) without equilibrium."""
+
+    azimuth: Array | None = None
+    """Place of every ball about the axis, (n,) [rad]."""
+    z: Array | None = None
+    """Place of every ball along the axis, (n,) [m]."""
+    loads: Array | None = None
+    """Contact loads, (n, 4) [N]; zero without contact."""
+    angles: Array | None = None
+    """Contact angles under load, (n, 4) [rad]; nan without contact."""
+    pressure: Array | None = None
+    """Hertz pressures at the poles, by the radii with their errors, (n, 4) [Pa]; zero without contact."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SetResult(Balls):
+    """One of several rolling sets on a shaft."""
+
+    name: str
+    """Name in the scene."""
+    kind: str
+    """What it is: nut, bearing, rollers."""
+    position: float
+    """Its place on the shaft [m]."""
+    force: Array | None
+    """Force of its elements on the shaft, (3,) [N]."""
+    moment: Array | None
+    """Moment of them about the axis at its position, (3,) [N m]."""
+    stiffness: Array | None
+    """Tangent stiffness of it with its outer part held, (6, 6) [N/m, N, N m]; freedoms ux, uy, uz, rx, ry, rz."""
+    roller_loads: Array | None
+    """Loads of rollers, (count,) [N]; None of balls."""
+    worst: WorstContact | None
+    """Its contact of the highest pressure; None without load."""
+    life: Life | None
+    """Its life; None without load, of rollers, and where the formulas do not take it."""
+    preload: Preload | None
+    """Its contacts without the loads of the scene; None where that has no equilibrium."""
+
+    def __repr__(self) -> str:
+        """Name, kind and what is loaded."""
+        loads = self.loads if self.loads is not None else self.roller_loads
+        return f"{self.name} ({self.kind}): " + ("no loads" if loads is None else f"largest load {loads.max():.5g} N")
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Result(Record, Balls):
+    """A scene solved by a low-order model. Answers are None where there is no equilibrium: see `status` and `reason`.
+
+    Of several sets on one shaft the balls are those of all sets, in their order, and each set is in `sets`. Of load cases
+    each is a result in `cases`; the result of the whole has the life over all of them, and the worst contact.
+    """
+
+    scene: str
+    """Name of the scene."""
+    model: str
+    """Name of the model."""
+    member: int
+    """Which specimen of a scene with random errors, from 0."""
+    status: Status
+    """How the solution ended; of load cases, of the first that did not converge."""
+    reason: str
+    """Why it has no equilibrium; empty where it converged."""
+    warnings: tuple[str, ...]
+    """Where answers leave what the model means."""
+    assumed: tuple[str, ...]
+    """Assumptions of scene and model."""
+    left_out: tuple[str, ...]
+    """What the model leaves out."""
+    force: float | None = None
+    """Axial force of the screw on the nut; of several sets, the axial loads on shaft and housings [N]."""
+    displacement: Array | None = None
+    """Displacement of the screw's section at the nut's centre from its place without loads, (6,) [m, rad]; freedoms ux, uy,
+    uz, rx, ry, rz. Of several sets: of what the scene asks about (``stiffness_at``, else what is loaded first)."""
+    rigidity: float | None = None
+    """Axial force over axial displacement [N/m]; None without axial force."""
+    stiffness: Array | None = None
+    """Tangent stiffness of the screw's section at the nut's centre against the held nut, (6, 6) [N/m, N, N m]; where
+    ``stiffness_at`` was given, at that station. Of several sets: of the whole, nan in held freedoms. None where the model
+    has none, and without axial force unless ``stiffness_at`` was given."""
+    axial_stiffness: float | None = None
+    """Axial tangent stiffness at the nut's centre [N/m]: rotation about the axis held, all else free; of several sets all
+    other freedoms held."""
+    worst: WorstContact | None = None
+    """The contact of the highest pressure; of several sets, of the largest share of the allowed one. None without load."""
+    life: Life | None = None
+    """Life by the contact loads; of several sets, of the set that lives shortest. None without load, and where the formulas
+    do not take the scene."""
+    preload: Preload | None = None
+    """Of one set; of several see each of `sets`."""
+    expected_error: ExpectedError | None = None
+    """Error to expect; None of several sets, for which none is known, and of load cases: see each of them."""
+    sets: Mapping[str, SetResult] = field(default_factory=dict)
+    """Several sets on one shaft by name; empty of one set."""
+    cases: Mapping[str, Result] = field(default_factory=dict)
+    """Load cases by name; empty without."""
+    solved: tuple[Solved | SolvedAxis, ...] = ()
+    """Records of the solver with all that it found: one, or one for each load case."""
+    tangents: tuple[Tangent | None, ...] = ()
+    """Of each of these the stiffness at the station that was asked for; None where none was."""
+    cycle: DutyCycle | None = None
+    """The load cases of the scene; None without."""
+    together: Together | None = None
+    """What the load cases say together; None without."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether there is an equilibrium, of every load case."""
+        return self.status is Status.CONVERGED
+
+    @property
+    def load(self) -> Array:
+        """`loads`, of load cases one after the other; empty without. Deprecated."""
+        deprecated("result.load", "result.loads")
+        each = [one.loads for one in self.cases.values() if one.loads is not None]
+        return np.array(each) if each else np.zeros((0, 4)) if self.sets or self.loads is None else self.loads
+
+    @property
+    def angle(self) -> Array:
+        """`angles` in deg. Deprecated."""
+        deprecated("result.angle", "result.angles, in rad")
+        each = [one.angles for one in self.cases.values() if one.angles is not None]
+        found = np.array(each) if each else np.zeros((0, 4)) if self.sets or self.angles is None else self.angles
+        return np.degrees(found)
+
+    def to_dict(self) -> dict[str, JSON]:
+        """What ``rollbench solve --json`` prints."""
+        if self.cycle is None or self.together is None:
+            return with_schema(case_json(self.solved[0], self.tangents[0]))
+        return with_schema(cases_json(self.cycle, self.solved, self.together, self.tangents))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A row for every ball: its number, its place, and load, angle and pressure of each side, in SI units; of several
+        sets and of load cases with their names. Raises ImportError without pandas."""
+        import pandas
+
+        return pandas.DataFrame(self.columns())
+
+    def columns(self) -> dict[str, Array | list[str]]:
+        """The columns of `to_dataframe`, without pandas. Empty without equilibrium."""
+        if self.cases:
+            return _stacked("case", {name: one.columns() for name, one in self.cases.items()})
+        if self.sets:
+            return _stacked("set", {name: _columns(one) for name, one in self.sets.items()})
+        return _columns(self)
+
+    def plot(self) -> Figure:
+        """Contact loads over the ball number, a panel for each set and load case: a figure of matplotlib, without pyplot
+        (``plot().savefig("loads.svg")``). Raises ValueError without loads."""
+        from matplotlib.figure import Figure
+
+        panels = list(self._panels(""))
+        if not panels:
+            raise ValueError(f"{self.scene}: no loads to draw ({self.status}{f', {self.reason}' if self.reason else ''})")
+        figure = Figure(figsize=(7.0, 3.2 * len(panels)), layout="constrained")
+        for axes, (title, loads) in zip(figure.subplots(len(panels), squeeze=False)[:, 0], panels, strict=True):
+            for side, load in zip(SIDES, loads.T, strict=True):
+                if (load > 0.0).any():
+                    axes.plot(np.arange(1, load.size + 1), load, ".-", label=side)
+            axes.set(title=title, xlabel="ball", ylabel="contact load / N")
+            axes.legend()
+        return figure
+
+    def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
+        """Title and contact loads of every panel of `plot`."""
+        if self.cases:
+            return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
+        several = {f", {name}": one.loads for name, one in self.sets.items()}
+        each = several or {"": self.loads}
+        return [(f"{self.scene}{case}{of}, {self.model}", loads) for of, loads in each.items() if loads is not None]
+
+    def view(self, path: str | Path) -> Path:
+        """Write a page with the loaded screw, which can be turned; its path. Of a scene of one set without load cases.
+        Raises ValueError without loads and for other scenes, ImportError without trimesh, RuntimeError where this machine
+        cannot draw."""
+        from rollbench.reports.content import LoadedScrew
+        from rollbench.reports.view3d import write_view
+
+        one = self.solved[0]
+        if self.cycle is not None or not isinstance(one, Solved):
+            raise ValueError(f"{self.scene}: only a scene of one set, without load cases, has a view")
+        if not self.converged:
+            raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
+        found, loaded = one.result, one.result.load > 0.0
+        arrows = found.contact_point[loaded], (found.force_direction * found.load[..., None])[loaded]
+        words = "Balls are coloured by their load; arrows are the contact forces on them."
+        title = f"{self.scene}, {self.model}"
+        write_view(LoadedScrew("view", title, one.scene, found.load, *arrows, words, turns=True), Path(path))
+        return Path(path)
+
+    @property
+    def _shown(self) -> str:
+        return "sets" if self.sets else "summary"
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        status = f"{self.status}: {self.reason}" if self.reason else self.status
+        return (f"{self.scene}, {self.model}: {status}", *self.warnings)
+
+    def __repr__(self) -> str:
+        """Scene, model and status; then loads, displacement, pressure and life in one line each."""
+        w, u = self.worst, self.displacement
+        largest = None if self.loads is None or not self.loads.size else float(self.loads.max())
+        lines = (
+            ("loads", "largest", largest, "N"),
+            ("displacement", "axial", None if u is None else 1e6 * float(u[2]), "um"),
+            ("pressure", "largest", None if w is None else 1e-6 * w.pressure, "MPa"),
+            ("life", "L10", None if self.life is None else 1e-6 * self.life.L10, "million revolutions"),
+        )
+        told = (f"{name}: none" if x is None else f"{name}: {what} {x:.5g} {unit}" for name, what, x, unit in lines)
+        return "\n".join([self._notes[0], *told])
+
+
+def result_of(
+    solved: Sequence[Solved | SolvedAxis],
+    tangents: Sequence[Tangent | None],
+    cycle: DutyCycle | None = None,
+    together: Together | None = None,
+) -> Result:
+    """The result of a solved scene, or of the load cases of a cycle and what they say together."""
+    each = [_of_one(one, tangent) for one, tangent in zip(solved, tangents, strict=True)]
+    if cycle is None or together is None:
+        return each[0]
+    lost = next((one for one in each if not one.converged), each[0])
+    unsolved = "; ".join(f"case {name}: {status}" for name, status in together.unsolved.items())
+    worst = [one.worst for one in each if one.worst is not None]
+    return Result(
+        scene=cycle.name,
+        model=each[0].model,
+        member=each[0].member,
+        status=lost.status,
+        reason=unsolved,
+        warnings=tuple(dict.fromkeys(words for one in each for words in one.warnings)),
+        assumed=tuple(dict.fromkeys(words for one in each for words in one.assumed)),
+        left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
+        worst=max(worst, key=lambda w: w.pressure, default=None),
+        life=_life(together.least.life, together.speed),
+        cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
+        solved=tuple(solved),
+        tangents=tuple(tangents),
+        cycle=cycle,
+        together=together,
+    )
+
+
+def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None) -> Result:
+    found = one.result
+    head = Result(
+        scene=one.scene.name,
+        model=found.model,
+        member=found.member,
+        status=Status(found.status.kind),
+        reason=found.status.reason,
+        warnings=tuple(map(str, found.warnings)),
+        assumed=found.assumed,
+        left_out=found.left_out,
+        solved=(one,),
+        tangents=(tangent,),
+    )
+    return _of_set(head, one, tangent) if isinstance(one, Solved) else _of_axis(head, one)
+
+
+def _of_set(head: Result, one: Solved, tangent: Tangent | None) -> Result:
+    answers = one.answers
+    balls = _balls(one.scene, one.result, solved=answers is not None)
+    if answers is None:
+        return replace(head, azimuth=balls.azimuth, z=balls.z)
+    speed = None if one.scene.motion is None else one.scene.motion.speed
+    K = tangent if tangent is not None and tangent.status == "converged" else answers.at_nut
+    return replace(
+        head,
+        **vars(balls),
+        force=answers.force,
+        displacement=answers.motion,
+        rigidity=None if answers.rigidities is None else answers.rigidities.unequal,
+        stiffness=None if K is None else K.matrix,
+        axial_stiffness=answers.tangent,
+        worst=_worst("", answers.loads),
+        life=_life(answers.loads.life, speed),
+        preload=_preload(answers.preload),
+        expected_error=expected_error(one.expected),
+    )
+
+
+def _of_axis(head: Result, one: SolvedAxis) -> Result:
+    found, answers = one.result, one.answers
+    speed = None if one.scene.motion is None else one.scene.motion.speed
+    each = [None] * len(found.sets) if answers is None else [*answers.sets]
+    sets = {s.of.name: _set(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
+    if answers is None:
+        return replace(head, sets=sets)
+    balls = [s for s in sets.values() if s.loads is not None]
+    joined: dict[str, Any] = {
+        name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
+    }
+    worst = next((sets[found.sets[i].of.name].worst for i in by_pressure(answers)), None)
+    lives = [s.life for s in sets.values() if s.life is not None]
+    moved = answers.displacement
+    return replace(
+        head,
+        **joined,
+        sets=sets,
+        force=answers.force,
+        displacement=answers.motion,
+        rigidity=answers.force / moved if moved and answers.force else None,
+        stiffness=found.stiffness,
+        axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
+        worst=worst,
+        life=min(lives, key=lambda life: life.L10, default=None),
+    )
+
+
+def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
+    known = answers is not None
+    balls = (
+        _balls(answers.parts, s.balls, solved=True) if answers and s.balls and isinstance(answers.parts, Scene) else None
+    )
+    loads = None if answers is None else answers.loads
+    return SetResult(
+        **({} if balls is None else vars(balls)),
+        name=s.of.name,
+        kind=s.of.kind,
+        position=s.of.position,
+        force=s.force if known else None,
+        moment=s.moment if known else None,
+        stiffness=s.stiffness if known else None,
+        roller_loads=s.roller_load if known else None,
+        worst=None if loads is None else _worst(s.of.name, loads),
+        life=_life(loads.life, speed) if isinstance(loads, LoadAnswers) else None,
+        preload=None if answers is None else _preload(answers.preload),
+    )
+
+
+def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
+    if not solved:
+        return Balls(azimuth=found.azimuth, z=found.z)
+    angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
+    pressure = own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
+    return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
+
+
+def _worst(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
+    w, safety = answers.worst, answers.safety
+    if w is None or safety is None:
+        return None
+    if isinstance(w, Contact):
+        return WorstContact(name, w.ball, w.side, w.force, w.pressure, safety.factor, w.angle, w.approach, (w.a, w.b))
+    return WorstContact(name, w.roller, w.race, w.force, w.pressure, safety.factor, None, None, None)
+
+
+def _life(known: rating.Life | None, speed: float | None) -> Life | None:
+    if known is None:
+        return None
+    seconds = 3600.0 * known.hours(speed) if speed else None
+    return Life(1e6 * known.revolutions, known.distance, seconds, known.rating, known.equivalent, known.standard)
+
+
+def _preload(known: loading.Preload | None) -> Preload | None:
+    return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
+
+
+def expected_error(m: ModelForm | None) -> ExpectedError | None:
+    """The record of what is estimated; None without."""
+    if m is None:
+        return None
+    others = m.displacement_percent, m.rigidity_percent, m.pressure_percent
+    return ExpectedError(m.percent, m.rms_percent, *others, m.nearest, m.words)
+
+
+def _columns(one: Balls) -> dict[str, Array | list[str]]:
+    """Columns of the balls of one set; none without loads."""
+    if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
+        return {}
+    out: dict[str, Array | list[str]] = {"ball": np.arange(1.0, one.z.size + 1), "azimuth_rad": one.azimuth, "z_m": one.z}
+    for name, values in (("load_{}_N", one.loads), ("angle_{}_rad", one.angles), ("pressure_{}_Pa", one.pressure)):
+        out |= {name.format(side): column for side, column in zip(SIDES, values.T, strict=True)}
+    return out
+
+
+def _stacked(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
+    """Columns below one another, the first of which says of what they are."""
+    known = {name: columns for name, columns in each.items() if columns}
+    names = [name for name, columns in known.items() for _ in columns["ball"]]
+    out: dict[str, Array | list[str]] = {key: names} if known else {}
+    for column in next(iter(known.values()), {}):
+        parts = [columns[column] for columns in known.values()]
+        out[column] = [x for part in parts for x in part] if isinstance(parts[0], list) else np.concatenate(parts)
+    return out

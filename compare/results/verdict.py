@@ -1,0 +1,195 @@
+"""What `rollbench.check` gives: `Verdict`, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from rollbench.compare.gate import verdict as gate
+from rollbench.compare.gate.further import not_judged
+from rollbench.compare.gate.user import Asked, check_scenes
+from rollbench.compare.gate.verdict import CODES, Word, worst_of
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.compare.scenes.duty_cycle import Described, cases_by_name
+from rollbench.compare.scenes.scene_file import each_case
+
+
+class Judgement(StrEnum):
+    """How a quantity was judged."""
+
+    PASS = "pass"
+    """Error and uncertainty of the reference together are within the limit."""
+    FAIL = "fail"
+    """The error less the uncertainty of the reference is beyond the limit."""
+    NOT_CONVERGED = "not converged"
+    """The model found no loads in this load case."""
+    UNDECIDED = "undecided"
+    """The uncertainty of the reference decides: between pass and fail."""
+    NOT_COVERED = "not covered"
+    """The reference has nothing to judge by."""
+
+
+@dataclass(frozen=True)
+class VerdictRow:
+    """One quantity of a scene, of one of its load cases, or of one of several sets."""
+
+    scene: str
+    """Name of the scene."""
+    case: str | None
+    """Name of the load case; None without load cases."""
+    set: str | None
+    """Name of the set; None where there is one."""
+    judged: str
+    """Whose values are judged: a model, or a file."""
+    quantity: str
+    """What is judged."""
+    judgement: Judgement
+    """The verdict."""
+    unit: str
+    """Unit of error, uncertainty and limit: ``%`` of contact loads (of a contact's load in the reference, of the mean load
+    where that is small), else that of the quantity's limit."""
+    error: float | None
+    """Error of the contact that decides [unit]; None where nothing could be compared."""
+    uncertainty: float | None
+    """What the reference is uncertain by there [unit]; None where that is not known."""
+    limit: float
+    """Largest error that passes [unit]."""
+    ball: int | None
+    """Ball that decides, from 1; None of values of the whole."""
+    side: str | None
+    """Flank that decides: SL, SR, NL, NR."""
+    contacts: int
+    """How many contacts were judged."""
+    levels: tuple[int, ...]
+    """Mesh levels of the reference."""
+    detail: str
+    """What else is to be known."""
+    line: str
+    """The verdict as one line of text."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Verdict(Record):
+    """Whether values agree with their reference within a limit."""
+
+    rows: tuple[VerdictRow, ...]
+    """Every quantity that was judged, in the order of scenes, load cases and sets."""
+    warnings: tuple[str, ...]
+    """What a user should see before."""
+    not_judged: tuple[str, ...]
+    """Quantities that are not judged: not given, or not held by the reference."""
+    judged: tuple[gate.Verdict, ...]
+    """Records of the gate with all that it found, one for each row."""
+    described: tuple[Described, ...]
+    """The scenes."""
+
+    @property
+    def judgement(self) -> Judgement:
+        """The gravest of all rows."""
+        return Judgement(worst_of([row.judgement.value for row in self.rows]))
+
+    @property
+    def passed(self) -> bool:
+        """Whether all rows pass."""
+        return self.judgement is Judgement.PASS
+
+    @property
+    def worst(self) -> VerdictRow | None:
+        """The row that decides: the gravest, and of these the one whose error is most of its limit; None without rows."""
+        gravest = [row for row in self.rows if row.judgement is self.judgement]
+        return max(gravest, key=lambda row: abs(row.error or 0.0) / row.limit, default=None)
+
+    @property
+    def word(self) -> str:
+        """The gravest of all rows, in words."""
+        return self.judgement.value
+
+    def to_dict(self) -> dict[str, JSON]:
+        """What ``rollbench check SCENE --json`` prints."""
+        rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
+        return with_schema(verdicts_json(self.described, self.judged) | rest)
+
+    @property
+    def _shown(self) -> str:
+        return "verdicts"
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
+
+    def __repr__(self) -> str:
+        """The gravest verdict, then a line for each row."""
+        return "\n".join([f"verdict: {self.word}", *self._notes])
+
+
+def verdict_of(
+    described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, step: Callable[[str], None]
+) -> Verdict:
+    """Judge scenes and their load cases. names: what errors name them; step: takes lines of progress. Raises InputError."""
+    warnings: list[str] = []
+    judged = judged_cases(described, names, request, engine, step, warnings.append)
+    left = not_judged(judged) if request.loads or request.values else []
+    return Verdict(tuple(map(_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
+
+
+def _row(v: gate.Verdict) -> VerdictRow:
+    return VerdictRow(
+        scene=v.scene,
+        case=v.case,
+        set=v.set,
+        judged=v.judged,
+        quantity=v.quantity,
+        judgement=Judgement(v.word),
+        unit=v.unit,
+        error=v.error,
+        uncertainty=v.uncertainty,
+        limit=v.limit,
+        ball=v.ball,
+        side=v.flank,
+        contacts=v.contacts,
+        levels=v.levels,
+        detail=v.detail,
+        line=v.line(),
+    )
+
+
+def judged_cases(
+    described: Sequence[Described],
+    names: Sequence[str],
+    request: Asked,
+    engine: Engine,
+    step: Callable[[str], None],
+    warn: Callable[[str], None],
+) -> list[gate.Verdict]:
+    """Verdicts on scenes and their load cases; "not converged" where the model of a case has no loads. step, warn: as
+    `check_scenes`."""
+    cases = cases_by_name(described)
+    scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
+    of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
+    out = []
+    for v in check_scenes(scenes, request, engine, step, warn, of_one):
+        case = cases.get(v.scene)
+        lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
+        out.append(v if case is None else replace(v, scene=case.cycle.name, case=case.case.name, word=lost))
+    return out
+
+
+def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
+    """All verdicts, the gravest, and of scenes with load cases those of each, in order, and which case decides."""
+    gravest = worst_of([v.word for v in verdicts])
+    data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
+    cases, graveness = [], []
+    for case in cases_by_name(described).values():
+        its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
+        word, beyond = worst_of([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
+        cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
+        graveness.append(([*CODES].index(word), -beyond))
+    if not cases:
+        return data
+    worst: dict[str, dict[str, Any]] = {}
+    for k in sorted(range(len(cases)), key=graveness.__getitem__):
+        worst.setdefault(cases[k]["scene"], {key: cases[k][key] for key in ("scene", "case", "verdict")})
+    return data | {"worst_cases": [*worst.values()], "cases": cases}
