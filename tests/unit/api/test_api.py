@@ -73,6 +73,16 @@ def test_fields_of_several_sets(command) -> None:
     assert found.columns()["set"].count("nut 2") == len(found.sets["nut 2"].loads)
 
 
+@pytest.mark.parametrize(("name", "member"), [("lin-random", 2), ("unseen-40x10", 0), ("axis-fixed-fixed", 0)])
+def test_the_worst_contact_is_that_of_the_largest_pressure(name: str, member: int) -> None:
+    found = rollbench.solve(name, "lin", member=member)
+    for one in [*found.sets.values()] or [found]:
+        i, s = np.unravel_index(one.pressure.argmax(), one.pressure.shape)
+        worst = one.worst
+        assert (worst.element, worst.side, worst.pressure) == (i + 1, SIDES[s], pytest.approx(one.pressure[i, s]))
+        assert (worst.force, worst.angle) == (one.loads[i, s], one.angles[i, s])
+
+
 def test_rollers_have_loads_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "rollers.toml").write_text(own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'))
     found = rollbench.solve(tmp_path / "rollers.toml")
