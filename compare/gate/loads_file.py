@@ -39,7 +39,8 @@ NAMES = {
     "z": ("z", "length"),
 }
 #: Units as they are spelt in headings without capitals; ``mn`` may mean two.
-FOLDED = {unit.lower(): unit for unit in COMMON if unit != "MN"} | {"newton": "N", "newtons": "N"}
+FOLDED = {unit.lower(): unit for units in COMMON.values() for unit in units if unit != "MN"}
+FOLDED |= {"newton": "N", "newtons": "N"}
 #: First line by which Excel says its separator.
 SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
 #: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
