@@ -301,7 +301,12 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 def tightest(problem: Problem) -> float:
     """Interference [m] of the tightest ball of a problem; none where it is round-off of the lengths that make it."""
     closed = float(problem.closure.max(initial=0.0))
-    return closed if closed > 16.0 * np.finfo(float).eps * problem.scene.balls.radius else 0.0
+    return closed if closed > round_off_approach(problem) else 0.0
+
+
+def round_off_approach(problem: Problem) -> float:
+    """Approach [m] that is round-off of the lengths that make it."""
+    return 16.0 * float(np.finfo(float).eps) * problem.scene.balls.radius
 
 
 def _length(x: Array, z: Array) -> Array:

@@ -2,12 +2,14 @@
 
 It shares no code with the solvers. A state of the model lin is the answer where every ball is in balance, every contact
 carries what Hertz' law gives it by the motions that are told, and every node of the shaft and every housing is in balance:
-the energy is convex, so that it has no other minimum. A refusal is checked by a linear program of its own.
+the energy is convex, so that it has no other minimum. A refusal is checked by a linear program of its own, or, of a row
+whose balls cross the bottom of its groove, by the same state with arcs that go on there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linprog
@@ -16,11 +18,11 @@ from tests.campaign import check
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.partition import contact_stations
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import screw_section, tube_section
 
 #: Sides that a set has, by its thrust.
@@ -225,6 +227,26 @@ def crossed(result: AxisResult) -> bool:
     """Whether a row that carries thrust one way has a loaded ball across the bottom of its groove."""
     rows = [s.balls for s in result.sets if s.balls is not None and s.of.thrust in ("+z", "-z")]
     return any(bool(((b.contact_angle < 0.0) & (b.load > 0.0)).any()) for b in rows)
+
+
+def as_mounted(assembly: Assembly) -> Assembly | None:
+    """The assembly at mounting, without loads and heat: outer parts with a preload slide along the axis, pushed by it.
+
+    None where such a part belongs to a housing that moves.
+    """
+    standing = {None} | {h.name for h in assembly.housings if h.stands}
+    if not standing.issuperset(s.housing for s in assembly.sets if s.preload):
+        return None
+    housings = [replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings]
+    sets, slides = [], tuple((f, 0.0) for f in FREEDOMS if f != "uz")
+    for s in assembly.sets:
+        if s.preload:
+            name, push = f"outer part of {s.name}", -s.preload if s.thrust == "+z" else s.preload
+            housings.append(Housing(name, s.position, slides, None, (0.0, 0.0, push)))
+            sets.append(replace(s, housing=name, preload=0.0))
+        else:
+            sets.append(s)
+    return replace(assembly, sets=tuple(sets), housings=tuple(housings), loads=(), thermal_strain=0.0)
 
 
 def proven(assembly: Assembly, mounting: bool) -> bool:

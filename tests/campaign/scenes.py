@@ -189,12 +189,21 @@ def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, s
         return (WRONG, fault) if fault else (RIGHT, "")
     if result.status.kind != "not held":
         return SILENT, result.status
+    cause = result.status.cause
+    posed = check_axes.as_mounted(assembly) if cause == "mounting" else assembly
+    if cause != "crossed row" and check_axes.proven(assembly, cause == "mounting"):
+        return PROVEN, result.status
+    crosses = cause != "" and posed is not None and _crosses(posed, model)
+    return (PROVEN if crosses else UNPROVEN), result.status
+
+
+def _crosses(assembly: Assembly, model: str) -> bool:
+    """Whether the state with arcs that go on across the bottom is right, the only one then, and has a loaded ball there."""
     runner = MODELS[model].assembly
-    if result.status.cause == "crossed row" and callable(runner):  # the state with arcs that go on across the bottom
-        state = runner(assembly, COMPILED)
-        return (UNPROVEN if check_axes.faults(assembly, state) or not check_axes.crossed(state) else PROVEN), result.status
-    mounting = result.status.cause == "mounting"
-    return (PROVEN if check_axes.proven(assembly, mounting) else UNPROVEN), result.status
+    if not callable(runner):
+        return False
+    state = runner(assembly, COMPILED)
+    return state.status.cause == "crossed row" and not check_axes.faults(assembly, state) and check_axes.crossed(state)
 
 
 def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:

@@ -14,22 +14,24 @@ from rollbench.compare.wings.extremes import static
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 
-#: Axes of seed 1 that were wrong or without an answer, by what they needed, and what they are now.
+#: Axes that were wrong or without an answer, by seed and number: what they are now, by what they needed.
 ONCE_BAD = {
-    0: scenes.RIGHT,  # a preload by force that other sets exceed without any shift
-    68: scenes.PROVEN,  # a preload by force that nothing holds
-    53: scenes.PROVEN,  # at mounting the shaft screws through its nut, by 30 mm
-    128: scenes.PROVEN,  # a housing that goes 31 m and does not settle
-    136: scenes.RIGHT,  # held at contact angles that are not the nominal ones
-    248: scenes.PROVEN,  # the shaft turns by 0.27 rad
+    (1, 0): scenes.RIGHT,  # a preload by force that other sets exceed without any shift
+    (1, 68): scenes.PROVEN,  # a preload by force that nothing holds
+    (1, 53): scenes.PROVEN,  # at mounting the shaft screws through its nut, by 30 mm
+    (1, 128): scenes.PROVEN,  # a housing that goes 31 m and does not settle
+    (1, 136): scenes.RIGHT,  # held at contact angles that are not the nominal ones
+    (1, 248): scenes.PROVEN,  # the shaft turns by 0.27 rad
+    (9201, 0): scenes.RIGHT,  # nothing presses the contacts, 1e-44 N of round-off in which were to be balanced
+    (9201, 182): scenes.PROVEN,  # at mounting a preload draws the balls of another row across its groove's bottom
 }
 
 
 @pytest.mark.compiles(30)
-@pytest.mark.parametrize(("number", "verdict"), ONCE_BAD.items())
-def test_axes_that_were_wrong_once(number, verdict):
-    found = scenes.judge(1, number, "lin", draw=axis_text)
-    assert found.verdict == verdict, found.words
+@pytest.mark.parametrize(("seed", "number"), ONCE_BAD)
+def test_axes_that_were_wrong_once(seed, number):
+    found = scenes.judge(seed, number, "lin", draw=axis_text)
+    assert found.verdict == ONCE_BAD[seed, number], found.words
 
 
 def test_random_axes_are_right_or_refused_with_proof():

@@ -23,7 +23,16 @@ from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements
 from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, solve_assembly
 from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
-from rollbench.lowfi.statics.axis.system import BallSet, System, set_flanks, typical, typical_force, widened, with_arms
+from rollbench.lowfi.statics.axis.system import (
+    BallSet,
+    System,
+    none_of,
+    set_flanks,
+    typical,
+    typical_force,
+    widened,
+    with_arms,
+)
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
@@ -338,7 +347,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
         system.contacts.profile,
         np.zeros((balls, 7)),
         rollers.contacts,
-        1e-14 * force,
+        none_of(system, force),
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance

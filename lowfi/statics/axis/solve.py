@@ -19,7 +19,7 @@ from rollbench.lowfi.statics.axis.proof import unheld
 from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from rollbench.lowfi.statics.axis.system import System, build, placed, set_flanks, typical, with_arms
+from rollbench.lowfi.statics.axis.system import System, build, none_of, placed, set_flanks, typical, with_arms
 from rollbench.lowfi.statics.kernel_types import AxisSystem, Options, RowState, Slopes
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.result import AxisResult, Status
@@ -121,7 +121,7 @@ def prepare(system: System, engine: ModuleType) -> RigidSets:
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
     N, M = system.contacts.r_ball.size, system.slices.drop.size
     state = RowState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
-    system.contacts = system.contacts._replace(tiny=1e-14 * force)
+    system.contacts = system.contacts._replace(tiny=none_of(system, force))
     furthest = float(system.contacts.r_ball.max(initial=0.0))
     options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
     given = AxisSystem(system.axis, system.contacts, system.slices)

@@ -14,7 +14,7 @@ from rollbench.lowfi.rollers.roller_slices import middles, tapered
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RowState
-from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry, tightest
+from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry, round_off_approach, tightest
 from rollbench.lowfi.statics.settle import SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
@@ -374,6 +374,14 @@ def typical_force(system: System, b: BallSet) -> float:
     if force == 0.0 and np.any(system.structure.prescribed):
         force = float(contact_force(1e-6, pair))
     return max(force, 1e-6)
+
+
+def none_of(system: System, force: float) -> float:
+    """Force [N] up to which a contact counts as none: round-off of a typical one (``force``), or where nothing presses any,
+    what an approach by round-off brings about."""
+    if force > 0.0:
+        return 1e-14 * force
+    return max((float(contact_force(round_off_approach(b.problem), pair_compliance(b))) for b in system.balls), default=0.0)
 
 
 def typical(system: System) -> tuple[float, float, float]:

@@ -50,6 +50,18 @@ def test_contacts_that_nothing_presses_carry_nothing(model):
     assert all(np.abs(s.force).max() < 1e-9 for s in found.sets)
 
 
+@pytest.mark.parametrize("model", ["lin", "refined"])
+@pytest.mark.parametrize("degrees", [15.0, 50.0])
+def test_rows_that_only_round_off_closes_carry_nothing(degrees, model):
+    """At 50 deg forces of round-off were to be balanced, which cannot be."""
+    rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z")
+    tracks = (replace(s.parts.track, contact_angle=np.radians(degrees)) for s in rows)
+    sets = (replace(s, parts=replace(s.parts, track=t)) for s, t in zip(rows, tracks, strict=True))
+    found = run_model(assembly(*sets, supports=(TURNING,)), model, Options(engine="compiled"))
+    assert found.converged
+    assert not any(s.balls.load.any() for s in found.sets)
+
+
 @pytest.mark.parametrize("of", ["ball 3 of nut 2", "h"])
 def test_a_ball_or_housing_out_of_balance_is_named(of, monkeypatch):
     """A ball with its set: by its force on the nut, which the shaft does not feel."""
