@@ -1,4 +1,4 @@
-"""The report in a real browser, Debian's Chromium: no message on its console, search, contents, hover, dark mode, widths.
+"""The report in a real browser, Debian's Chromium: no message on its console, search, contents, dark mode, widths.
 
 One start of the browser opens every page at both widths in frames of one page, works on them and writes what it found.
 """
@@ -65,12 +65,14 @@ def seen(request, folder):
     return request.param, json.loads(unescape(result[1])), console
 
 
-def test_both_widths_have_no_overflow_one_panel_a_row_on_a_phone_and_nothing_on_the_console(seen):
+def test_both_widths_have_no_overflow_a_figure_that_can_be_read_on_a_phone_and_nothing_on_the_console(seen):
     _, pages, console = seen
     assert console == []
     assert len(pages) == len(PAGES) * len(WIDTHS)
     assert {name: page["overflow"] for name, page in pages.items() if page["overflow"] > 0} == {}
-    assert [pages[f"loads.html {width}"]["columns"] for width in WIDTHS] == [[2], [1]]
+    assert all(width > 700.0 for name in WIDTHS for width in pages[f"loads.html {name}"]["drawings"]), (
+        "it scrolls in its box"
+    )
 
 
 def test_first_screen_answers_without_scrolling_and_tables_fit(seen):
@@ -83,14 +85,6 @@ def test_contents_and_bar_stay_and_search_finds_on_other_pages(seen):
     for name, page in seen[1].items():
         assert (page["stays"], page["contents"], page.get("menu", True)) == (0, name.endswith("1400"), True)
         assert (page["hits"], page["none"]) == (["tables.html#table-narrow"], "nothing found")
-
-
-def test_values_under_the_pointer(seen):
-    for name in (f"{page}.html {width}" for page in ("index", "loads") for width in WIDTHS):
-        page = seen[1][name]
-        assert page["tip"] == "refined\nball: 2\nload / N: 220.5"
-        assert page["shown"]
-        assert page["gone"]
 
 
 def test_colours_follow_the_system_and_the_switch(seen):
