@@ -18,7 +18,7 @@ from tests.campaign import check
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
+from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.partition import contact_stations
@@ -38,6 +38,8 @@ HELD = "held where it is"
 FAR = 0.1
 #: Work of the loads along an opening motion of size one, over the largest, from which on it is a proof.
 PROVEN = 1e-7
+#: Springs [N/m, N m] of an outer part that slides on a housing: they yield by some nanometres.
+TIE = diagonal((1e11, 1e11, 0.0, 1e8, 1e8, 1e8))
 
 
 def along(station: float) -> Array:
@@ -91,17 +93,18 @@ def size_of(assembly: Assembly, result: AxisResult) -> float:
 def faults(assembly: Assembly, result: AxisResult) -> str:
     """Faults of a state of the model lin in words; empty if there are none.
 
-    Where a free motion is held at one place, that place may take a share, unless the loads drive a motion that no contact
-    resists; nor may such a motion go far.
+    Where a free motion is held at one place, what moves may take a share there, unless the loads drive a motion that no
+    contact resists; nor may such a motion go far.
     """
-    fault, free = unbalanced(assembly, result, 0.0), any(HELD in words for words in result.left_out)
+    free = " ".join(words for words in result.left_out if HELD in words)
+    fault = unbalanced(assembly, result, "")
     motions = np.concatenate([result.centreline, *(h.motion[None] for h in result.housings)])
     far = float((np.abs(motions) / np.repeat([pitch_of(assembly), 1.0], 3)).max()) > FAR
     if not far and not (fault and free):
         return fault
     if proven(assembly, False) or (any(s.preload for s in assembly.sets) and proven(assembly, True)):
         return fault or "a motion that nothing resists goes far"
-    return unbalanced(assembly, result, check.PIN * size_of(assembly, result) * free)
+    return unbalanced(assembly, result, free)
 
 
 def pitch_of(assembly: Assembly) -> float:
@@ -109,8 +112,9 @@ def pitch_of(assembly: Assembly) -> float:
     return max([s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)], default=0.02)
 
 
-def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
-    """The same with a force ``pinned`` [N] on the shaft's first node and on housings that nothing gives."""
+def unbalanced(assembly: Assembly, result: AxisResult, free: str) -> str:
+    """The same where free motions, in words, are held: the shaft's first node and the housings that they name may take a
+    share of the largest force."""
     if not all(np.isfinite(s.loads).all() and (s.loads >= 0.0).all() for s in result.sets):
         return "loads are not finite, or negative"
     size, z, q = size_of(assembly, result), result.centreline_z, result.centreline
@@ -146,13 +150,14 @@ def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
     for support in assembly.supports:
         rest[int(np.abs(z - support.at).argmin()), [check.FREEDOM[name] for name, _ in support.fixed]] = 0.0
     left = (np.abs(rest) - noise) / arms
-    left[0] -= pinned
+    pinned = {name: check.PIN * size * (f" {name} in " in free) for name in ("the shaft", *bodies)}
+    left[0] -= pinned["the shaft"]
     if float(left.max()) > CLOSE * size + slack:
         return f"the shaft is out of balance by {left.max():.3g} N at {1e3 * z[int(left.max(axis=1).argmax())]:.5g} mm"
-    return _bodies(assembly, result, bodies, (arms, CLOSE * size + slack + pinned))
+    return _bodies(assembly, result, bodies, (arms, {name: CLOSE * size + slack + x for name, x in pinned.items()}))
 
 
-def _bodies(assembly: Assembly, result: AxisResult, rest: dict[str, Array], allowed: tuple[Array, float]) -> str:
+def _bodies(assembly: Assembly, result: AxisResult, rest: dict[str, Array], allowed: tuple[Array, dict[str, float]]) -> str:
     """Which housing is out of balance by loads and sets, its springs and joints."""
     motion = {h.name: np.zeros(6) for h in assembly.housings} | {h.name: h.motion for h in result.housings}
     at = {h.name: h.at for h in assembly.housings}
@@ -176,7 +181,7 @@ def _bodies(assembly: Assembly, result: AxisResult, rest: dict[str, Array], allo
     for h in assembly.housings:
         free = np.array([f not in dict(h.fixed) for f in check.FREEDOM])
         left = float((np.abs(rest[h.name]) / allowed[0])[free].max(initial=0.0))
-        if left > allowed[1] + noise[h.name] / float(allowed[0].min()):
+        if left > allowed[1][h.name] + noise[h.name] / float(allowed[0].min()):
             return f"{h.name} is out of balance by {left:.3g} N"
     return ""
 
@@ -229,24 +234,27 @@ def crossed(result: AxisResult) -> bool:
     return any(bool(((b.contact_angle < 0.0) & (b.load > 0.0)).any()) for b in rows)
 
 
-def as_mounted(assembly: Assembly) -> Assembly | None:
-    """The assembly at mounting, without loads and heat: outer parts with a preload slide along the axis, pushed by it.
+def as_mounted(assembly: Assembly) -> Assembly:
+    """The assembly at mounting, without loads and heat: outer parts with a preload are pushed by it and slide along the
+    axis, against the frame, or against a housing that moves, which is pushed back; ``TIE`` holds all else between the two.
 
-    None where such a part belongs to a housing that moves.
+    The energy is convex in the slides too, so that the preloads have no other equilibrium.
     """
-    standing = {None} | {h.name for h in assembly.housings if h.stands}
-    if not standing.issuperset(s.housing for s in assembly.sets if s.preload):
-        return None
-    housings = [replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings]
-    sets, slides = [], tuple((f, 0.0) for f in FREEDOMS if f != "uz")
+    bodies = {h.name: replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings}
+    sets, joints, slides = [], list(assembly.joints), tuple((f, 0.0) for f in FREEDOMS if f != "uz")
     for s in assembly.sets:
-        if s.preload:
-            name, push = f"outer part of {s.name}", -s.preload if s.thrust == "+z" else s.preload
-            housings.append(Housing(name, s.position, slides, None, (0.0, 0.0, push)))
-            sets.append(replace(s, housing=name, preload=0.0))
-        else:
+        if not s.preload:
             sets.append(s)
-    return replace(assembly, sets=tuple(sets), housings=tuple(housings), loads=(), thermal_strain=0.0)
+            continue
+        name, push = f"outer part of {s.name}", -s.preload if s.thrust == "+z" else s.preload
+        on = None if s.housing is None or bodies[s.housing].stands else bodies[s.housing]
+        if on is not None:
+            bodies[on.name] = replace(on, force=(0.0, 0.0, on.force[2] - push))
+            joints.append(Joint(name, on.name, s.position, TIE))
+        bodies[name] = Housing(name, s.position, () if on else slides, None, (0.0, 0.0, push))
+        sets.append(replace(s, housing=name, preload=0.0))
+    bare = replace(assembly, loads=(), thermal_strain=0.0)
+    return replace(bare, sets=tuple(sets), housings=tuple(bodies.values()), joints=tuple(joints))
 
 
 def proven(assembly: Assembly, mounting: bool) -> bool:

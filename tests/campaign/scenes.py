@@ -193,8 +193,7 @@ def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, s
     posed = check_axes.as_mounted(assembly) if cause == "mounting" else assembly
     if cause != "crossed row" and check_axes.proven(assembly, cause == "mounting"):
         return PROVEN, result.status
-    crosses = cause != "" and posed is not None and _crosses(posed, model)
-    return (PROVEN if crosses else UNPROVEN), result.status
+    return (PROVEN if cause and _crosses(posed, model) else UNPROVEN), result.status
 
 
 def _crosses(assembly: Assembly, model: str) -> bool:

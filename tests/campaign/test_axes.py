@@ -10,6 +10,8 @@ from tests.axes import one_set as as_assembly
 from tests.campaign import check_axes, scenes
 from tests.campaign.draw_axes import axis_text
 
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.scenes import scene_file
 from rollbench.compare.wings.extremes import static
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
@@ -24,6 +26,7 @@ ONCE_BAD = {
     (1, 248): scenes.PROVEN,  # the shaft turns by 0.27 rad
     (9201, 0): scenes.RIGHT,  # nothing presses the contacts, 1e-44 N of round-off in which were to be balanced
     (9201, 182): scenes.PROVEN,  # at mounting a preload draws the balls of another row across its groove's bottom
+    (9301, 160): scenes.PROVEN,  # the same by a preload on a housing that moves
 }
 
 
@@ -53,6 +56,25 @@ def test_the_judge_sees_what_is_off():
     assert "Hertz' law" in check_axes.faults(axis, replace(found, sets=sets))
     pulled = replace(axis.housings[0], force=(0.0, 0.0, 600.001))
     assert "carriage is out of balance" in check_axes.faults(replace(axis, housings=(pulled,)), found)
+
+
+def test_the_judge_sees_what_is_off_at_mounting():
+    """A preload on a housing that moves, while another housing is held where it is: loads of the row whose balls cross its
+    groove's bottom, the slide of the outer part, what pushes it, and what pushes the housing back, each by a millionth."""
+    axis = check_axes.as_mounted(scene_file.read(axis_text(9301, 160), "campaign.toml"))
+    found = MODELS["lin"].assembly(axis, scenes.COMPILED)
+    assert check_axes.faults(axis, found) == ""
+    assert check_axes.crossed(found)
+    sets = list(found.sets)
+    sets[3] = replace(sets[3], balls=replace(sets[3].balls, load=sets[3].balls.load * (1.0 + 1e-6)))
+    assert "Hertz' law" in check_axes.faults(axis, replace(found, sets=tuple(sets)))
+    *others, seat = found.housings
+    slid = (*others, replace(seat, motion=seat.motion * (1.0 + 1e-6)))
+    assert "Hertz' law" in check_axes.faults(axis, replace(found, housings=slid))
+    for i, name in ((1, "h1"), (2, "outer part of s0")):
+        pushed = list(axis.housings)
+        pushed[i] = replace(pushed[i], force=(0.0, 0.0, pushed[i].force[2] * (1.0 + 1e-6)))
+        assert f"{name} is out of balance" in check_axes.faults(replace(axis, housings=tuple(pushed)), found)
 
 
 def test_a_scene_is_an_assembly_of_one_set():
