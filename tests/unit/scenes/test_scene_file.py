@@ -23,6 +23,7 @@ def test_shipped_scene_loads(name):
     assert scene.name == name
     assert scene.title
     sources = {"unseen": "rollbench, ", "two": "rollbench, made", "lin-case1-cut": "rollbench, cut out of"}
+    sources |= dict.fromkeys(("clearance", "near-face", "wide-ellipse"), "rollbench, made")
     sources |= {"liu": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
     sources |= {"external": "Catalogue of "}
     assert scene.source.startswith(sources.get(name, sources.get(name.split("-")[0], "Lin (2019)")))
