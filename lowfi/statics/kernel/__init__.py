@@ -13,9 +13,8 @@ KERNELS = {
     "axis_matrix": ("add_axis",),
     "ball": ("settle_ball",),
     "beam": ("assemble_beam",),
-    "contact": ("contact_law",),
     "elastic": ("solve_forces",),
-    "elastic_balls": ("ball_rows", "evaluate_balls"),
+    "elastic_balls": ("ball_rows", "contact_law", "evaluate_balls", "rest"),
     "newton": ("ensemble", "evaluate", "solve_beam"),
     "rollers": ("roller_forces",),
 }
