@@ -17,7 +17,7 @@ from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealised
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.elastic_system import LARGEST, Flanks, flanks_of, pair_data, spring_rows
-from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, BallContacts, BodyState, BodySystem, Outcome
+from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodyState, BodySystem, Outcome
 from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.response import one_pair, response_of
 from rollbench.lowfi.statics.result import StaticResult
@@ -78,7 +78,7 @@ class Elastic(OneSet):
         contact[:, b, 1:3] *= -1.0
         geometry, closure, drawn, tiny = problem.geometry, problem.closure, problem.drawn, self.given.contacts.tiny
         for i in range(N):  # the centre follows from the motions of both flanks
-            ball = geometry[i], closure[i], drawn.ball_radius[i], drawn.profile
+            ball = geometry[i], closure[i], RIGID, drawn.ball_radius[i], drawn.profile
             self.engine.settle_ball(p[i], moved[i].copy(), *ball, tiny, single)
         return (SetFlanks(problem, contact, p, moved),)
 

@@ -261,6 +261,8 @@ class BallContacts(NamedTuple):
     tiny: float
 
 
+#: Rows ``local`` of a ball that is rigid beyond its contacts, see `lowfi.statics.kernel.ball`.
+RIGID = np.zeros((0, 3))
 #: Balls only.
 NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
 

@@ -8,6 +8,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.statics.kernel_types import RIGID
 from rollbench.lowfi.statics.mechanism import Mechanism
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.shape import motions_at
@@ -142,7 +143,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
     offered[..., 5] = 1.0
     for i in range(problem.layout.z.size):
         shift[:2] = moved[i]
-        ball = offered[i], problem.closure[i], problem.drawn.ball_radius[i], problem.drawn.profile
+        ball = offered[i], problem.closure[i], RIGID, problem.drawn.ball_radius[i], problem.drawn.profile
         engine.settle_ball(p, shift, *ball, 0.1 * floor, contact)
         touched |= contact[:, 0] > floor
     return touched

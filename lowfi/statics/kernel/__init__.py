@@ -13,8 +13,9 @@ KERNELS = {
     "axis_matrix": ("add_axis",),
     "ball": ("settle_ball",),
     "beam": ("assemble_beam",),
+    "contact": ("contact_law",),
     "elastic": ("solve_forces",),
-    "elastic_balls": ("ball_rows", "contact_law", "evaluate_balls", "rest"),
+    "elastic_balls": ("ball_rows", "evaluate_balls"),
     "newton": ("ensemble", "evaluate", "solve_beam"),
     "rollers": ("roller_forces",),
 }

@@ -51,12 +51,12 @@ def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[floa
     q, _, p, contact, slices = state
     gradient, hessians = out
     energy, scale = evaluate_structure(axis, state, gradient)
-    shift, flat, m = np.zeros((4, 2)), gradient.ravel(), balls.B.shape[3]
+    shift, rigid = np.zeros((4, 2)), np.zeros((0, 3))
+    flat, m = gradient.ravel(), balls.B.shape[3]
     for i in range(balls.r_ball.shape[0]):
         ball_shift(balls, q, i, shift)
-        energy += settle_ball(
-            p[i], shift, balls.geometry[i], balls.closure[i], balls.r_ball[i], balls.profile[i], balls.tiny, contact[i]
-        )
+        ball = balls.geometry[i], balls.closure[i], rigid, balls.r_ball[i], balls.profile[i]
+        energy += settle_ball(p[i], shift, *ball, balls.tiny, contact[i])
         flank_hessian(contact[i], hessians[i])
         for s in range(4):
             force, row = contact[i, s, FORCE], balls.row[i, s]

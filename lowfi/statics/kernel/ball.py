@@ -1,10 +1,13 @@
-"""One ball in its grooves: its centre eliminated from the contact energy (2 x 2), for up to four contacts.
+"""One ball in its grooves, for up to four contacts: its centre, and the amplitude of its own body where it has one,
+eliminated from the contact energy.
 
 Packed rows, one per side SL, SR, NL, NR:
 geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz
 constant C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of
 the contact direction;
-contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m].
+contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m];
+local (4, 3), or (0, 3) for a ball that is rigid beyond its contacts: e [m/N] and h [m/N^(4/3)] of ``contact_law``, and
+between them what a unit amplitude of the ball's own body takes from the approach [m].
 """
 
 from math import sqrt
@@ -12,14 +15,13 @@ from math import sqrt
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Array
 
-from .contact import arc, flank, hertz
+from .contact import arc, contact_law, flank, hertz
 
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
 FORCE, MX, MZ, KN, KT = range(5)
+LINEAR, BODY, HIGHER = range(3)
 #: Bounds of a ball's iteration: steps, and halvings of one.
 SETTLING, HALVINGS = 60, 30
-#: Relative step of Newton's method in one unknown after which it has all digits: each squares the error of the one before.
-SETTLED = 1e-9
 
 
 @kernel
@@ -76,42 +78,46 @@ def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -
 
 
 @kernel
-def touch(px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array) -> float:
-    """Contact forces and stiffnesses with the ball's centre at p; returns the energy [J] (Lin 2.14 integrated)."""
-    if profile.shape[1] > 0:
-        return touch_uneven(px, pz, shift, geometry, r_ball, profile, contact)
+def touch(
+    x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
+) -> float:
+    """Contact forces and stiffnesses with the ball's centre at (x, z) and the amplitude y of its body; returns the energy
+    [J] (Lin 2.14 integrated)."""
+    if profile.shape[1] > 0 or local.shape[0] > 0:
+        return touch_any(x, z, y, shift, geometry, local, r_ball, profile, contact)
     energy = 0.0  # arcs by themselves, no rows taken out: the compiler puts it where it is called
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] != 0.0:
             wx, wz, size, approach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE], geometry[s, APPROACH]
-            met = arc(px - shift[s, 0], pz - shift[s, 1], wx, wz, size, approach)
-            energy += press(contact, s, met, geometry[s, HERTZ])
+            delta, contact[s, MX], contact[s, MZ], kt = arc(x - shift[s, 0], z - shift[s, 1], wx, wz, size, approach)
+            if delta > 0.0:
+                force, slope, work = hertz(delta, geometry[s, HERTZ])
+                contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
+                energy += work
     return energy
 
 
 @kernel
-def touch_uneven(
-    px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array
+def touch_any(
+    x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """``touch`` for flanks that are no arcs."""
-    energy = 0.0
+    """``touch`` for flanks that are no arcs, and for elastic bodies."""
+    energy = 0.5 * y * y
     for s in range(4):
         contact[s, FORCE] = 0.0
-        if geometry[s, USE] != 0.0:
-            met = meet(px - shift[s, 0], pz - shift[s, 1], geometry[s], r_ball, profile[s])
-            energy += press(contact, s, met, geometry[s, HERTZ])
-    return energy
-
-
-@kernel
-def press(contact: Array, s: int, met: tuple[float, float, float, float], c: float) -> float:
-    """Fill the contact s as it has met its flank (see ``meet``), c its Hertz constant; returns its energy [J]."""
-    delta, contact[s, MX], contact[s, MZ], kt = met
-    if not delta > 0.0:
-        return 0.0
-    force, slope, energy = hertz(delta, c)
-    contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
+        if geometry[s, USE] == 0.0:
+            continue
+        met = meet(x - shift[s, 0], z - shift[s, 1], geometry[s], r_ball, profile[s])
+        delta, contact[s, MX], contact[s, MZ], kt = met
+        e, h = 0.0, 0.0
+        if local.shape[0] > 0:
+            e, h = local[s, LINEAR], local[s, HIGHER]
+            delta -= local[s, BODY] * y
+        if delta > 0.0:
+            force, slope, work = contact_law(delta, geometry[s, HERTZ], e, h)
+            contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
+            energy += work
     return energy
 
 
@@ -129,9 +135,21 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 
 @kernel
-def newton_step(contact: Array) -> tuple[float, float, float]:
-    """Newton step of the centre and the slope of the energy along it; down the gradient where the Hessian is singular."""
+def body_force(y: float, contact: Array, local: Array) -> float:
+    """Net force on the amplitude y of the ball's body, as a force [N] on a contact."""
+    net, reach = y, 0.0
+    for s in range(4):
+        reach = max(reach, abs(local[s, BODY]))
+        net -= max(contact[s, FORCE], 0.0) * local[s, BODY]
+    return abs(net) / reach if reach > 0.0 else 0.0
+
+
+@kernel
+def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
+    """Newton step of centre and amplitude, and the slope of the energy along it; of a rigid ball down the gradient where
+    the Hessian is singular."""
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
+    gy, hxy, hzy, hyy = y, 0.0, 0.0, 1.0
     for s in range(4):
         f = contact[s, FORCE]
         if f > 0.0:
@@ -141,17 +159,52 @@ def newton_step(contact: Array) -> tuple[float, float, float]:
             hxx += kn * mx * mx + kt * mz * mz
             hzz += kn * mz * mz + kt * mx * mx
             hxz += (kn - kt) * mx * mz
+            if local.shape[0] > 0:
+                g = local[s, BODY]
+                gy -= f * g
+                hxy -= kn * mx * g
+                hzy -= kn * mz * g
+                hyy += kn * g * g
     bump = 1e-14 * (hxx + hzz)
     hxx += bump
     hzz += bump
+    if local.shape[0] > 0:
+        return body_step(gx, gz, gy, hxx, hxz, hzz, hxy, hzy, hyy)
     det = hxx * hzz - hxz * hxz
     if det <= 0.0:
         stiff = hxx + hzz
         if stiff <= 0.0:
-            return 0.0, 0.0, 0.0
-        return -gx / stiff, -gz / stiff, -(gx * gx + gz * gz) / stiff
+            return 0.0, 0.0, 0.0, 0.0
+        return -gx / stiff, -gz / stiff, 0.0, -(gx * gx + gz * gz) / stiff
     sx, sz = -(hzz * gx - hxz * gz) / det, -(hxx * gz - hxz * gx) / det
-    return sx, sz, gx * sx + gz * sz
+    return sx, sz, 0.0, gx * sx + gz * sz
+
+
+@kernel
+def body_step(
+    gx: float, gz: float, gy: float, hxx: float, hxz: float, hzz: float, hxy: float, hzy: float, hyy: float
+) -> tuple[float, float, float, float]:
+    """Newton step of a centre (x, z) and an amplitude y by Cholesky's method, and the slope along it; none where the
+    Hessian is singular."""
+    if hxx <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    lxx = sqrt(hxx)
+    lxz, lxy = hxz / lxx, hxy / lxx
+    left = hzz - lxz * lxz
+    if left <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    lzz = sqrt(left)
+    lzy = (hzy - lxy * lxz) / lzz
+    left = hyy - lxy * lxy - lzy * lzy
+    if left <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    lyy = sqrt(left)
+    sx = -gx / lxx
+    sz = (-gz - lxz * sx) / lzz
+    sy = (-gy - lxy * sx - lzy * sz) / lyy / lyy
+    sz = (sz - lzy * sy) / lzz
+    sx = (sx - lxz * sz - lxy * sy) / lxx
+    return sx, sz, sy, sx * gx + sz * gz + sy * gy
 
 
 @kernel
@@ -217,16 +270,27 @@ def loosened(contact: Array, tiny: float, energy: float) -> float:
 
 @kernel
 def settle_ball(
-    p: Array, shift: Array, geometry: Array, closure: Array, r_ball: float, profile: Array, tiny: float, contact: Array
+    p: Array,
+    shift: Array,
+    geometry: Array,
+    closure: Array,
+    local: Array,
+    r_ball: float,
+    profile: Array,
+    tiny: float,
+    contact: Array,
 ) -> float:
-    """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre.
+    """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre and the
+    amplitude of its own body, where it has one.
 
     shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];
-    profile (4, d): see ``contact.flank``; tiny [N]: forces below it count as none. Fills p (2,) [m] and ``contact``;
-    returns the energy [J]. The energy of exact arcs is convex for r_G >= r_B: the forces at the minimum are unique. Where
-    an uneven profile leaves no step that lowers it, the ball stays out of balance, which ``net_force`` shows.
+    profile (4, d): see ``contact.flank``; tiny [N]: forces below it count as none. Fills p [m], (2,), or (3,) with the
+    amplitude, and ``contact``; returns the energy [J]. The energy of exact arcs is convex for r_G >= r_B: the forces at the
+    minimum are unique. Where an uneven profile leaves no step that lowers it, the ball stays out of balance, which
+    ``net_force`` shows.
     """
-    if profile.shape[1] == 0:
+    elastic = local.shape[0] > 0
+    if profile.shape[1] == 0 and not elastic:
         first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
         energy = -1.0
         if first > 0.0 and second <= 0.0:  # the pair by its number: the compiler then knows the places of its data
@@ -236,31 +300,37 @@ def settle_ball(
         if energy >= 0.0:
             return loosened(contact, tiny, energy)
     start_centre(p, shift, geometry, closure)
-    energy = touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
+    x, z, y = p[0], p[1], 0.0
+    energy = touch(x, z, y, shift, geometry, local, r_ball, profile, contact)
     best = 1e300
     for _ in range(SETTLING):
         net, scale = net_force(contact)
+        if elastic:
+            net = max(net, body_force(y, contact, local))
         if scale <= tiny:
-            return loosened(contact, tiny, energy)
+            energy = loosened(contact, tiny, energy)
+            break
         if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
             break  # balanced, or at the round-off floor
         best = min(best, net)
-        sx, sz, slope = newton_step(contact)
+        sx, sz, sy, slope = newton_step(y, contact, local)
         if slope == 0.0:
             break
         t = 1.0
         new, lower = energy, False
         for _ in range(HALVINGS):
-            new = touch(p[0] + t * sx, p[1] + t * sz, shift, geometry, r_ball, profile, contact)
+            new = touch(x + t * sx, z + t * sz, y + t * sy, shift, geometry, local, r_ball, profile, contact)
             lower = new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy
             if lower:
                 break
             t *= 0.5
         if not lower:
-            return touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
-        p[0] += t * sx
-        p[1] += t * sz
-        energy = new
+            energy = touch(x, z, y, shift, geometry, local, r_ball, profile, contact)
+            break
+        x, z, y, energy = x + t * sx, z + t * sz, y + t * sy, new
+    p[0], p[1] = x, z
+    if elastic:
+        p[2] = y
     return energy
 
 

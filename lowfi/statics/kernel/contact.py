@@ -1,9 +1,12 @@
-"""Approach of a ball to a groove flank, with its first and second derivatives in the section plane, and Hertz' law."""
+"""Approach of a ball to a groove flank, with its first and second derivatives in the section plane, and contact laws."""
 
 from math import atan2, cos, sin, sqrt
 
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Array
+
+#: Relative step of Newton's method in one unknown after which it has all digits: each squares the error of the one before.
+SETTLED = 1e-9
 
 
 @kernel
@@ -12,6 +15,56 @@ def hertz(delta: float, c: float) -> tuple[float, float, float]:
     x = delta / c
     root = sqrt(x)
     return x * root, 1.5 * root / c, 0.4 * c * x * x * root
+
+
+@kernel
+def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, float, float]:
+    """Force [N], its slope [N/m] and energy [J] of delta = C F^(2/3) + e F + h F^(4/3) [m], delta > 0.
+
+    Negative e or h would bend the law back where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3); from where this is down to C
+    on the law goes on as C F^(2/3)/2 plus a constant, so that force and slope stay continuous and the energy convex.
+    """
+    if e == 0.0 and h == 0.0:
+        return hertz(delta, c)
+    x = sqrt(delta / c)
+    low, high = 0.0, 1e300
+    limit = turning(c, e, h)
+    if limit > 0.0:
+        edge = limit * limit * (c + limit * (e + limit * h))
+        if delta > edge:
+            x = sqrt(limit * limit + 2.0 * (delta - edge) / c)
+            return x * x * x, 3.0 * x / c, stored(limit, c, e, h) + 0.2 * c * (x**5 - limit**5)
+        high = limit
+        x = min(x, limit)
+    for _ in range(60):
+        f = x * x * (c + x * (e + x * h)) - delta
+        if f > 0.0:
+            high = x
+        else:
+            low = x
+        new = x - f / (x * (2.0 * c + x * (3.0 * e + 4.0 * h * x)))
+        if abs(new - x) <= SETTLED * x:
+            x = new
+            break
+        x = new if low < new < high else 0.5 * (low + high)
+    return x * x * x, 3.0 * x / (2.0 * c + x * (3.0 * e + 4.0 * h * x)), stored(x, c, e, h)
+
+
+@kernel
+def turning(c: float, e: float, h: float) -> float:
+    """Least x > 0 with 3 e x + 4 h x^2 = -C, 0 where there is none."""
+    root = 9.0 * e * e - 16.0 * h * c
+    if root < 0.0 or (e >= 0.0 and h >= 0.0):
+        return 0.0
+    if e > 0.0:  # either form for its sign of e: no difference of like numbers
+        return -(3.0 * e + sqrt(root)) / (8.0 * h)
+    return 2.0 * c / (sqrt(root) - 3.0 * e)
+
+
+@kernel
+def stored(x: float, c: float, e: float, h: float) -> float:
+    """Energy [J] of a contact at the force x^3: force times approach less the integral of the approach by the force."""
+    return x * x * x * x * x * (0.4 * c + x * (0.5 * e + 4.0 / 7.0 * h * x))
 
 
 @kernel

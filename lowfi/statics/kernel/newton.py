@@ -95,7 +95,7 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
     q, d, p, contact, _ = state
     gradient, hessians = out
     energy, scale = evaluate_beam(beam, q, d, gradient)
-    shift = np.zeros((4, 2))
+    shift, rigid = np.zeros((4, 2)), np.zeros((0, 3))
     flat = q.ravel()
     grad = gradient.ravel()
     m = B.shape[3]
@@ -104,7 +104,7 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
             flank_shift(contacts, flat, i, 6, shift)
         else:
             flank_shift(contacts, flat, i, m, shift)
-        energy += settle_ball(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
+        energy += settle_ball(p[i], shift, geometry[i], closure[i], rigid, r_ball[i], profile, tiny, contact[i])
         flank_hessian(contact[i], hessians[i])
         for s in range(4):
             scale = max(scale, contact[i, s, FORCE])

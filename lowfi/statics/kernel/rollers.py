@@ -9,7 +9,8 @@ from math import exp, log, sqrt
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Array, AxisRollers, RollerContacts
 
-from .ball import FORCE, KN, KT, MX, MZ, SETTLED
+from .ball import FORCE, KN, KT, MX, MZ
+from .contact import SETTLED
 
 #: Flanks of a ball whose places a roller's cone and cup take.
 CONE, CUP = 0, 2

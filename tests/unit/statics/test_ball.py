@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.statics.kernel_types import RIGID
 from rollbench.lowfi.statics.problem import hertz_C, pack_geometry
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -38,7 +39,8 @@ class Ball:
         """Energy, centre and contact rows of the kernel."""
         kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
-        energy = kernels.settle_ball(p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact)
+        ball = self.geometry, self.closure, RIGID, self.radius, self.drawn.profile
+        energy = kernels.settle_ball(p, shift, *ball, 1e-9, contact)
         return energy, p, contact
 
     def gap(self, p, shift, side):
@@ -114,7 +116,7 @@ def test_starting_centre_of_a_two_point_contact_is_its_solution(pair):
         geometry = b.geometry.copy()
         geometry[[1 - pair, 2 + pair], 5] = 0.0
         assert kernels.start_centre(p, shift, geometry, b.closure) == 1
-        kernels.touch(*p, shift, geometry, b.radius, b.drawn.profile, contact)
+        kernels.touch(*p, 0.0, shift, geometry, RIGID, b.radius, b.drawn.profile, contact)
         net, scale = kernels.net_force(contact)
         assert net < 1e-13 * scale
 
@@ -196,7 +198,7 @@ def two_flanks(b, shift):
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
     settle = jit.kernels(jit.STATICS, compiled=False).settle_ball
-    settle(p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact)
+    settle(p, shift, geometry, b.closure, RIGID, b.radius, b.drawn.profile, 0.0, contact)
     return contact
 
 

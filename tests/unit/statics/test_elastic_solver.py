@@ -14,6 +14,7 @@ from rollbench.lowfi.as_source.static import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
 from rollbench.lowfi.statics import elastic_system as model
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.kernel import contact as laws
 from rollbench.lowfi.statics.kernel import elastic_balls
 from rollbench.lowfi.statics.kernel_types import BodyState
 from rollbench.lowfi.statics.mechanism import free_motions
@@ -203,10 +204,10 @@ def test_contact_law_inverts_its_formula(c, e, h):
     most = turn(c, e, h)
     for force in np.geomspace(1e-6, 0.99 * min(most**3, 1e4), 12):
         delta = c * force ** (2 / 3) + e * force + h * force ** (4 / 3)
-        assert elastic_balls.contact_law(delta, c, e, h)[0] == pytest.approx(force, rel=1e-10)
+        assert laws.contact_law(delta, c, e, h)[0] == pytest.approx(force, rel=1e-10)
     if most < 1e3:
         edge = c * most**2 + e * most**3 + h * most**4
-        force, _, _ = elastic_balls.contact_law(3.0 * edge, c, e, h)
+        force, _, _ = laws.contact_law(3.0 * edge, c, e, h)
         assert 0.5 * c * force ** (2 / 3) + edge - 0.5 * c * most**2 == pytest.approx(3.0 * edge, rel=1e-10, abs=0.0)
 
 
@@ -216,15 +217,15 @@ def test_contact_law_is_one_energy(c, e, h):
     most = turn(c, e, h)
     edge = c * most**2 + e * most**3 + h * most**4 if most < 1e3 else 4e-6
     for delta in edge * np.array([1e-3, 0.1, 0.5, 0.98, 1.02, 2.0, 10.0]):
-        force, slope, energy = elastic_balls.contact_law(delta, c, e, h)
+        force, slope, energy = laws.contact_law(delta, c, e, h)
         step = 1e-5 * delta
-        (f0, _, w0), (f1, _, w1) = (elastic_balls.contact_law(delta + s * step, c, e, h) for s in (-1.0, 1.0))
+        (f0, _, w0), (f1, _, w1) = (laws.contact_law(delta + s * step, c, e, h) for s in (-1.0, 1.0))
         assert (f1 - f0) / (2 * step) == pytest.approx(slope, rel=1e-7, abs=0.0)
         assert (w1 - w0) / (2 * step) == pytest.approx(force, rel=1e-7, abs=0.0)
         assert slope > 0.0
         node, weight = np.polynomial.legendre.leggauss(60)
         x = 0.5 * (node + 1.0)  # F grows as delta^(3/2): by x = sqrt(delta) the integrand is smooth
-        forces = np.array([elastic_balls.contact_law(delta * y * y, c, e, h)[0] for y in x])
+        forces = np.array([laws.contact_law(delta * y * y, c, e, h)[0] for y in x])
         assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
 
 
@@ -232,9 +233,9 @@ def test_contact_law_is_one_energy(c, e, h):
 def test_contact_law_is_smooth_where_it_changes(c, e, h):
     most = turn(c, e, h)
     edge = c * most**2 + e * most**3 + h * most**4
-    below, above = (elastic_balls.contact_law(edge * (1.0 + s * 1e-12), c, e, h) for s in (-1.0, 1.0))
+    below, above = (laws.contact_law(edge * (1.0 + s * 1e-12), c, e, h) for s in (-1.0, 1.0))
     assert above == pytest.approx(below, rel=1e-9, abs=0.0)
-    slopes = [elastic_balls.contact_law(d, c, e, h)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
+    slopes = [laws.contact_law(d, c, e, h)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
     assert np.all(np.array(slopes) > 0.0)
     assert h > 0.0 or np.all(np.diff(slopes) > 0.0)
 
@@ -242,18 +243,18 @@ def test_contact_law_is_smooth_where_it_changes(c, e, h):
 def test_contact_law_takes_few_rounds(monkeypatch):
     """Rounding leaves steps above 1e-16 of the root for ever: to wait for less took all sixty rounds."""
     rounds = []
-    monkeypatch.setattr(elastic_balls, "abs", lambda x: rounds.append(x) or abs(x), raising=False)
+    monkeypatch.setattr(laws, "abs", lambda x: rounds.append(x) or abs(x), raising=False)
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 50):
             rounds.clear()
-            elastic_balls.contact_law(delta, *law)
+            laws.contact_law(delta, *law)
             assert len(rounds) <= 12
 
 
 def test_contact_law_is_the_same_in_both_engines():
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 15):
-            interpreted = elastic_balls.contact_law(delta, *law)
+            interpreted = laws.contact_law(delta, *law)
             compiled = jit.kernels(jit.STATICS, compiled=True).contact_law
             assert compiled(delta, *law) == pytest.approx(interpreted, rel=1e-13, abs=0.0)
 
