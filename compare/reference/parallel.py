@@ -150,8 +150,10 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
     with _cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
 
-        left, running, looked = deque(asked), 0, monotonic()
+        left, running = deque(asked), 0
         looks = _looks(client, scheduler or "a cluster on this machine", wait)
+        next(looks)  # before the first job: a worker that dies of it was there
+        looked = monotonic()
         done = as_completed([], loop=client.loop)
         try:
             while left or running:
