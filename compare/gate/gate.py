@@ -12,7 +12,6 @@ from rollbench.compare.models.ladder import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.grid_summary import uncertainty_percent
-from rollbench.compare.registration import offered
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import best_start
 
@@ -174,13 +173,11 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
     return rows
 
 
-def run_gate(study: Study, max_error: float) -> list[GateRow]:
-    """All rows of the gate."""
+def core_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Rows of closed forms, of two solvers, of the 3D reference, of the source's model."""
     return [
-        *(row for rows in offered("gate of what is printed") for row in rows(study, max_error)),
         *closed_form_rows(study, max_error),
         *solver_rows(study, max_error),
         *reference_rows(study, max_error),
         *source_rows(study, max_error),
-        *(row for rows in offered("gate") for row in rows(study, max_error)),
     ]

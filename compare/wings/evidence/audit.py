@@ -16,7 +16,7 @@ from typing import Any, Literal
 from rollbench.compare import data
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import Printed, load_table, tables
-from rollbench.compare.registration import ROOT, registered, source_files
+from rollbench.compare.registration import ROOT, TITLES, source_files
 from rollbench.compare.wings.evidence.record import Evidence, sentences
 from rollbench.compare.wings.evidence.registry import by_table, evidence, not_computed
 
@@ -61,7 +61,7 @@ def _rows(path: Path) -> list[dict[str, Any]]:
 
 def sources() -> dict[str, str]:
     """Titles of the sources with printed tables, by the beginning of the tables' names."""
-    return {name: one.title for name, one in registered().items() if one.title}
+    return TITLES
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.commands.printing import Answer, cell
-from rollbench.compare.commands.tables import ruled
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import tables
+from rollbench.compare.text.printing import Answer, cell
+from rollbench.compare.text.tables import ruled
 from rollbench.compare.wings.evidence.audit import (
     APART,
     VERDICTS,

@@ -11,7 +11,7 @@ from typing import Any
 
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import KINDS, Printed, load_table, tables
-from rollbench.compare.registration import load, registered, source_files
+from rollbench.compare.registration import load, source_files
 from rollbench.compare.wings.evidence.record import Evidence, Sheet
 
 #: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
@@ -56,10 +56,13 @@ class Computation:
 
 @cache
 def computations() -> tuple[Computation, ...]:
-    """Those of ``computations.toml`` of all sources, in order, without those that need an absent wing."""
-    files = (path for path in source_files("computations.toml") if path.parent.name in registered())
-    every = (_described(table, keys) for path in files for table, keys in tomllib.loads(path.read_text("utf-8")).items())
-    return tuple(one for one in every if set(one.needs) <= registered().keys())
+    """Those of ``computations.toml`` of all sources, in order."""
+    every = (
+        _described(table, keys)
+        for path in source_files("computations.toml")
+        for table, keys in tomllib.loads(path.read_text("utf-8")).items()
+    )
+    return tuple(every)
 
 
 def _described(table: str, keys: Mapping[str, Any]) -> Computation:

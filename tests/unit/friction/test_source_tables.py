@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rollbench.compare.sources.lin.bench import FrictionJob, against_source
 
 from rollbench.compare.sources.lin import bench as friction_bench
-from rollbench.compare.sources.lin.bench import FrictionJob, against_source
 from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain
 from rollbench.compare.sources.lin.extremes.cases import (
     chain_group,

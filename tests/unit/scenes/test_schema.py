@@ -13,11 +13,10 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.registration import ROOT
 from rollbench.compare.scenes import catalogue, names, scene_file
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.compare.scenes.kinds import json_schema
+from rollbench.compare.scenes.kind_table import KINDS, json_schema
+from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.compare.scenes.template import template
-from rollbench.compare.wings.friction.kinds.table import KINDS
-from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}

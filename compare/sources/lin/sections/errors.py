@@ -10,9 +10,9 @@ from rollbench.compare.measure import load_error
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.sources.lin.evidence.chapter_2 import ratio
+from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.compare.wings.evidence.sections.finding_table import printed_table
-from rollbench.compare.wings.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Quantity, Row, Section, Series, Table
 

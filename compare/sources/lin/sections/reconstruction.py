@@ -28,7 +28,7 @@ from rollbench.compare.sources.lin.reconstruction.readings import (
     largest_change,
     tilt_that_slides,
 )
-from rollbench.compare.wings.rolling import runs as rolling
+from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES

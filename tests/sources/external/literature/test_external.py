@@ -11,8 +11,8 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.sources.external.evidence import bearings, case, screws
 from rollbench.compare.sources.external.gate import band_row, external_rows
+from rollbench.compare.studies.friction.whole import coefficients
 from rollbench.compare.wings.evidence.audit import audit, left_out
-from rollbench.compare.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
 from rollbench.lowfi.rating.life import rating
