@@ -1,6 +1,6 @@
 """What wings and sources add to the core. The core finds their registrations here and names none of them.
 
-A wing (``compare/wings/NAME``) is what a user may leave out, a source (``compare/sources/NAME``) what one publication
+A wing (``compare/wings/NAME``) is what a user may leave out, a source (``compare/cases/NAME``) what one publication
 printed. Each says in its ``registration.py`` what it adds, functions as ``module:function`` in words, so that nothing of it
 is imported before it is called. Where a folder is absent, or one that it needs, nothing of it is there.
 """
@@ -8,64 +8,30 @@ is imported before it is called. Where a folder is absent, or one that it needs,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module, resources
 from pathlib import Path
 from typing import Any
 
+from rollbench.compare.case import Part, every_case
 from rollbench.compare.errors import InputError
 
 #: The folder of this package.
 ROOT = Path(str(resources.files("rollbench.compare")))
-
-#: Order of the sources; others follow by name.
-ORDER = ("lin", "smith", "kalker", "liu", "external")
-
-
-@cache
-def data_files(folder: str) -> dict[str, Path]:
-    """Shipped TOML files by name without ending, sorted: those of ``compare/FOLDER`` and of every source's folder of that
-    name, with those in a folder in there that is named as a wing, where this is there."""
-    places = (folder, f"sources/*/{folder}", *(f"sources/*/{folder}/{wing}" for wing in registered()))
-    paths = (path for place in places for path in ROOT.glob(f"{place}/*.toml"))
-    return {path.stem: path for path in sorted(paths, key=lambda path: path.stem)}
-
-
-def source_files(name: str) -> list[Path]:
-    """Files of that name, one a source, in the order of the sources."""
-    paths = {path.parent.name: path for path in ROOT.glob(f"sources/*/{name}")}
-    return [paths[name] for name in (*ORDER, *sorted(paths.keys() - set(ORDER))) if name in paths]
-
-
-@dataclass(frozen=True)
-class Part:
-    """A section of the report by name: its module in ``compare``; quick: stands in a quick report too; runs: shows
-    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
-    stands, named in `commands.reporting.parts`; needs: wings without which it is left out."""
-
-    name: str
-    module: str
-    quick: bool = False
-    runs: bool = False
-    meshes: bool = False
-    meshed: str = ""
-    page: str = "outside"
-    needs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Registration:
     """What a wing or a source adds. Modules are named below ``rollbench.compare``, functions as ``module:function``.
 
-    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; title: of a
-    source whose printed tables are judged; commands: module by name of the command, which adds it to the command line;
-    kinds: record of ``scenes.kinds.Kind`` by kind of scene; parts: sections of the report; functions: by a name of `HOOKS`.
+    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; commands:
+    module by name of the command, which adds it to the command line; kinds: record of ``scenes.kinds.Kind`` by kind of
+    scene; parts: sections of the report; functions: by a name of `HOOKS`.
     """
 
     folders: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
-    title: str = ""
     commands: Mapping[str, str] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
@@ -80,8 +46,6 @@ HOOKS = {
     "friction": "(scene, result, options): JSON-ready sums of friction of a static result, or None and why",
     "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
     "friction of a page": "(scene, result, options): section on the friction of one's own screw, or None",
-    "gate": "(study, largest error): rows of the gate",
-    "gate of what is printed": "(study, largest error): its first rows",
     "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
     "ensemble": "(scene, model, count, seed, workers, step): JSON-ready statistics of a scene with random errors",
     "members": "(scene, model, count, file of rows, seed, engine, balls): the answer of rollbench solve --members",
@@ -97,26 +61,38 @@ HOOKS = {
     "sweep": "(scene, vary, samples, method, model, seed, folder, outputs, step): JSON-ready summary of a sweep",
     "timing": "(step): tables for the report's section on run times",
     "timing jobs": "(): further jobs of that section",
-    "traces": "(table): the answer of rollbench list on traces",
     "torque": "(sets with results, friction, motion, options): friction torque of all sets [N mm], or None",
 }
 
 
 @cache
 def registered() -> Mapping[str, Registration]:
-    """Registrations by name: those of wings, sorted, then of sources in their order; without what is absent, or needs what
-    is."""
+    """Registrations of wings by name, sorted, without what is absent, or needs what is; then what our cases add."""
     present: dict[str, Registration] = {}
-    for place in ("wings", "sources"):
-        names = {path.parent.name for path in ROOT.glob(f"{place}/*/registration.py")}
-        for name in (*(name for name in ORDER if name in names), *sorted(names - set(ORDER))):
-            one = import_module(f"{__package__}.{place}.{name}.registration").REGISTRATION
-            if all(ROOT.parent.joinpath(folder).is_dir() for folder in one.folders):
-                present[name] = one
+    for name in sorted(path.parent.name for path in ROOT.glob("wings/*/registration.py")):
+        one = import_module(f"{__package__}.wings.{name}.registration").REGISTRATION
+        if all(ROOT.parent.joinpath(folder).is_dir() for folder in one.folders):
+            present[name] = one
     while absent := [name for name, one in present.items() if not set(one.needs) <= present.keys()]:
         for name in absent:
             del present[name]
-    return present
+    return present | {f"case {name}": Registration(functions=functions) for name, functions in OF_CASES.items()}
+
+
+#: What cases add beside what is printed.
+OF_CASES = {
+    "lin": {
+        "bench": "cases.lin.bench:bench_jobs",
+        "timing": "cases.lin.bench:timing_tables",
+        "stability": "cases.lin.extremes.items:table_section_items",
+    },
+    "liu": {
+        "bench": "cases.liu.bench:jobs",
+        "timing jobs": "cases.liu.bench:jobs",
+        "references": "cases.liu.evidence.bodies:references",
+    },
+    "makers": {"outside": "cases.makers.page:first_page"},
+}
 
 
 def load(function: str) -> Any:
@@ -140,9 +116,11 @@ def needed(hook: str, origin: str, key: str, value: str) -> Any:
 
 
 def parts(part_of_core: Sequence[Part]) -> list[Part]:
-    """Sections of the report: the core's and those that are added, without those that need an absent wing."""
-    added = [part for one in registered().values() for part in one.parts]
-    return [part for part in (*part_of_core, *added) if set(part.needs) <= registered().keys()]
+    """Sections of the report, modules by their full names: the core's, those of wings, those of cases."""
+    ours = [part for one in registered().values() for part in one.parts]
+    added = [(case.package, part) for case in every_case() for part in case.parts]
+    every = [*((__package__, part) for part in (*part_of_core, *ours)), *added]
+    return [replace(part, module=f"{package}.{part.module}") for package, part in every]
 
 
 def kinds() -> Mapping[str, str]:

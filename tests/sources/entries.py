@@ -2,10 +2,10 @@
 
 from tests.evidence_study import STUDY
 
+from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence.verdicts import data_digest, stored
 from rollbench.compare.printed.printed_data import Printed, load_table, tables
-from rollbench.compare.wings.evidence.audit import data_digest, judge, stored
-from rollbench.compare.wings.evidence.record import Evidence
-from rollbench.compare.wings.evidence.registry import evidence
 
 
 def of_source(source: str) -> list[str]:
@@ -34,11 +34,9 @@ def check(key: str) -> None:
     e = found(key)
     digest, verdict = stored()[key]
     if digest == data_digest(e.printed):
-        assert judge(e)[0] == verdict, "the verdict changed without its data changing: see rollbench audit"
+        assert e.verdict == verdict, "the verdict changed without its data changing: see rollbench audit"
     if e.printed.cls == "open" or (e.printed.cls == "input" and e.value is None):
-        assert judge(e)[0] in ("contradicted", "not identifiable", "input"), (
-            "an open entry must not be claimed as reproduced"
-        )
+        assert e.verdict in ("contradicted", "not identifiable", "input"), "an open entry must not be claimed as reproduced"
         assert e.words or e.printed.remark, "an open entry says why"
     else:
         assert e.agrees is True, f"{e.printed.label}: {e.compared} {e.words}"

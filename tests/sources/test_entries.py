@@ -6,9 +6,9 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
-from rollbench.compare.wings.evidence.audit import judge, misprints
-from rollbench.compare.wings.evidence.gate import evidence_row
-from rollbench.compare.wings.evidence.registry import by_table, evidence
+from rollbench.compare.evidence.computations import by_table, evidence
+from rollbench.compare.evidence.verdicts import misprints
+from rollbench.compare.gate.gate import evidence_row
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -31,7 +31,7 @@ def test_every_entry_has_one_finding_and_one_verdict(source):
     found = evidence(STUDY, *names)
     assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
     counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}
-    assert Counter((f.printed.cls, judge(f)[0]) for f in found) == counted
+    assert Counter((f.printed.cls, f.verdict) for f in found) == counted
 
 
 @pytest.mark.parametrize("source", ["liu", "smith"])

@@ -11,7 +11,7 @@ from rollbench.compare.registration import registered
 #: Modules of this folder and the commands of the core that they add.
 CORE = {
     "scenes": ("list", "schema", "new", "solve", "condense"),
-    "validation": ("compare", "report", "verify", "check", "completion"),
+    "validation": ("compare", "report", "verify", "check", "audit", "completion"),
 }
 #: Commands that tell of all others.
 OF_ALL = ("completion",)

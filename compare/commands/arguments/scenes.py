@@ -29,7 +29,8 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     from rollbench.compare.commands import listing
 
     if trace or table:
-        traced = needed("traces", "command line", *(("--table", table) if table else ("--trace", "given")))
+        from rollbench.compare.commands.printed import traced
+
         print_answer(traced(table), as_json)
     else:
         print_answer(listing.shipped(), as_json)

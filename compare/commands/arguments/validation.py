@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,6 +12,9 @@ from cyclopts import Parameter
 from rollbench.compare.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
 from rollbench.compare.commands.printing import Answer, print_answer, writing
 from rollbench.compare.errors import ArgumentError
+
+#: Names after one option, none unless given.
+Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
 
 
 @app.command
@@ -182,10 +186,13 @@ def check(
     markdown: Path | None = None,
     csv: Path | None = None,
     baseline: Path | None = None,
+    printed: Flag = False,
+    source: Names = None,
+    only: Names = None,
     as_json: Json = False,
 ) -> int:
     """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
-    balance, 3D references).
+    balance, 3D references); with --printed: every number and claim that the sources print.
 
     A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is
     beyond the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The
@@ -237,7 +244,25 @@ def check(
         Also write them as CSV.
     baseline
         Report what changed since this file of verdicts, written by an earlier --csv or --json.
+    printed
+        Judge what the sources print instead: each entry gets a verdict, and the exit code is 1 where one differs from the
+        verdict that is expected of it.
+    source
+        With --printed: the sources to judge, such as lin; all unless given.
+    only
+        With --printed: the tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical; all unless given.
     """
+    if printed:
+        given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
+        given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
+        given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
+        refuse_given(
+            given | {"baseline": baseline}, "without --printed", "leave it out: printed data have their own limits"
+        )
+        from rollbench.compare.commands.printed import run_printed
+
+        return print_answer(run_printed(source or (), only or ()), as_json)
+    refuse_given({"source": source, "only": only}, "with --printed", "add it")
     from rollbench.compare.commands.comparing.check import Files, run_check, run_shipped
     from rollbench.compare.gate.user import asked
     from rollbench.compare.reference.jobs import Engine
@@ -258,12 +283,34 @@ def check(
     )
     if scenes:
         return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
-    given: dict[str, object] = {"model": model, "loads": loads, "values": values, "limits": limit}
+    given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
+    refuse_given(given, "with a scene", "name the scenes that are judged")
+    return print_answer(run_shipped(max_error, files), as_json)
+
+
+def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:
+    """Raise ArgumentError for the first argument that is given where it means nothing."""
     for name, value in given.items():
         if value:
-            raise ArgumentError(name, str(value), "with a scene", "name the scenes that are judged")
-    return print_answer(run_shipped(max_error, files), as_json)
+            text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+            raise ArgumentError(name, text, allowed, advice)
+
+
+@app.command
+def audit(*, only: Names = None, write: Path | None = None, as_json: Json = False) -> int:
+    """Judge every printed entry of the sources: the name that rollbench check --printed had, kept until 1.0.
+
+    Parameters
+    ----------
+    only
+        Names of printed tables or entries; all unless given.
+    write
+        File to write the verdicts to.
+    """
+    from rollbench.compare.commands.printed import run_printed
+
+    return print_answer(run_printed((), only or (), write), as_json)
 
 
 @app.command

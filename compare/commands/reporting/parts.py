@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from rollbench.compare.registration import Part, parts
+from rollbench.compare.case import Part
+from rollbench.compare.registration import parts
 from rollbench.reports.content import Page, Section, Table
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.
@@ -33,7 +34,7 @@ WORDS = {
     "contradicted": "are contradicted",
     "not identifiable": "are not identifiable",
 }
-#: Sections of the core; wings and sources register theirs.
+#: Sections of the core; wings register theirs, cases name theirs in `case.CASES`.
 CORE = (
     Part("how-to-read", "sections.how_to_read", quick=True, runs=True, page="reading"),
     Part("sheets", "sections.sheets", quick=True, runs=True, page="cases"),
@@ -43,6 +44,9 @@ CORE = (
     Part("pictures", "sections.pictures", meshes=True, page="reference"),
     Part("verification", "sections.verification", meshes=True, page="reference"),
     Part("fit", "sections.fit", quick=True, page="trust"),
+    Part("notes", "sections.notes", quick=True, runs=True, page="trust"),
+    Part("verdicts", "sections.verdicts", runs=True, page="entries"),
+    Part("audit", "sections.audit", runs=True, page="entries"),
 )
 #: Sections that stand before others of their page.
 FIRST = (

@@ -1,6 +1,7 @@
 """What the wing of CalculiX adds."""
 
-from rollbench.compare.registration import Part, Registration
+from rollbench.compare.case import Part
+from rollbench.compare.registration import Registration
 
 REGISTRATION = Registration(
     needs=("export",),

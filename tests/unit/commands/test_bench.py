@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from rollbench.compare import __version__, errors
+from rollbench.compare.cases.liu import bench as chain_bench
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.sources.liu import bench as chain_bench
 from rollbench.compare.wings.bench import bench, prepared, section, startup, waits
 from rollbench.compare.wings.bench.arguments import bench as bench_command
 from rollbench.compare.wings.bench.costs import timing

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.report_samples import screw
 
+from rollbench.compare.cases.kalker import section as rolling
 from rollbench.compare.commands.reporting import first as report_first
 from rollbench.compare.commands.reporting import report
 from rollbench.compare.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
@@ -14,7 +15,6 @@ from rollbench.compare.commands.reporting.parts import PARTS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load, shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.kalker import section as rolling
 from rollbench.reports.content import Section
 
 

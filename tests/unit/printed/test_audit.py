@@ -8,8 +8,8 @@ from fnmatch import fnmatchcase
 import pytest
 from tests.copies import ROOT
 
+from rollbench.compare.evidence import audit, record
 from rollbench.compare.printed.printed_data import Printed, load_table, tables
-from rollbench.compare.wings.evidence import audit, record
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
@@ -37,7 +37,7 @@ RULES = [
 
 @pytest.mark.parametrize(("change", "found", "verdict"), RULES)
 def test_verdict_by_rule(change, found, verdict):
-    assert audit.judge(record.Evidence(replace(PLAIN, **change), **found))[0] == verdict
+    assert record.Evidence(replace(PLAIN, **change), **found).verdict == verdict
 
 
 def test_every_entry_is_in_the_stored_list_with_its_data():

@@ -4,15 +4,15 @@ import math
 from collections import Counter
 
 import pytest
+from rollbench.compare.wings.evidence.sections import verdicts
 from tests.copies import ROOT
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.evidence.record import Evidence, sentences
+from rollbench.compare.evidence.verdicts import VERDICTS, Audited, judge
+from rollbench.compare.evidence.verdicts import counts as audit_counts
 from rollbench.compare.printed import printed_data
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.evidence.audit import VERDICTS, Audited, judge
-from rollbench.compare.wings.evidence.audit import counts as audit_counts
-from rollbench.compare.wings.evidence.record import Evidence, sentences
-from rollbench.compare.wings.evidence.sections import verdicts
 from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
@@ -142,7 +142,7 @@ def test_remarks_have_one_full_stop_between_them():
 
 def test_a_band_is_not_called_reproduced():
     entry = row("lin-2.4.1", "case1_ratio")
-    judged = [judge(Evidence(entry, value))[0] for value in (entry.low, entry.high + 1.0, None)]
+    judged = [Evidence(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
     assert judged == ["band", "contradicted", "not identifiable"]
 
 
@@ -157,7 +157,7 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            judged = [judge(Evidence(r, value=value))[0] for value in (r.value, r.value + abs(r.value) + 1.0)]
+            judged = [Evidence(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
             assert judged == ["input", "contradicted"]
 
 

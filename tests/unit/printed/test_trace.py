@@ -8,10 +8,10 @@ import pytest
 from tests.copies import ROOT
 from tests.sources.entries import keys
 
+from rollbench.compare.evidence.computations import by_table, evidence, not_computed, traces
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import load_table, tables
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.evidence.registry import by_table, evidence, not_computed, traces
 
 #: The sources' modules are imported by the names that their registrations give.
 pytestmark = pytest.mark.wing
@@ -80,7 +80,7 @@ def test_command(command):
     rows = command.answer("list", "--trace")
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
-    assert row["computation"] == "rollbench.compare.sources.lin.evidence.rotary_linear:table_3_2"
+    assert row["computation"] == "rollbench.compare.cases.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/sources/lin/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
     assert "F_IR_II" in command.said("list", "--trace")

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from rollbench.compare.cases.lin.pages.reconstruction import _times
 from rollbench.compare.commands.comparing.compare_output import older_times, table
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.study import Study
@@ -13,7 +14,6 @@ from rollbench.compare.reference import store
 from rollbench.compare.reference.measured import Measured, here, most_of, one_run
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import Beside
-from rollbench.compare.sources.lin.sections.reconstruction import _times
 from rollbench.compare.wings.bench.costs import kept as kept_times
 from rollbench.compare.wings.bench.costs.cold import Cold, ColdLevel
 from rollbench.compare.wings.bench.sections import overview, reference_time

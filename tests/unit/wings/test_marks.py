@@ -13,7 +13,7 @@ from rollbench.compare.registration import registered
 
 FOLDERS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
 PHYSICS = {f"rollbench.{name}" for name in FOLDERS}
-OF_WINGS = {"rollbench.compare.wings", "rollbench.compare.sources", *PHYSICS}
+OF_WINGS = {"rollbench.compare.wings", "rollbench.compare.cases", *PHYSICS}
 
 
 @cache

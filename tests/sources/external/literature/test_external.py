@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rollbench.compare.cases.external.gate import band_row, external_rows
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys, of_source
 
+from rollbench.compare.cases.external.evidence import bearings, case, screws
+from rollbench.compare.evidence.verdicts import audit, left_out
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
-from rollbench.compare.sources.external.evidence import bearings, case, screws
-from rollbench.compare.sources.external.gate import band_row, external_rows
-from rollbench.compare.wings.evidence.audit import audit, left_out
 from rollbench.compare.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
+from rollbench.compare.cases.makers import section
+from rollbench.compare.cases.makers.laws import bearings, nuts, torque
+from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
+from rollbench.compare.cases.makers.tables import Table, half_step, table
 from rollbench.compare.registration import offered
-from rollbench.compare.sources.makers import section
-from rollbench.compare.sources.makers.laws import bearings, nuts, torque
-from rollbench.compare.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
-from rollbench.compare.sources.makers.tables import Table, half_step, table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
