@@ -20,21 +20,6 @@ GROUP = "rollbench.cases"
 
 
 @dataclass(frozen=True)
-class Part:
-    """A section of the report by name: its module, in ``compare`` or in the package of its case; quick: stands in a quick
-    report too; runs: shows runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does
-    not; page: on which it stands, named in `commands.reporting.parts`."""
-
-    name: str
-    module: str
-    quick: bool = False
-    runs: bool = False
-    meshes: bool = False
-    meshed: str = ""
-    page: str = "outside"
-
-
-@dataclass(frozen=True)
 class Case:
     """A publication, or several of a kind, that answers are held against.
 
@@ -49,8 +34,8 @@ class Case:
     title: str
     #: Import name of the package with all of it.
     package: str
-    #: Its sections of the report; their modules are named below ``package``.
-    parts: tuple[Part, ...] = ()
+    #: Module below ``package`` whose ``section(study, step)`` is its page of the report, or a package of such modules.
+    page: str = ""
 
     @property
     def folder(self) -> Path:
@@ -67,39 +52,14 @@ class Case:
         return getattr(import_module(f"{self.package}.{module}"), name)
 
 
-def _ours(name: str, title: str, *parts: Part) -> Case:
-    return Case(name, title, f"{__package__}.cases.{name}", parts)
-
-
 #: Cases of this package, in the order of the report.
 CASES = (
-    _ours(
-        "lin",
-        "Lin (2019)",
-        Part("hertz", "pages.hertz", page="reference"),
-        Part("cases", "pages.cases", quick=True, runs=True, page="cases"),
-        Part("reconstruction", "pages.reconstruction", runs=True, page="cases"),
-        Part("errors", "pages.errors", page="tolerances"),
-        Part("manufacturing", "pages.manufacturing", page="tolerances"),
-        Part("steering", "pages.steering", page="friction"),
-        Part("friction", "pages.friction", page="friction"),
-        Part("friction-screw", "pages.friction_screw", page="friction"),
-        Part("formulations", "pages.formulations", page="robustness"),
-    ),
-    _ours("smith", "Smith (1994)", Part("smith", "page", page="sources")),
-    _ours(
-        "kalker",
-        "Kalker (1990)",
-        Part("rolling", "page", meshed="no motion against the static reference, sizes of bodies", page="rolling"),
-    ),
-    _ours("liu", "Liu et al. (2025)", Part("liu", "page", page="sources")),
-    _ours(
-        "external",
-        "other programs, makers, textbooks",
-        Part("external", "page", runs=True, page="outside"),
-        Part("holding", "holding", runs=True, page="outside"),
-    ),
-    _ours("makers", "", Part("outside", "page", page="outside")),
+    Case("lin", "Lin (2019)", "rollbench.compare.cases.lin", "pages"),
+    Case("smith", "Smith (1994)", "rollbench.compare.cases.smith", "page"),
+    Case("kalker", "Kalker (1990)", "rollbench.compare.cases.kalker", "page"),
+    Case("liu", "Liu et al. (2025)", "rollbench.compare.cases.liu", "page"),
+    Case("external", "other programs, makers, textbooks", "rollbench.compare.cases.external", "page"),
+    Case("makers", "", "rollbench.compare.cases.makers", "page"),
 )
 
 

@@ -1,6 +1,6 @@
 """What wings and sources add to the core. The core finds their registrations here and names none of them.
 
-A wing (``compare/wings/NAME``) is what a user may leave out, a source (``compare/cases/NAME``) what one publication
+A wing (``compare/wings/NAME``) is what a user may leave out, a source (``compare/sources/NAME``) what one publication
 printed. Each says in its ``registration.py`` what it adds, functions as ``module:function`` in words, so that nothing of it
 is imported before it is called. Where a folder is absent, or one that it needs, nothing of it is there.
 """
@@ -8,13 +8,12 @@ is imported before it is called. Where a folder is absent, or one that it needs,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module, resources
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.case import Part, every_case
 from rollbench.compare.errors import InputError
 
 #: The folder of this package.
@@ -22,12 +21,28 @@ ROOT = Path(str(resources.files("rollbench.compare")))
 
 
 @dataclass(frozen=True)
+class Part:
+    """A section of the report by name: its module in ``compare``; quick: stands in a quick report too; runs: shows
+    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
+    stands, named in `commands.reporting.parts`; needs: wings without which it is left out."""
+
+    name: str
+    module: str
+    quick: bool = False
+    runs: bool = False
+    meshes: bool = False
+    meshed: str = ""
+    page: str = "outside"
+    needs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Registration:
     """What a wing or a source adds. Modules are named below ``rollbench.compare``, functions as ``module:function``.
 
-    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; commands:
-    module by name of the command, which adds it to the command line; kinds: record of ``scenes.kinds.Kind`` by kind of
-    scene; parts: sections of the report; functions: by a name of `HOOKS`.
+    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there;
+    commands: module by name of the command, which adds it to the command line;
+    kinds: record of ``scenes.kinds.Kind`` by kind of scene; parts: sections of the report; functions: by a name of `HOOKS`.
     """
 
     folders: tuple[str, ...] = ()
@@ -65,9 +80,61 @@ HOOKS = {
 }
 
 
+#: What cases add to the report and to benches.
+OF_CASES = {
+    "of lin": Registration(
+        parts=(
+            Part("hertz", "cases.lin.pages.hertz", page="reference"),
+            Part("cases", "cases.lin.pages.cases", quick=True, runs=True, page="cases"),
+            Part("reconstruction", "cases.lin.pages.reconstruction", runs=True, page="cases"),
+            Part("errors", "cases.lin.pages.errors", page="tolerances"),
+            Part("manufacturing", "cases.lin.pages.manufacturing", page="tolerances"),
+            Part("steering", "cases.lin.pages.steering", page="friction"),
+            Part("friction", "cases.lin.pages.friction", page="friction"),
+            Part("friction-screw", "cases.lin.pages.friction_screw", page="friction"),
+            Part("formulations", "cases.lin.pages.formulations", page="robustness"),
+        ),
+        functions={
+            "bench": "cases.lin.bench:bench_jobs",
+            "timing": "cases.lin.bench:timing_tables",
+            "stability": "cases.lin.extremes.items:table_section_items",
+        },
+    ),
+    "of smith": Registration(parts=(Part("smith", "cases.smith.page", page="sources"),)),
+    "of kalker": Registration(
+        parts=(
+            Part(
+                "rolling",
+                "cases.kalker.page",
+                meshed="no motion against the static reference, sizes of bodies",
+                page="rolling",
+            ),
+        )
+    ),
+    "of liu": Registration(
+        parts=(Part("liu", "cases.liu.page", page="sources"),),
+        functions={
+            "bench": "cases.liu.bench:jobs",
+            "timing jobs": "cases.liu.bench:jobs",
+            "references": "cases.liu.evidence.bodies:references",
+        },
+    ),
+    "of external": Registration(
+        parts=(
+            Part("external", "cases.external.page", runs=True, page="outside"),
+            Part("holding", "cases.external.holding", runs=True, page="outside"),
+        )
+    ),
+    "of makers": Registration(
+        parts=(Part("outside", "cases.makers.page", page="outside"),), functions={"outside": "cases.makers.page:first_page"}
+    ),
+}
+
+
 @cache
 def registered() -> Mapping[str, Registration]:
-    """Registrations of wings by name, sorted, without what is absent, or needs what is; then what our cases add."""
+    """Registrations by name: those of wings, sorted, then of sources in their order; without what is absent, or needs what
+    is."""
     present: dict[str, Registration] = {}
     for name in sorted(path.parent.name for path in ROOT.glob("wings/*/registration.py")):
         one = import_module(f"{__package__}.wings.{name}.registration").REGISTRATION
@@ -76,23 +143,7 @@ def registered() -> Mapping[str, Registration]:
     while absent := [name for name, one in present.items() if not set(one.needs) <= present.keys()]:
         for name in absent:
             del present[name]
-    return present | {f"case {name}": Registration(functions=functions) for name, functions in OF_CASES.items()}
-
-
-#: What cases add beside what is printed.
-OF_CASES = {
-    "lin": {
-        "bench": "cases.lin.bench:bench_jobs",
-        "timing": "cases.lin.bench:timing_tables",
-        "stability": "cases.lin.extremes.items:table_section_items",
-    },
-    "liu": {
-        "bench": "cases.liu.bench:jobs",
-        "timing jobs": "cases.liu.bench:jobs",
-        "references": "cases.liu.evidence.bodies:references",
-    },
-    "makers": {"outside": "cases.makers.page:first_page"},
-}
+    return present | OF_CASES
 
 
 def load(function: str) -> Any:
@@ -116,11 +167,9 @@ def needed(hook: str, origin: str, key: str, value: str) -> Any:
 
 
 def parts(part_of_core: Sequence[Part]) -> list[Part]:
-    """Sections of the report, modules by their full names: the core's, those of wings, those of cases."""
-    ours = [part for one in registered().values() for part in one.parts]
-    added = [(case.package, part) for case in every_case() for part in case.parts]
-    every = [*((__package__, part) for part in (*part_of_core, *ours)), *added]
-    return [replace(part, module=f"{package}.{part.module}") for package, part in every]
+    """Sections of the report: the core's and those that are added, without those that need an absent wing."""
+    added = [part for one in registered().values() for part in one.parts]
+    return [part for part in (*part_of_core, *added) if set(part.needs) <= registered().keys()]
 
 
 def kinds() -> Mapping[str, str]:

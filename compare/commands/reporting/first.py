@@ -9,11 +9,11 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.compare.case import Part
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.store import load
 from rollbench.compare.reference.tasks import Task
+from rollbench.compare.registration import Part
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.system import cores, gmsh_fault
 from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version

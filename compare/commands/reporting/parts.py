@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from rollbench.compare.case import Part
-from rollbench.compare.registration import parts
+from rollbench.compare.registration import Part, parts
 from rollbench.reports.content import Page, Section, Table
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.
@@ -34,7 +33,7 @@ WORDS = {
     "contradicted": "are contradicted",
     "not identifiable": "are not identifiable",
 }
-#: Sections of the core; wings register theirs, cases name theirs in `case.CASES`.
+#: Sections of the core; wings and sources register theirs.
 CORE = (
     Part("how-to-read", "sections.how_to_read", quick=True, runs=True, page="reading"),
     Part("sheets", "sections.sheets", quick=True, runs=True, page="cases"),

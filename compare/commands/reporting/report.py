@@ -10,7 +10,6 @@ from pathlib import Path
 from time import perf_counter
 
 from rollbench.compare import __version__
-from rollbench.compare.case import Part
 from rollbench.compare.commands.printing import Answer
 from rollbench.compare.commands.reporting.first import kept_parts, lacking, live_check
 from rollbench.compare.commands.reporting.parts import PARTS, SECTIONS, pages
@@ -20,7 +19,7 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
-from rollbench.compare.registration import offered
+from rollbench.compare.registration import Part, offered
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.compare.writing import need_writable
@@ -141,7 +140,7 @@ def make_sections(parts: Sequence[Part], announce: Step, step: Step, study: Stud
     sections: dict[str, Section] = {}
     for part in parts:
         announce(part.name)
-        sections[part.name] = import_module(part.module).section(study, step)
+        sections[part.name] = import_module(f"rollbench.compare.{part.module}").section(study, step)
     if "ladder" in sections:
         save_model_form(study)
     return sections

@@ -1,7 +1,6 @@
 """What the wing of run times adds."""
 
-from rollbench.compare.case import Part
-from rollbench.compare.registration import Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("members",),

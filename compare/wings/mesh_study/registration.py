@@ -1,7 +1,6 @@
 """What the wing of mesh studies adds."""
 
-from rollbench.compare.case import Part
-from rollbench.compare.registration import Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"mesh-study": "wings.mesh_study.arguments"},

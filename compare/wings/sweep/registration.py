@@ -1,7 +1,6 @@
 """What the wing of sweeps adds."""
 
-from rollbench.compare.case import Part
-from rollbench.compare.registration import Registration
+from rollbench.compare.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"sweep": "wings.sweep.arguments"},
