@@ -98,10 +98,11 @@ def band_rows(study: Study) -> list[GateRow]:
     """Every number and claim of other programs, makers and textbooks that has a band, each within its own: the limit is the
     end of the band on the value's side."""
     tables = [name for name, one in by_table().items() if one.case.name == "external"]
-    return [_band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
+    return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
-def _band_row(found: Evidence) -> GateRow:
+def band_row(found: Evidence) -> GateRow:
+    """Row of an entry in a band."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:

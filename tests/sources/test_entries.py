@@ -1,6 +1,8 @@
 """Printed entries of whole sources: one finding each, counts by class and verdict, the gate, misprints with evidence."""
 
+import math
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 from tests.evidence_study import GROUP, STUDY
@@ -23,6 +25,8 @@ COUNTS = {
     ("open", "not identifiable"): {"external": 13, "lin": 34, "liu": 20, "smith": 49},
     ("open", "contradicted"): {"lin": 4, "liu": 12, "smith": 42},
 }
+#: Entries that are judged by a value or a claim.
+SHIFTED = {"external": 0, "kalker": 0, "lin": 0, "liu": 0, "smith": 0}
 
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
@@ -32,6 +36,23 @@ def test_every_entry_has_one_finding_and_one_verdict(source):
     assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
     counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}
     assert Counter((f.printed.cls, f.verdict) for f in found) == counted
+
+
+def wrong(e):
+    """A judged entry with other values: off by twice the tolerance, beyond the band on either side, not what is claimed."""
+    p = e.printed
+    if p.value is None:
+        return [replace(e, holds=not e.holds)]
+    off = e.compared + math.copysign(2.0 * p.tolerance, e.compared - p.value)
+    others = [off] if p.cls != "band" else [p.low - 2.0 * p.tolerance, p.high + 2.0 * p.tolerance]
+    return [replace(e, **{"as_printed" if p.cls == "as-printed" else "value": other}) for other in others]
+
+
+@pytest.mark.parametrize("source", ["external", "kalker", "lin", "liu", "smith"])
+def test_a_value_off_by_twice_its_tolerance_changes_the_verdict(source):
+    judged = [e for e in evidence(STUDY, *of_source(source)) if e.printed.cls != "open" and e.agrees is not None]
+    assert len(judged) == SHIFTED[source]
+    assert [e.printed.name for e in judged if not all(other.change for other in wrong(e)) or not wrong(e)] == []
 
 
 @pytest.mark.parametrize("source", ["liu", "smith"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.report_samples import screw
 
-from rollbench.compare.cases.kalker import section as rolling
+from rollbench.compare.cases.kalker import page as rolling
 from rollbench.compare.commands.reporting import first as report_first
 from rollbench.compare.commands.reporting import report
 from rollbench.compare.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.kalker import section as rolling
+from rollbench.compare.cases.kalker import page as rolling
 from rollbench.compare.cases.kalker.page import PatchField
 from rollbench.compare.cases.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.compare.models.study import Study

@@ -1,11 +1,11 @@
 """Printed numbers and claims of Lin (2019), chapter 2, Table B.1 and 4.3.2: each entry is data, each is a test."""
 
 import pytest
-from rollbench.compare.cases.lin.sections import cases
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, ratio
+from rollbench.compare.cases.lin.pages import cases
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

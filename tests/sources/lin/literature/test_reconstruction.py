@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rollbench.compare.cases.lin.sections import reconstruction
 
+from rollbench.compare.cases.lin.pages import reconstruction
 from rollbench.compare.cases.lin.reconstruction import combined, readings
 from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study

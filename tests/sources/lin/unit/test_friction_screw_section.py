@@ -8,7 +8,6 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from rollbench.compare.cases.lin.sections import friction_screw
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
@@ -19,6 +18,7 @@ from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.compare.cases.lin.extremes import cases, tally
 from rollbench.compare.cases.lin.extremes import items as friction_stability
 from rollbench.compare.cases.lin.extremes.tally import BALLS, Record, Tally
+from rollbench.compare.cases.lin.pages import friction_screw
 from rollbench.compare.printed.printed_data import load_table
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from rollbench.compare.cases.lin.sections import friction
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
 from rollbench.compare.cases.lin.evidence import rotary_linear
+from rollbench.compare.cases.lin.pages import friction
 from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rollbench.compare.cases.lin.sections import steering
 
 from rollbench.compare.cases.lin.evidence import steering as gear
 from rollbench.compare.cases.lin.evidence.steering import REACH, at_angle, rack, ratios
+from rollbench.compare.cases.lin.pages import steering
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Table
 from rollbench.reports.figures import draw
