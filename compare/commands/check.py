@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder
+from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
 from rollbench.compare.text.tables import ruled
@@ -89,13 +89,25 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
 
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
     """All rows of the gate of what is shipped."""
-    from rollbench.compare.gate.gate import core_rows
-    from rollbench.compare.sources.external.gate import external_rows
+    from rollbench.compare.gate.gate import (
+        band_rows,
+        closed_form_rows,
+        printed_rows,
+        reference_rows,
+        solver_rows,
+        source_rows,
+    )
     from rollbench.compare.studies.rolling.rows import rolling_rows
-    from rollbench.compare.wings.evidence.gate import printed_rows
 
-    rows = (printed_rows, core_rows, rolling_rows, external_rows)
-    return [row for of in rows for row in of(study, max_error)]
+    return [
+        *printed_rows(study, max_error),
+        *closed_form_rows(study, max_error),
+        *solver_rows(study, max_error),
+        *reference_rows(study, max_error),
+        *source_rows(study, max_error),
+        *rolling_rows(study, max_error),
+        *band_rows(study),
+    ]
 
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:
@@ -159,10 +171,13 @@ def check(
     markdown: Path | None = None,
     csv: Path | None = None,
     baseline: Path | None = None,
+    printed: Flag = False,
+    source: Names = None,
+    only: Names = None,
     as_json: Json = False,
 ) -> int:
     """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
-    balance, 3D references).
+    balance, 3D references); with --printed: every number and claim that the sources print.
 
     A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is
     beyond the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The
@@ -214,7 +229,25 @@ def check(
         Also write them as CSV.
     baseline
         Report what changed since this file of verdicts, written by an earlier --csv or --json.
+    printed
+        Judge what the sources print instead: each entry gets a verdict, and the exit code is 1 where one differs from the
+        verdict that is expected of it.
+    source
+        With --printed: the sources to judge, such as lin; all unless given.
+    only
+        With --printed: the tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical; all unless given.
     """
+    if printed:
+        given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
+        given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
+        given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
+        refuse_given(
+            given | {"baseline": baseline}, "without --printed", "leave it out: printed data have their own limits"
+        )
+        from rollbench.compare.commands.printed import run_printed
+
+        return print_answer(run_printed(source or (), only or ()), as_json)
+    refuse_given({"source": source, "only": only}, "with --printed", "add it")
     from rollbench.compare.gate.user import asked
     from rollbench.compare.reference.jobs import Engine
 
@@ -234,9 +267,15 @@ def check(
     )
     if scenes:
         return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
-    given: dict[str, object] = {"model": model, "loads": loads, "values": values, "limits": limit}
+    given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
+    refuse_given(given, "with a scene", "name the scenes that are judged")
+    return print_answer(run_shipped(max_error, files), as_json)
+
+
+def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:
+    """Raise ArgumentError for the first argument that is given where it means nothing."""
     for name, value in given.items():
         if value:
-            raise ArgumentError(name, str(value), "with a scene", "name the scenes that are judged")
-    return print_answer(run_shipped(max_error, files), as_json)
+            text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+            raise ArgumentError(name, text, allowed, advice)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine
+from rollbench.compare.commands.terminal import Flag, Json, Names, Where, app, engine
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import Answer, on_terminal, print_answer
 from rollbench.compare.text.tables import aligned
@@ -162,7 +160,7 @@ def _line(data: dict[str, Any]) -> str:
 def compare(
     scenes: list[str],
     *,
-    model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    model: Names = None,
     levels: str | None = None,
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,

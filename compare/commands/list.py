@@ -56,7 +56,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     """
 
     if trace or table:
-        from rollbench.compare.wings.evidence.command import traced
+        from rollbench.compare.commands.printed import traced
 
         print_answer(traced(table), as_json)
     else:

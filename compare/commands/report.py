@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Where, app, engine
+from rollbench.compare.commands.terminal import Flag, Names, Where, app, engine
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import print_answer
 
@@ -17,7 +17,7 @@ def report(
     scene: str | None = None,
     /,
     *,
-    only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    only: Names = None,
     out: Path = Path("rollbench-report"),
     quick: Flag = False,
     stored: Flag = False,

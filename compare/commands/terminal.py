@@ -26,6 +26,8 @@ app = App(
 #: A switch that is off unless given, and a word or path that is none unless given.
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 Word = Annotated[str, Parameter(show_default=False)]
+#: Names after one option, none unless given.
+Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
 #: What is said of the runs at the same time.
 WORKERS = "Runs at the same time, 1 to 3 GB each of the 3D reference; 1 here, 2 of a report, the cluster's unless given."
 WAIT = "Seconds to wait for a worker of the scheduler where there is none, as on a cluster with a queue; 60 unless given."

@@ -363,7 +363,7 @@ def quantity_table(study: Study) -> Table:
     """Bias, scatter and largest error of the models by quantity, and what others print and measure."""
     rungs = study.once(ladder)
     rows = rows_of(study, rungs)
-    from rollbench.compare.sources.makers.section import first_page
+    from rollbench.compare.cases.makers.page import first_page
 
     outside = first_page(study)
     cells: list[Row] = []

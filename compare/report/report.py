@@ -75,8 +75,8 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 
     if study.stores is None:
         return
+    from rollbench.compare.cases.liu.evidence.bodies import references as bodies_references
     from rollbench.compare.models.ladder import DEEP, UNSEEN
-    from rollbench.compare.sources.liu.evidence.bodies import references as bodies_references
     from rollbench.compare.studies.crosscheck.study import references as checked_references
 
     scenes = [study.scene(name) for name in REFERENCED]

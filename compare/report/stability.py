@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
+from rollbench.compare.cases.lin.extremes.items import table_section_items
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.fit import WORDS
-from rollbench.compare.sources.lin.extremes.items import table_section_items
 from rollbench.compare.studies.extremes.campaign import rows as campaign_rows
 from rollbench.compare.studies.extremes.campaign import shipped
 from rollbench.compare.studies.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
 from rollbench.compare.reading import alike, question
-from rollbench.compare.registration import data_files
 from rollbench.compare.scenes.names import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
@@ -24,7 +24,7 @@ Of = TypeVar("Of", bound="KindScene")
 @cache
 def scene_names() -> tuple[str, ...]:
     """Names of the shipped scenes of all kinds, sorted."""
-    return tuple(data_files("scenes"))
+    return tuple(shipped_files("scenes"))
 
 
 @cache
@@ -53,10 +53,11 @@ def with_role(role: str) -> tuple[str, ...]:
 
 
 def scene_text(name: str) -> str:
-    """Text of a shipped scene. Raises InputError for an unknown name."""
-    if name not in scene_names():
+    """Text of a scene that is shipped or of another package's case. Raises InputError for an unknown name."""
+    path = file_of("scenes", name)
+    if path is None:
         raise _unknown(name)
-    return data_files("scenes")[name].read_text(encoding="utf-8")
+    return path.read_text(encoding="utf-8")
 
 
 @cache

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction
 from rollbench.compare.studies.friction.whole import Choices
 from rollbench.lowfi.friction.as_source.linear import linear_balls

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rollbench.compare.sources.lin.bench import FrictionJob, against_source
+from rollbench.compare.cases.lin.bench import FrictionJob, against_source
 
-from rollbench.compare.sources.lin import bench as friction_bench
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain
-from rollbench.compare.sources.lin.extremes.cases import (
+from rollbench.compare.cases.lin import bench as friction_bench
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain
+from rollbench.compare.cases.lin.extremes.cases import (
     chain_group,
     linear_chain,
     linear_pair,
@@ -16,7 +16,7 @@ from rollbench.compare.sources.lin.extremes.cases import (
     screw_ball,
     screw_pairs,
 )
-from rollbench.compare.sources.lin.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
+from rollbench.compare.cases.lin.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
 from rollbench.lowfi.friction.as_source.chain import SourceMotion
 from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, shaken
 from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation

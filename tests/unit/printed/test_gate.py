@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
+from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.gate import gate
+from rollbench.compare.gate.gate import evidence_row
 from rollbench.compare.models.study import Study
-from rollbench.compare.wings.evidence.gate import evidence_row
-from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.lowfi.statics import problem
 
 pytestmark = pytest.mark.xdist_group(GROUP)

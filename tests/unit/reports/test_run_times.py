@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from rollbench.compare.cases.lin.pages.reconstruction import _times
 from rollbench.compare.commands.compare_output import older_times, table
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.study import Study
@@ -16,7 +17,6 @@ from rollbench.compare.report import overview
 from rollbench.compare.results.compared import Beside
 from rollbench.compare.sections import reference_mesh as mesh_section
 from rollbench.compare.sections import reference_time
-from rollbench.compare.sources.lin.sections.reconstruction import _times
 from rollbench.compare.studies.mesh_study.table import closing, level_rows
 from rollbench.compare.studies.run_times import kept as kept_times
 from rollbench.compare.studies.run_times.cold import Cold, ColdLevel

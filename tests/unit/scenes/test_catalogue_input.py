@@ -11,7 +11,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import loading, registry
-from rollbench.compare.scenes import catalogue, catalogue_input, keys, preload, scene_file
+from rollbench.compare.scenes import catalogue, catalogue_input, keys, kind_table, preload, scene_file
 from rollbench.compare.scenes.like import double_nut_like, scene_like
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.friction.whole.circuit import circuits

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from tests.shipped_texts import changed
 
+from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.compare.studies.friction import solve, whole
 from rollbench.compare.studies.friction.kind_solvers import solve_kind
 from rollbench.lowfi.friction.bearing import pairs

@@ -5,15 +5,14 @@ import tomllib
 from functools import cache
 
 import pytest
+from rollbench.compare.registration import registered
 from tests.conftest import TESTS, imports_a_wing
 from tests.copies import ROOT
 from tests.processes import python
 
-from rollbench.compare.registration import registered
-
 FOLDERS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
 PHYSICS = {f"rollbench.{name}" for name in FOLDERS}
-OF_WINGS = {"rollbench.compare.wings", "rollbench.compare.sources", *PHYSICS}
+OF_WINGS = {"rollbench.compare.wings", "rollbench.compare.cases", *PHYSICS}
 
 
 @cache

@@ -16,14 +16,14 @@ MODEL = """
 #: Written so, or this module would be one that imports a wing.
 EVIDENCE, ENTRIES = "rollbench.compare.wings.evidence", "tests.sources.entries"
 PAPER = {
-    "compare/sources/acme/__init__.py": "",
-    "compare/sources/acme/registration.py": """
+    "compare/cases/acme/__init__.py": "",
+    "compare/cases/acme/registration.py": """
 from rollbench.compare.registration import Part, Registration
 REGISTRATION = Registration(
     title="Acme (1901)", needs=("evidence",), parts=(Part("acme", "sources.acme.section", page="sources"),)
 )
 """,
-    "compare/sources/acme/printed/acme-1.toml": """
+    "compare/cases/acme/printed/acme-1.toml": """
 title = "Contact modulus of steel on steel"
 source = "Acme (1901)"
 place = "Table 1"
@@ -34,19 +34,19 @@ printed = "113.9"
 unit = "GPa"
 class = "hard"
 """,
-    "compare/sources/acme/computations.toml": """
+    "compare/cases/acme/computations.toml": """
 ["acme-1"]
 function = "sources.acme.evidence:table_1"
 test = "tests/sources/acme/literature/test_acme.py"
 behind = { "*" = "one contact, in closed form" }
 """,
-    "compare/sources/acme/evidence.py": '''
+    "compare/cases/acme/evidence.py": '''
 from rollbench.lowfi.hertz import contact_modulus
 def table_1(sheet, study):
     """Table 1."""
     sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
 ''',
-    "compare/sources/acme/section.py": '''
+    "compare/cases/acme/section.py": '''
 from EVIDENCE.registry import evidence
 from EVIDENCE.sections.finding_table import printed_table
 from rollbench.reports.content import Section
@@ -133,11 +133,11 @@ def test_a_contact_law_takes_one_place(tree, tmp_path):
 
 
 def test_a_paper_takes_two_folders(tree, tmp_path):
-    """Its folder in compare/sources, its tests in tests/sources: traced, judged, in the report, tested."""
+    """Its folder in compare/cases, its tests in tests/sources: traced, judged, in the report, tested."""
     for name, text in PAPER.items():
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
         (tree / name).write_text(text.replace("EVIDENCE", EVIDENCE).replace("ENTRIES", ENTRIES), encoding="utf-8")
-    verdicts = tree / "compare/sources/acme/verdicts.json"
+    verdicts = tree / "compare/cases/acme/verdicts.json"
     audit = "audit", "--only", "acme-1", "--json"
     judged = found(rollbench(tree, *audit, cwd=tmp_path), 1)
     assert [row["verdict"] for row in judged["entries"]] == ["reproduced"]
@@ -158,4 +158,4 @@ def test_contributing_says_these_places():
     key = {"meshes/parts.py", "meshes/frozen_defaults.py", "compare/scenes/schema.py", "compare/template.toml"}
     assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == key
     assert re.findall(r"`([^`]+)`", rows["a model"]) == ["compare/models/registry.py"]
-    assert re.findall(r"`([^`]+)`", rows["a paper"]) == ["compare/sources", "tests/sources"]
+    assert re.findall(r"`([^`]+)`", rows["a paper"]) == ["compare/cases", "tests/sources"]

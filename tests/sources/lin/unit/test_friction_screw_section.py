@@ -12,14 +12,14 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
+from rollbench.compare.cases.lin import bench as friction_bench
+from rollbench.compare.cases.lin.evidence import screw, screw_varied
+from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
+from rollbench.compare.cases.lin.extremes import cases, tally
+from rollbench.compare.cases.lin.extremes import items as friction_stability
+from rollbench.compare.cases.lin.extremes.tally import BALLS, Record, Tally
+from rollbench.compare.cases.lin.pages import friction_screw
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.compare.sources.lin import bench as friction_bench
-from rollbench.compare.sources.lin.evidence import screw, screw_varied
-from rollbench.compare.sources.lin.evidence.source_cases import lin_3_4_4
-from rollbench.compare.sources.lin.extremes import cases, tally
-from rollbench.compare.sources.lin.extremes import items as friction_stability
-from rollbench.compare.sources.lin.extremes.tally import BALLS, Record, Tally
-from rollbench.compare.sources.lin.sections import friction_screw
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
