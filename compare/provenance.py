@@ -40,7 +40,7 @@ def commit() -> str:
 
 
 def _source_folder(package: str) -> Path:
-    """Where a folder of the repository, as ``compare/wings/rolling``, stands in the installed package."""
+    """Where a folder of the repository, as ``compare/studies/rolling``, stands in the installed package."""
     first, *rest = package.split("/")
     return Path(str(resources.files("rollbench").joinpath(first, *rest)))
 

@@ -6,19 +6,15 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.case import every_case
-from rollbench.compare.commands.printing import Answer, cell
-from rollbench.compare.commands.tables import ruled
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.evidence.computations import computations, evidence, traces
-from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.evidence.verdicts import APART, counts, left_out, misprints, source, trust
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import VERDICTS, load_table
-from rollbench.compare.reading import alike, question
-from rollbench.compare.writing import replace_file
+from rollbench.compare.text.printing import Answer, cell
+from rollbench.compare.text.tables import ruled
+
+if TYPE_CHECKING:
+    from rollbench.compare.evidence.record import Evidence
+    from rollbench.compare.models.study import Study
 
 
 def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> Answer:
@@ -28,6 +24,9 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     sources: names of cases, all unless given; only: names of printed tables and entries ("table:key"), all of these cases
     unless given. Raises InputError for an unknown one.
     """
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.writing import replace_file
+
     rows = chosen(Study(), sources, only)
     if write is not None:
         verdicts = {row.printed.name: row.verdict for row in rows}
@@ -38,6 +37,10 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
 
 def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """What is computed for the printed entries that are asked for, as `run_printed` takes them, in the order of tables."""
+    from rollbench.compare.case import every_case
+    from rollbench.compare.evidence.computations import computations, evidence
+    from rollbench.compare.printed.printed_data import load_table
+
     cases = [case.name for case in every_case() if case.title]
     _known("source", sources, cases)
     tables = [name for name, one in sorted(computations().items()) if not sources or one.case.name in sources]
@@ -49,6 +52,8 @@ def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) 
 
 
 def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
+    from rollbench.compare.reading import alike, question
+
     for word in given:
         if word not in names:
             allowed = ", ".join(name for name in names if ":" not in name)
@@ -57,6 +62,8 @@ def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
 
 def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
     """JSON-ready."""
+    from rollbench.compare.evidence.verdicts import counts, left_out, misprints
+
     return {
         "counts": counts(rows),
         "entries": [entry_json(row) for row in rows],
@@ -68,6 +75,8 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 def entry_json(e: Evidence) -> dict[str, Any]:
     """One entry, JSON-ready."""
+    from rollbench.compare.evidence.verdicts import source
+
     p = e.printed
     return {
         "entry": p.name,
@@ -92,6 +101,9 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     """The same for the terminal; misprints and what is left out as counts."""
     from rich.table import Table
 
+    from rollbench.compare.evidence.verdicts import APART, counts, left_out, misprints, trust
+    from rollbench.compare.printed.printed_data import VERDICTS
+
     headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
     entries = Table(title="entries", title_justify="left")
@@ -110,6 +122,8 @@ def traced(table: str = "") -> Answer:
     """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
     (``module:function``), test. Raises InputError for an unknown table."""
     from rich.table import Table
+
+    from rollbench.compare.evidence.computations import traces
 
     entries = list(traces(table))
     shown = Table(title="every printed number: scenes, computation, test", title_justify="left")

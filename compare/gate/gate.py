@@ -213,15 +213,3 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
         error, words = top.error_percent, "; ".join(wrong[:3])
         rows.append(GateRow(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))
     return rows
-
-
-def run_gate(study: Study, max_error: float) -> list[GateRow]:
-    """All rows of the gate."""
-    return [
-        *printed_rows(study, max_error),
-        *closed_form_rows(study, max_error),
-        *solver_rows(study, max_error),
-        *reference_rows(study, max_error),
-        *source_rows(study, max_error),
-        *band_rows(study),
-    ]

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
 from rollbench.compare.reading import alike, question
-from rollbench.compare.registration import kinds
-from rollbench.compare.scenes.names import AXIS
+from rollbench.compare.scenes.names import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ def kind(name: str) -> str:
 @cache
 def whole_names() -> tuple[str, ...]:
     """Names of the shipped whole screws and bearings, sorted: neither axes nor kinds that only friction solves."""
-    return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *kinds()))
+    return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache

@@ -14,8 +14,8 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.printed.printed_data import entry, value_of
 from rollbench.compare.scenes.catalogue import case
 from rollbench.compare.scenes.kinds import KindScene
-from rollbench.compare.wings.rolling.cases import case_of
-from rollbench.compare.wings.rolling.runs import LEVELS, QUADRATURES
+from rollbench.compare.studies.rolling.cases import case_of
+from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
 from rollbench.hifi.rolling.bodies import Place, Sizes

@@ -10,12 +10,12 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
+from rollbench.compare.commands.arguments import commands, order
 from tests.processes import python
 
-from rollbench.compare.commands import listing
-from rollbench.compare.commands.arguments import commands, order
+from rollbench.compare.commands import list as listing
 from rollbench.compare.scenes.catalogue import scene_text
-from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
+from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]

@@ -5,10 +5,10 @@ import shutil
 
 import pytest
 
-from rollbench.compare.commands.wrapping import wrapped
 from rollbench.compare.errors import InputError
 from rollbench.compare.reading import like_path
 from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.text.wrapping import wrapped
 
 
 def hinted(text: str) -> list[str]:

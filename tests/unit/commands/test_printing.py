@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rollbench.compare import commands
-from rollbench.compare.commands.printing import Answer, cell, print_answer
+from rollbench.compare.text.printing import Answer, cell, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
 WRITERS = {"printing.py", "validation.py", "report.py"}

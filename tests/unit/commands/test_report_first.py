@@ -8,12 +8,12 @@ import pytest
 from tests.report_samples import screw
 
 from rollbench.compare.cases.kalker import page as rolling
-from rollbench.compare.commands.reporting import first as report_first
-from rollbench.compare.commands.reporting import report
-from rollbench.compare.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
-from rollbench.compare.commands.reporting.parts import PARTS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.report import first as report_first
+from rollbench.compare.report import report
+from rollbench.compare.report.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
+from rollbench.compare.report.pages import PARTS
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Section
 

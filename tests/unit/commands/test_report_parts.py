@@ -4,12 +4,12 @@ from importlib import import_module
 
 import pytest
 
-from rollbench.compare.commands.reporting import first, report
-from rollbench.compare.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import applicability, ladder, model_form
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.report import first, report
+from rollbench.compare.report.pages import PAGES, PARTS, WHOLE, conclusion
 from rollbench.reports.content import Section, Table
 
 

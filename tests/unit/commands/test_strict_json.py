@@ -3,8 +3,8 @@
 import inspect
 
 import pytest
-
 from rollbench.compare.commands.arguments import commands as complete
+
 from rollbench.compare.scenes import catalogue
 
 #: Shipped scenes, the smallest of each kind that `solve` and `friction` take, and of those that only `friction` does.

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from rollbench.compare.models.friction_sums import quick_friction
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import with_balls
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.friction.quick import quick_friction
 from rollbench.lowfi.friction.whole import state as whole
 from rollbench.meshes import kept
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rollbench.compare.cases.lin.bench import FrictionJob, against_source
 
 from rollbench.compare.cases.lin import bench as friction_bench
-from rollbench.compare.cases.lin.bench import FrictionJob, against_source
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain
 from rollbench.compare.cases.lin.extremes.cases import (
     chain_group,

@@ -36,7 +36,7 @@ def test_what_is_drawn_is_imported(tmp_path) -> None:
     assert "_static/house.svg" in (ROOT / "docs/inside.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("words", [("wings.friction.quick", "torque"), ("wings", "friction")])
+@pytest.mark.parametrize("words", [("models.friction_sums", "torque"), ("wings", "friction")])
 def test_an_import_of_a_wing_within_a_function_of_the_core_is_an_arrow(tmp_path, words) -> None:
     (tmp_path / "lowfi").mkdir()
     (tmp_path / "lowfi/planted.py").write_text(PLANTED.format(*words), encoding="utf-8")

@@ -5,11 +5,10 @@ import tomllib
 from functools import cache
 
 import pytest
+from rollbench.compare.registration import registered
 from tests.conftest import TESTS, imports_a_wing
 from tests.copies import ROOT
 from tests.processes import python
-
-from rollbench.compare.registration import registered
 
 FOLDERS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
 PHYSICS = {f"rollbench.{name}" for name in FOLDERS}
@@ -70,7 +69,7 @@ def marked(tmp_path_factory):
     texts = {
         "conftest.py": (TESTS / "conftest.py").read_text(encoding="utf-8"),
         "helper.py": "from rollbench.lowfi.friction import contact\n",
-        "test_c.py": '"""Tells of rollbench.compare.wings.sweep and imports none."""\n' + MARKED,
+        "test_c.py": '"""Tells of rollbench.compare.studies.sweep and imports none."""\n' + MARKED,
         "test_h.py": "if False:\n    pass\n" + "from tests.helper import contact\n" + MARKED,
         "test_w.py": MARKED + "\ndef imports():\n    from rollbench.compare.wings import sweep\n",
         "sources/lin/test_s.py": MARKED,

@@ -13,7 +13,7 @@ from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed.printed_data import value_of
-from rollbench.compare.wings.members.ensemble import of_study
+from rollbench.compare.studies.members.ensemble import of_study
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array

@@ -15,7 +15,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.scenes.catalogue import case as case_of
-from rollbench.compare.wings.friction.kinds.screw_balls import ScrewPairScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
 from rollbench.lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
 from rollbench.lowfi.friction.screw.run import equal_steps, summarise

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.scenes.catalogue import case
-from rollbench.compare.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
-from rollbench.compare.wings.friction.kinds.linear import LinearPairScene
-from rollbench.compare.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
+from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing.pairs import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import Pair

@@ -28,7 +28,7 @@ from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load, shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.rolling import runs as rolling
+from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES

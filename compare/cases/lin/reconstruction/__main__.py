@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rollbench.compare.cases.lin.reconstruction.readings import RUNS, complete
-from rollbench.compare.commands.arguments.terminal import cache_folder
-from rollbench.compare.commands.printing import on_terminal
+from rollbench.compare.text.printing import on_terminal
+from rollbench.meshes.cache import default_root
 
-complete(on_terminal, cache_folder())
+complete(on_terminal, default_root())
 on_terminal(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")

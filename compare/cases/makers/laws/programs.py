@@ -65,9 +65,9 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
 def calculix(study: Study) -> Iterator[Outside]:
     """Contact loads of the 3D reference beside those of CalculiX, extrapolated, both with their uncertainties; errors
     in per cent of the mean load."""
-    from rollbench.compare.wings.crosscheck.data import load, path_of, shipped
-    from rollbench.compare.wings.crosscheck.rows import contact_rows
-    from rollbench.compare.wings.crosscheck.study import STUDIES
+    from rollbench.compare.studies.crosscheck.data import load, path_of, shipped
+    from rollbench.compare.studies.crosscheck.rows import contact_rows
+    from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:
         data, ours = load(shipped(), name), study.reference(name)
@@ -78,4 +78,4 @@ def calculix(study: Study) -> Iterator[Outside]:
             off = 0.01 * row.ours_percent * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
             value = (row.theirs, 0.01 * row.theirs_percent * mean, Band.of((row.ours,), off), mean)
-            yield Outside(*words, f"stored run, compare/wings/crosscheck/{path_of(shipped(), name).name}", "N", *value)
+            yield Outside(*words, f"stored run, compare/studies/crosscheck/{path_of(shipped(), name).name}", "N", *value)

@@ -12,7 +12,7 @@ from rollbench.compare.evidence.verdicts import audit, left_out
 from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
-from rollbench.compare.wings.friction.whole import coefficients
+from rollbench.compare.studies.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
 from rollbench.lowfi.rating.life import rating

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rollbench.compare.registration import offered
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.compare.cases.makers import page
 from rollbench.compare.cases.makers.laws import bearings, nuts, torque
 from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
 from rollbench.compare.cases.makers.tables import Table, half_step, table
-from rollbench.compare.registration import offered
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
