@@ -47,7 +47,7 @@ def test_ours_have_what_they_name():
     assert set(shipped_files("scenes")) == {path.stem for path in files}
 
 
-def test_a_case_of_another_package_is_judged_with_ours(installed):
+def test_a_case_of_another_package_is_judged_and_shown_with_ours(installed, tmp_path):
     rollbench = installed(CASE)
     done = rollbench("check", "--printed", "--source", "acme", "--json")
     data = json.loads(done.stdout)
@@ -57,6 +57,9 @@ def test_a_case_of_another_package_is_judged_with_ours(installed):
         "acme-1:balls": "reproduced",
     }
     assert [row["source"] for row in data["counts"]] == ["Acme (1901)", "all"]
+    done = rollbench("report", "--only", "acme", "--stored", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    assert "113.9" in (tmp_path / "out/tables/acme-1.csv").read_text(encoding="utf-8")
     assert "acme" not in rollbench("list", "--json").stdout, "it is loaded when printed data are judged"
 
 
