@@ -67,10 +67,10 @@ def computations() -> dict[str, Computation]:
         path = case.folder / "computations.toml"
         described = tomllib.loads(path.read_text("utf-8")) if path.is_file() else {}
         printed = case.files("printed")
-        for table in described.keys() ^ printed.keys():
-            allowed = f"the printed tables of the case: {', '.join(printed)}"
-            advice = f"say in {path} how the numbers of each printed table are computed"
-            raise InputError(str(path), table, "one of the two", allowed, advice)
+        for table in sorted(described.keys() ^ printed.keys()):
+            value = "no computation" if table in printed else "no printed table"
+            advice = "say how its numbers are computed, or why none is" if table in printed else "remove it"
+            raise InputError(str(path), table, value, ", ".join(printed), advice)
         for table, keys in described.items():
             behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
             out[table] = Computation(case, table, keys.get("function", ""), keys.get("test", ""), behind)

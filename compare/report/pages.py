@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from rollbench.compare.case import every_case
 from rollbench.reports.content import Page, Section, Table
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.
@@ -37,7 +38,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Listed:
-    """A section of the report: its name, its page, its module in ``compare``; quick: stands in a quick report too; runs:
+    """A section of the report: its name, its page, its module in ``package``; quick: stands in a quick report too; runs:
     shows runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not."""
 
     name: str
@@ -47,10 +48,11 @@ class Listed:
     runs: bool = False
     meshes: bool = False
     meshed: str = ""
+    package: str = "rollbench.compare"
 
 
-#: Sections in the order of the pages.
-SECTIONS = (
+#: Sections whose page is chosen here, in the order of the pages.
+PLACED = (
     Listed("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
     Listed("sheets", "cases", "sections.sheets", quick=True, runs=True),
     Listed("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
@@ -83,6 +85,18 @@ SECTIONS = (
     Listed("verdicts", "entries", "sections.verdicts", runs=True),
     Listed("audit", "entries", "sections.audit", runs=True),
 )
+
+
+def _with_cases() -> tuple[Listed, ...]:
+    """Sections in the order of the pages: with the page of each case that is not placed above, among the sources."""
+    placed = {part.module.split(".")[1] for part in PLACED if part.module.startswith("cases.")}
+    cases = (case for case in every_case() if case.page and case.name not in placed)
+    added = [Listed(case.name, "sources", case.page, package=case.package) for case in cases]
+    return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page)))
+
+
+#: Sections in the order of the pages.
+SECTIONS = _with_cases()
 
 
 def pages(by_name: Mapping[str, Section]) -> list[Page]:

@@ -140,7 +140,7 @@ def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: St
     sections: dict[str, Section] = {}
     for part in parts:
         announce(part.name)
-        sections[part.name] = import_module(f"rollbench.compare.{part.module}").section(study, step)
+        sections[part.name] = import_module(f"{part.package}.{part.module}").section(study, step)
     if "ladder" in sections:
         save_model_form(study)
     return sections

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.compare.cases.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
+from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.body_names import FINITE

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain
-from rollbench.compare.cases.lin.extremes.cases import (
+from rollbench.compare.cases.lin.extremes import (
+    BALLS,
+    MU,
+    SOURCE_BALLS,
+    UNLOADED,
+    Tally,
     chain_group,
     linear_chain,
     linear_pair,
@@ -14,7 +19,6 @@ from rollbench.compare.cases.lin.extremes.cases import (
     screw_ball,
     screw_pairs,
 )
-from rollbench.compare.cases.lin.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
 from rollbench.lowfi.friction.as_source.chain import SourceMotion
 from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, shaken
 from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation

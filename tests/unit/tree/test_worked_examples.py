@@ -5,7 +5,10 @@ import json
 import re
 
 import pytest
+from tests import acme
 from tests.copies import ROOT, copy_of_tree, python, rollbench
+
+from rollbench.compare.scenes import catalogue
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("worked examples")]
 
@@ -13,55 +16,13 @@ MODEL = """
     Model("lin-rigid-screw", "lin with a rigid screw", "the source's model, screw rigid", "screw and nut rigid", _lin,
           compared=True, ingredients=(("screw", "rigid"),)),
 """
-#: Written so, or this module would be one that imports a wing.
-EVIDENCE, ENTRIES = "rollbench.compare.wings.evidence", "tests.sources.entries"
-PAPER = {
-    "compare/cases/acme/__init__.py": "",
-    "compare/cases/acme/registration.py": """
-from rollbench.compare.registration import Part, Registration
-REGISTRATION = Registration(
-    title="Acme (1901)", needs=("evidence",), parts=(Part("acme", "sources.acme.section", page="sources"),)
-)
-""",
-    "compare/cases/acme/printed/acme-1.toml": """
-title = "Contact modulus of steel on steel"
-source = "Acme (1901)"
-place = "Table 1"
-[[row]]
-key = "modulus"
-label = "contact modulus"
-printed = "113.9"
-unit = "GPa"
-class = "hard"
-""",
-    "compare/cases/acme/computations.toml": """
-["acme-1"]
-function = "sources.acme.evidence:table_1"
-test = "tests/sources/acme/literature/test_acme.py"
-behind = { "*" = "one contact, in closed form" }
-""",
-    "compare/cases/acme/evidence.py": '''
-from rollbench.lowfi.hertz import contact_modulus
-def table_1(sheet, study):
-    """Table 1."""
-    sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
-''',
-    "compare/cases/acme/section.py": '''
-from EVIDENCE.registry import evidence
-from EVIDENCE.sections.finding_table import printed_table
-from rollbench.reports.content import Section
-def section(study, step):
-    """Section of the report."""
-    return Section("acme", "Acme (1901)", (printed_table("acme-1", "Table 1", evidence(study, "acme-1")),))
-''',
-    "tests/sources/acme/literature/test_acme.py": """
+PAPER_TEST = """
 import pytest
-from ENTRIES import check, keys
+from tests.sources.entries import check, keys
 @pytest.mark.parametrize("key", keys("acme-1"))
 def test_entry(key):
     check(key)
-""",
-}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -132,24 +93,31 @@ def test_a_contact_law_takes_one_place(tree, tmp_path):
         assert 1.1 ** (-2.0 / 3.0) < moved < 0.995, moved
 
 
-def test_a_paper_takes_two_folders(tree, tmp_path):
-    """Its folder in compare/cases, its tests in tests/sources: traced, judged, in the report, tested."""
-    for name, text in PAPER.items():
-        (tree / name).parent.mkdir(parents=True, exist_ok=True)
-        (tree / name).write_text(text.replace("EVIDENCE", EVIDENCE).replace("ENTRIES", ENTRIES), encoding="utf-8")
-    verdicts = tree / "compare/cases/acme/verdicts.json"
-    audit = "audit", "--only", "acme-1", "--json"
-    judged = found(rollbench(tree, *audit, cwd=tmp_path), 1)
-    assert [row["verdict"] for row in judged["entries"]] == ["reproduced"]
-    assert len(judged["changed_verdicts"]) == 1
-    assert found(rollbench(tree, *audit, "--write", str(verdicts), cwd=tmp_path))["changed_verdicts"] == []
-    (row,) = found(rollbench(tree, "list", "--table", "acme-1", "--json", cwd=tmp_path))
+def test_a_paper_takes_two_folders_and_its_record(tree, tmp_path):
+    """Its folder in compare/cases, its line in CASES, its tests in tests/sources: traced, judged, in the report, tested."""
+    acme.write(tree / "compare/cases/acme", catalogue.scene_text("two-balls"))
+    change(
+        tree,
+        "compare/case.py",
+        r"CASES = \(\n",
+        'CASES = (Case("acme", "Acme (1901)", "rollbench.compare.cases.acme", "page"),',
+    )
+    test = tree / "tests/sources/acme/literature/test_acme.py"
+    test.parent.mkdir(parents=True)
+    test.write_text(PAPER_TEST, encoding="utf-8")
+    judged = found(rollbench(tree, "check", "--printed", "--only", "acme-1", "--json", cwd=tmp_path))
+    assert [row["verdict"] for row in judged["entries"]] == ["reproduced"] * 2
+    change(tree, "compare/cases/acme/printed/acme-1.toml", 'verdict = "reproduced"\n', "")
+    judged = found(rollbench(tree, "check", "--printed", "--only", "acme-1", "--json", cwd=tmp_path), 1)
+    assert judged["changed_verdicts"] == ["acme-1:modulus: no verdict is expected, came out reproduced"]
+    change(tree, "compare/cases/acme/printed/acme-1.toml", 'class = "hard"\n', 'class = "hard"\nverdict = "reproduced"\n')
+    row = found(rollbench(tree, "list", "--table", "acme-1", "--json", cwd=tmp_path))[0]
     assert row["test"] == "tests/sources/acme/literature/test_acme.py::test_entry[acme-1:modulus]"
     done = rollbench(tree, "report", "--only", "acme", "--stored", "--out", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "113.9" in (tmp_path / "out/tables/acme-1.csv").read_text(encoding="utf-8")
     tests = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/sources/acme", cwd=tree)
-    assert "1 passed" in tests.stdout, tests.stdout
+    assert "2 passed" in tests.stdout, tests.stdout
 
 
 def test_contributing_says_these_places():
@@ -158,4 +126,5 @@ def test_contributing_says_these_places():
     key = {"meshes/parts.py", "meshes/frozen_defaults.py", "compare/scenes/schema.py", "compare/template.toml"}
     assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == key
     assert re.findall(r"`([^`]+)`", rows["a model"]) == ["compare/models/registry.py"]
-    assert re.findall(r"`([^`]+)`", rows["a paper"]) == ["compare/cases", "tests/sources"]
+    paper = ["compare/cases", "compare/case.py", "CASES", "rollbench.cases", "tests/sources"]
+    assert re.findall(r"`([^`]+)`", rows["a paper"]) == paper

@@ -21,7 +21,7 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import (
     right,
     sensitivity_rows,
 )
-from rollbench.compare.cases.lin.extremes.cases import pair_rows, root_rows
+from rollbench.compare.cases.lin.extremes import pair_rows, root_rows
 from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study

@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.evidence import screw_varied as varied
 from rollbench.compare.cases.lin.evidence.source_cases import four_point, inferred, lin_3_4_4, plain
 from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
@@ -90,13 +89,13 @@ def run_figure() -> Figure:
 
 def map_panels(case: str, coupling: Coupling) -> list[Panel]:
     """Force and increase over oversize, a curve for each load on the screw."""
-    m, x = varied.pair_map(case, coupling), [1e6 * oversize for oversize in varied.OVERSIZE]
+    m, x = screw.pair_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "not coupled" if coupling == "none" else "friction moves the balls"
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
         curves = [
-            Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == LOAD) for j, f in enumerate(varied.AXIAL)
+            Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == LOAD) for j, f in enumerate(screw.AXIAL)
         ]
         printed = value_of("lin-3.7", f"{key}_{case}")
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
@@ -107,24 +106,24 @@ def map_panels(case: str, coupling: Coupling) -> list[Panel]:
 
 def plain_ratio(case: str, coupling: Coupling) -> float:
     """Force of a pair without oversize at ``LOAD`` over the printed one."""
-    m = varied.pair_map(case, coupling)
-    at = int(np.argmin(np.abs(np.array(varied.OVERSIZE))))
-    return float(m.force[at, varied.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
+    m = screw.pair_map(case, coupling)
+    at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
+    return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
 
 
 def meetings(key: str) -> str:
     """Oversizes at which the curve of ``LOAD``, not coupled, crosses the printed value of each case, in words."""
     words = []
     for case in ("a", "b"):
-        m, printed = varied.pair_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
-        values = (m.force if key == "force" else 100.0 * m.increase)[:, varied.AXIAL.index(LOAD)]
+        m, printed = screw.pair_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
+        values = (m.force if key == "force" else 100.0 * m.increase)[:, screw.AXIAL.index(LOAD)]
         words.append(f"{' and '.join(f'{x:.1f}' for x in crossings(values, printed)) or 'no oversize'} µm in case ({case})")
     return ", ".join(words)
 
 
 def crossings(values: Array, level: float) -> list[float]:
     """Oversizes [µm] at which values over ``OVERSIZE`` cross a level, by straight lines between them."""
-    off, x = values - level, 1e6 * np.array(varied.OVERSIZE)
+    off, x = values - level, 1e6 * np.array(screw.OVERSIZE)
     k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
     return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
 
@@ -207,7 +206,7 @@ def readings_table() -> Table:
         "Oversize is of the ball's radius; it was chosen so "
         "that the printed force and increase agree on the contact load, and is nowhere in the source."
     )
-    return Table.of("friction-readings", "Table 3.7 in plain and inferred readings", varied.reading_rows(), note)
+    return Table.of("friction-readings", "Table 3.7 in plain and inferred readings", screw.reading_rows(), note)
 
 
 def run_table() -> Table:
@@ -217,10 +216,10 @@ def run_table() -> Table:
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
         "finding as in the source, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
-        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {varied.oversize_text()} oversize, loads not coupled, over one turn "
+        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_text()} oversize, loads not coupled, over one turn "
         "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
-    return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", varied.run_rows(), note)
+    return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", screw.run_rows(), note)
 
 
 def bearing_table() -> Table:
@@ -230,7 +229,7 @@ def bearing_table() -> Table:
         f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off the source's figure."
     )
-    return Table.of("friction-bearings", "Bearings of Table 4.2: torque over load angle", varied.bearing_rows(), note)
+    return Table.of("friction-bearings", "Bearings of Table 4.2: torque over load angle", screw.bearing_rows(), note)
 
 
 def onset_table(study: Study) -> Table:
@@ -240,7 +239,7 @@ def onset_table(study: Study) -> Table:
         "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
     )
     title = "Pitch against roundness error: when balls meet (4.3.2)"
-    return Table.of("friction-onset", title, varied.onset_rows(study), note)
+    return Table.of("friction-onset", title, screw.onset_rows(study), note)
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
@@ -250,7 +249,7 @@ def introduction(pairs: Table, runs: Table) -> Text:
 
 def _of_the_pair(pairs: Table) -> str:
     rows = {str(row["reading"]): row for row in pairs.rows}
-    loose, coupled = rows[varied.UNCOUPLED], rows[varied.AS_TEXT]
+    loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
         " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in screw.THETA)
         for row in (loose, coupled)
@@ -259,16 +258,16 @@ def _of_the_pair(pairs: Table) -> str:
         f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, {plain().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
-        f"load of {varied.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
-        f"{varied.oversize_text()} of oversize would give {float(rows[varied.oversized()]['load_a'] or 0.0):.0f} N. The "
+        f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
+        f"{screw.oversize_text()} of oversize would give {float(rows[screw.oversized()]['load_a'] or 0.0):.0f} N. The "
         "literal reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because "
         "its oversize was inferred from these numbers."
     )
 
 
 def _of_the_run(runs: Table) -> str:
-    cases = [row for row in runs.rows if row["assumption"] == varied.AS_CASE]
-    source = next(row for row in runs.rows if row["assumption"] == varied.SOURCE_RULE)
+    cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
+    source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
     found = "; ".join(
         f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence.errors_4_3_2 import SCREWS, readings, spread, unloaded
+from rollbench.compare.cases.lin.evidence.chapter_2 import SCREWS, readings, spread, unloaded
 from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, value_of

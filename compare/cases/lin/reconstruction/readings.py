@@ -12,10 +12,10 @@ one surface goes past the other. So does the middle of the arcs' centres, but fo
 phi = r tilt/(2 h), r the arc's radius (`tilt_that_slides`).
 
 Where a model keeps its balls from turning, the grooves slide on them instead, and friction does turn the forces, by mu
-(`rollbench.compare.cases.lin.reconstruction.dragging`).
+(`rollbench.compare.cases.lin.reconstruction.solvers`).
 
 The text prints that contacts are those of an augmented Lagrangian, all else by default: that leaves a penetration, and so
-softer contacts, by a penalty that is not printed (`rollbench.compare.cases.lin.reconstruction.penalty`). Its natural
+softer contacts, by a penalty that is not printed (`rollbench.compare.cases.lin.reconstruction.solvers`). Its natural
 size is E/h, h the size of the source's elements; it is computed from there on downwards.
 """
 
@@ -78,7 +78,7 @@ def largest_change(scene: Scene, of: Callable[[Scene], float]) -> float:
 
 #: The cases whose errors are printed, and the mesh level of the 3D runs without a penalty.
 CASES, LEVEL = ("lin-case1", "lin-case2"), 1
-#: The level of runs with a penalty (`rollbench.compare.cases.lin.reconstruction.penalty`).
+#: The level of runs with a penalty (`rollbench.compare.cases.lin.reconstruction.solvers`).
 PENALTY_LEVEL = 2
 
 
@@ -223,14 +223,14 @@ def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
         pair = scenes(readings)
         sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
         if penalty:
-            from rollbench.compare.cases.lin.reconstruction.penalty import with_penalty
+            from rollbench.compare.cases.lin.reconstruction.solvers import with_penalty
 
             shipped = [load(catalogue.scene(c), level) for c in CASES]
             runs = with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
         else:
             runs = compute(Task(pair, level, cache=cache))
         if sliding:
-            from rollbench.compare.cases.lin.reconstruction.dragging import with_sliding
+            from rollbench.compare.cases.lin.reconstruction.solvers import with_sliding
 
             runs = with_sliding(pair, runs, sliding, cache)
         for scene, run in zip(pair, runs, strict=True):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.kalker import page as rolling
+from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.compare.cases.kalker.page import PatchField
-from rollbench.compare.cases.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue

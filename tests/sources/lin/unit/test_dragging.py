@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.reconstruction.dragging import Dragging
+from rollbench.compare.cases.lin.reconstruction.solvers import Dragging
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.groove_map import GrooveMap
 

@@ -10,10 +10,10 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
-from rollbench.compare.cases.lin.evidence import screw, screw_varied
-from rollbench.compare.cases.lin.extremes import cases, tally
-from rollbench.compare.cases.lin.extremes import items as friction_stability
-from rollbench.compare.cases.lin.extremes.tally import BALLS, Record, Tally
+from rollbench.compare.cases.lin import extremes
+from rollbench.compare.cases.lin.evidence import screw
+from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
+from rollbench.compare.cases.lin.pages import extremes as friction_stability
 from rollbench.compare.cases.lin.pages import friction_screw
 from rollbench.compare.printed.printed_data import load_table
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
@@ -29,7 +29,7 @@ def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(screw_varied, "simulate_by_root", lambda run: simulate_by_root(run, 15))
+        patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
@@ -47,9 +47,9 @@ def records() -> list[Record]:
     source's method on a quarter of the pairs: these take most of its time."""
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("BALLS", (2, 5)), ("CHAIN_STARTS", 1), ("STARTS", 3)):
-            patch.setattr(tally, name, value)
+            patch.setattr(extremes, name, value)
         for name in ("from_linear_starts", "from_pair_starts"):
-            patch.setattr(cases, name, every_fourth(getattr(cases, name)))
+            patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
         return friction_stability.rows()
 
 
@@ -130,8 +130,8 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
         assert max(r.energy, r.spread) < 1e-8, r
     groups = {r.group for r in records}
     assert {"k_S 100", "k_S 1000", "k_S 10000", "two-point transition", "zero speed", "chains"} <= groups
-    linear = solve_linear_chain(cases.linear_chain(max(BALLS), 0.5).chain())
-    screws = solve_chain(cases.screw_chain(max(BALLS)))
+    linear = solve_linear_chain(extremes.linear_chain(max(BALLS), 0.5).chain())
+    screws = solve_chain(extremes.screw_chain(max(BALLS)))
     assert (linear.status, screws.converged) == ("converged", True)
     assert linear.power == pytest.approx(linear.loss, rel=1e-8)
     assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)

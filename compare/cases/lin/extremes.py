@@ -11,8 +11,7 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
 from rollbench.compare.cases.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
-from rollbench.compare.cases.lin.extremes import tally as tallies
-from rollbench.lowfi.friction.as_source.chain import SHARPNESS
+from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.bearing.rotary import Bearing, solve_ball
@@ -27,6 +26,108 @@ from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
+
+#: Sharpness of the source's sigmoid, Lin's k_S, in its own formulation; 100 where it is not what is varied.
+SHARPNESSES = (100.0, 1e3, 1e4)
+#: Random starts of one ball and of chains, besides the solver's own; how far they are off the solution, relative.
+STARTS, CHAIN_STARTS, NEAR_START, FAR_START = 12, 3, 0.01, 0.5
+#: Power [W] and, over the friction bound, ball-to-ball force below which random starts and balances are not scaled.
+NO_POWER, NO_FORCE = 1e-13, 0.01
+ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (1e-3, 0.1, 10.0, 1e3, 1e5)
+RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
+#: Small axial loads [N] of pairs of a screw with clearance.
+SMALL = (1e-3, 1e-2, 0.1, 0.3)
+#: Sizes of the chains, of a linear bearing and of a ball screw.
+BALLS = (2, 5, 10, 20, 50, 100, 200)
+#: Largest chain that the source's method is tried on, in the groups of chains over friction.
+SOURCE_BALLS = 20
+#: Fraction of the contacts without load in the chains that lack some.
+UNLOADED = 0.25
+#: Difference of ball-to-ball force over the friction bound from which a root of the source's is another answer.
+OTHER = 1e-3
+
+
+@dataclass(frozen=True)
+class Record:
+    """One group of cases.
+
+    ours, tries: solutions of the solvers here that converged, and all that were tried; energy: largest relative excess of
+    power in over dissipation; spread: largest difference of the answers from several starts, relative (loss of one ball,
+    ball-to-ball forces of more); source, source_tries: roots found by the source's method and tried, None where it has no
+    such model.
+    """
+
+    group: str
+    model: str
+    cases: int
+    ours: int
+    tries: int
+    energy: float
+    spread: float
+    source: int | None = None
+    source_tries: int | None = None
+    note: str = ""
+
+
+@dataclass
+class Tally:
+    """Counts of a group as its cases are solved."""
+
+    cases: int = 0
+    ours: int = 0
+    tries: int = 0
+    energy: float = 0.0
+    spread: float = 0.0
+    source: int = 0
+    source_tries: int = 0
+    direct: int = 0
+    restarts: int = 0
+    overlapping: int = 0
+    other: int = 0
+
+    def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
+        """Count one run of the source's method (None: it found no loads) against the ball-to-ball forces found here [N];
+        bound [N].
+
+        Solved: a root whose balls neither overlap nor pull. ``other`` counts those that are not our answer.
+        """
+        self.source_tries += 1
+        if found is None or found.status == "failed":
+            return
+        self.overlapping += found.status == "overlapping"
+        if found.status == "exact":
+            self.source += 1
+            self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
+
+    def add(self, good: bool, power: float, loss: float, apart: float) -> None:
+        """One solution: whether it converged, power in and dissipation [W], difference from the first, relative."""
+        self.tries += 1
+        self.ours += good
+        self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
+        self.spread = max(self.spread, apart)
+
+    def record(self, group: str, model: str, note: str = "") -> Record:
+        """The group's record."""
+        tried = self.source_tries or None
+        if self.restarts:
+            led = f"{self.direct} of {self.restarts} random starts led there by themselves"
+            note = f"{note}; {led}" if note else led
+        for count, what in ((self.overlapping, "let balls overlap"), (self.other, "differ from the answer found here")):
+            if count:
+                roots = f"roots of the source's that {what}: {count}"
+                note = f"{note}; {roots}" if note else roots
+        return Record(
+            group,
+            model,
+            self.cases,
+            self.ours,
+            self.tries,
+            self.energy,
+            self.spread,
+            self.source if tried else None,
+            tried,
+            note,
+        )
 
 
 @dataclass(frozen=True)
@@ -61,14 +162,14 @@ def _drive_power(problem: Problem, wrench: Array) -> float:
     return -float(np.sum(wrench * problem.drives))
 
 
-def try_ball(tally: tallies.Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
+def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
     """Least dissipation and the source's root from the same random starts, each unknown off by up to ``off``."""
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
     starts = [
         first.q + off * rng.uniform(-1.0, 1.0, first.q.size) * np.maximum(np.abs(first.q), 0.01 * size)
-        for _ in range(tallies.STARTS)
+        for _ in range(STARTS)
     ]
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
         wrench = np.column_stack([m.friction.force, m.friction.moment])
@@ -79,11 +180,9 @@ def try_ball(tally: tallies.Tally, ball: OneBall, rng: np.random.Generator, off:
         tally.source_tries += 1
 
 
-def ball_group(
-    group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = tallies.FAR_START
-) -> tallies.Record:
+def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
     """A group of single balls; off: how far random starts are off, relative."""
-    rng, tally = np.random.default_rng(1), tallies.Tally()
+    rng, tally = np.random.default_rng(1), Tally()
     for ball in balls:
         try_ball(tally, ball, rng, off)
     return tally.record(group, model, note)
@@ -94,27 +193,25 @@ def screw_share(share: float) -> OneBall:
     return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
-def ball_rows() -> list[tallies.Record]:
+def ball_rows() -> list[Record]:
     """One ball at given loads."""
     two, rest = radians(2.0), table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
-    loose = [replace(ROTARY, clearance=c) for c in tallies.CLEARANCE]
+    loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
     rows = []
-    for off, k in product((tallies.NEAR_START, tallies.FAR_START), tallies.SHARPNESS):
+    for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
         printed = [rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         pairs = [screw_ball(p(two), None, k) for p in (plain, inferred)]
         rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
-        ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in tallies.ANGLES]),
-        ball_group(
-            "mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in tallies.MU]
-        ),
+        ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
+        ball_group("mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),
         ball_group(
             "mu 0.001 to 0.5",
             "rotary",
-            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(tallies.MU, CASES.values())],
+            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
         ball_group(
             "two-point transition",
@@ -128,17 +225,15 @@ def ball_rows() -> list[tallies.Record]:
             [screw_share(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
-        ball_group(
-            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(tallies.LOADS, CASES.values())]
-        ),
-        ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in tallies.LOADS]),
+        ball_group("loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
+        ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
         ball_group(
             "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
         ),
         ball_group(
             "clearance to 10 µm",
             "screw",
-            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in tallies.CLEARANCE],
+            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in CLEARANCE],
         ),
         ball_group(
             "zero speed",
@@ -171,16 +266,16 @@ def chain_group(
     group: str,
     cases: Sequence[LinearCase],
     model: str = "linear pair",
-    starts: int = tallies.CHAIN_STARTS,
+    starts: int = CHAIN_STARTS,
     most: int = 200,
     note: str = "",
-) -> tallies.Record:
+) -> Record:
     """Chains of the linear bearing from their own start and random ones; the source's method from starts at the same
     distance.
 
     starts: random ones; most: balls up to which the source's method is tried.
     """
-    rng, tally = np.random.default_rng(2), tallies.Tally()
+    rng, tally = np.random.default_rng(2), Tally()
     for case in cases:
         tally.cases += 1
         c = case.chain()
@@ -191,7 +286,7 @@ def chain_group(
             tally.add(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:
             continue
-        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, tallies.FAR_START):
+        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
             tally.theirs(found, first, c.scale)
     return tally.record(group, model, note)
 
@@ -220,7 +315,7 @@ def patchy_chain(count: int, mu: float) -> LinearCase:
     """The same with loads out of balance, none at some of the contacts: given loads, not those of a carriage."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
-    return replace(case, loads=np.where(rng.uniform(size=loads.shape) < tallies.UNLOADED, 0.0, loads))
+    return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
 def relieved_pair(share: float) -> LinearCase:
@@ -228,9 +323,9 @@ def relieved_pair(share: float) -> LinearCase:
     return linear_pair(2.0, -1.0 + share)
 
 
-def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> tallies.Record:
+def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
     """Pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
-    rng, tally = np.random.default_rng(3), tallies.Tally()
+    rng, tally = np.random.default_rng(3), Tally()
     for p in pairs:
         tally.cases += 1
         r = solve_pair(p)
@@ -238,18 +333,18 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> tallies.Re
         tally.add(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
-        restart(tally, chain, m, rng, tallies.FAR_START)
+        restart(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.load.max())
-        for found in from_pair_starts(p, r, rng, tallies.CHAIN_STARTS, tallies.FAR_START):
+        for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
             tally.theirs(found, m.ball_force[:1], bound)
     return tally.record(group, "screw pair", note)
 
 
-def restart(tally: tallies.Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
+def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
     """The chain of a screw from motions off by up to ``off`` and any forces, against what was found before."""
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-    size = np.maximum(first.ball_force, tallies.NO_FORCE * bound)
-    for _ in range(tallies.CHAIN_STARTS):
+    size = np.maximum(first.ball_force, NO_FORCE * bound)
+    for _ in range(CHAIN_STARTS):
         q = first.q * rng.uniform(1.0 - off, 1.0 + off, first.q.shape)
         m = solve_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
         apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
@@ -273,65 +368,61 @@ def screw_chain(count: int) -> ScrewChain:
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
-def screw_chains() -> tallies.Record:
+def screw_chains() -> Record:
     """Chains of a screw of several sizes."""
-    rng, tally = np.random.default_rng(4), tallies.Tally()
-    for count in tallies.BALLS:
+    rng, tally = np.random.default_rng(4), Tally()
+    for count in BALLS:
         tally.cases += 1
         chain = screw_chain(count)
         m = solve_chain(chain)
         tally.add(m.converged, m.input_power, m.loss, 0.0)
-        restart(tally, chain, m, rng, tallies.NEAR_START)
+        restart(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in from_screw_starts(
-            chain, screw_chain_state(count)[1], m, rng, tallies.CHAIN_STARTS, tallies.NEAR_START
-        ):
+        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
             tally.theirs(found, m.ball_force[:-1], bound)
-    return tally.record("chains", f"screw, {', '.join(map(str, tallies.BALLS))} balls")
+    return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
 
-def bearing_clearance() -> tallies.Record:
+def bearing_clearance() -> Record:
     """Whole four-point bearing of Table 4.2 with clearance: loads and motions."""
-    tally = tallies.Tally()
-    for c, tilt in product(tallies.CLEARANCE, (False, True)):
+    tally = Tally()
+    for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
         s = solve_bearing(four_point(clearance=c, tilt=tilt), radians(12.0))
         tally.add(s.converged, s.input_power, float(s.loss.sum()), 0.0)
     return tally.record("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
 
-def chain_rows() -> list[tallies.Record]:
+def chain_rows() -> list[Record]:
     """Pairs and chains."""
     two = radians(2.0)
-    base, few = inferred(two), f"one random start; source up to {tallies.SOURCE_BALLS} balls"
+    base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
-        chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(tallies.ANGLES, tallies.RHO)]),
-        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), tallies.MU)]),
-        chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), tallies.LOADS)]),
+        chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
+        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
+        chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
         chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
         chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
-        chain_group(
-            "chains", [linear_chain(n) for n in tallies.BALLS], f"linear, {', '.join(map(str, tallies.BALLS))} balls"
-        ),
+        chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
         chain_group(
             "chains, mu 0.001 to 0.5",
-            [linear_chain(n, m) for n, m in product(tallies.BALLS, tallies.MU)],
-            f"linear, {', '.join(map(str, tallies.BALLS))} balls",
+            [linear_chain(n, m) for n, m in product(BALLS, MU)],
+            f"linear, {', '.join(map(str, BALLS))} balls",
             1,
-            tallies.SOURCE_BALLS,
+            SOURCE_BALLS,
             few,
         ),
         chain_group(
             "chains, mu 0.001 to 0.5",
-            [patchy_chain(n, m) for n, m in product(tallies.BALLS, tallies.MU)],
+            [patchy_chain(n, m) for n, m in product(BALLS, MU)],
             "the same, a quarter of the contacts unloaded",
             1,
-            tallies.SOURCE_BALLS,
+            SOURCE_BALLS,
             few,
         ),
-        screw_pairs("theta to ±5°", [inferred(radians(t)) for t in tallies.ANGLES]),
-        screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in tallies.MU]),
-        screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in tallies.LOADS]),
+        screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
+        screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
+        screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
         screw_pairs(
             "two-point transition",
             [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
@@ -339,15 +430,15 @@ def chain_rows() -> list[tallies.Record]:
         ),
         screw_pairs(
             "clearance to 10 µm",
-            [replace(plain(two), oversize=-c, coupling="none") for c in tallies.CLEARANCE],
+            [replace(plain(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
         screw_pairs(
-            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in tallies.CLEARANCE], "friction moves the balls"
+            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in CLEARANCE], "friction moves the balls"
         ),
         screw_pairs(
             "small loads and clearance",
-            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(tallies.CLEARANCE[1:], tallies.SMALL)],
+            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
         screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from rollbench.compare.cases.lin.extremes.cases import ball_rows, chain_rows
-from rollbench.compare.cases.lin.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
+from rollbench.compare.cases.lin.extremes import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record, ball_rows, chain_rows
 from rollbench.reports.content import Cell, Quantity, Table, Text
 
 
