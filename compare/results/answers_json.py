@@ -221,12 +221,17 @@ def path_json(path: LoadPath | None) -> dict[str, Any] | None:
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
-    preload = answers.preload
-    if s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
+    parts, preload = answers.parts, answers.preload
+    if (
+        not isinstance(parts, Scene)
+        or s.of.kind != "bearing"
+        or s.of.thrust not in ("+z", "-z")
+        or not (preload and preload.axial)
+    ):
         return None
     from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
 
-    return record(STARTING, formula_torque(answers.parts, preload.axial))
+    return record(STARTING, formula_torque(parts, preload.axial))
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:

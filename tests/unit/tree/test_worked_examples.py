@@ -17,11 +17,10 @@ MODEL = """
           compared=True, ingredients=(("screw", "rigid"),)),
 """
 PAPER_TEST = """
-import pytest
-from tests.sources.entries import check, keys
-@pytest.mark.parametrize("key", keys("acme-1"))
+import pytest, tests.sources.entries as entries
+@pytest.mark.parametrize("key", entries.keys("acme-1"))
 def test_entry(key):
-    check(key)
+    entries.check(key)
 """
 
 
