@@ -19,10 +19,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.commands.arguments import commands
 from tests.campaign import record
 from tests.campaign.scenes import Campaign, Part
 
+from rollbench.compare.cli import commands
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
 from rollbench.compare.writing import replace_file

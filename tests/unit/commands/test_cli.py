@@ -10,9 +10,9 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from rollbench.compare.commands.arguments import commands, order
 from tests.processes import python
 
+from rollbench.compare.cli import COMMANDS, commands
 from rollbench.compare.commands import list as listing
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
@@ -121,11 +121,11 @@ def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: P
 
 def test_help_begins_with_what_one_starts_with(command) -> None:
     out = command.said("--help")
-    places = [out.index(heading) for heading in order.ORDER]
+    places = [out.index(heading) for heading in COMMANDS]
     assert places == sorted(places)
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
-    listed = {name for names in order.ORDER.values() for name in names}
+    listed = {name for names in COMMANDS.values() for name in names}
     assert listed <= {*commands()}
     assert "refined, the default" in " ".join(command.said("compare", "--help").split())
     # paragraphs are wrapped whole, and no empty default is shown

@@ -8,9 +8,9 @@ import pytest
 from tests.feed_drive import answer, mine
 from tests.helpers import small_screw
 
+from rollbench.compare.commands.friction import as_table
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction import solve as friction_answer
-from rollbench.compare.studies.friction.answer import as_table
 from rollbench.compare.studies.friction.band import feedback_warnings
 from rollbench.compare.studies.friction.whole import Choices, solve_scene
 from rollbench.lowfi.statics.static import solve_static

@@ -14,7 +14,7 @@ from rollbench.compare.printed.printed_data import load_table, tables
 from rollbench.compare.scenes import catalogue
 
 #: The cases' modules are imported by the names that ``computations.toml`` gives.
-pytestmark = pytest.mark.wing
+pytestmark = pytest.mark.further
 BY_TABLE, NOT_COMPUTED = by_table(), computations().keys() - by_table().keys()
 COMPUTATIONS = tuple(BY_TABLE.values())
 TRACES = list(traces())

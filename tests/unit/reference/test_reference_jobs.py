@@ -10,6 +10,7 @@ from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.commands import compare as study
 from rollbench.compare.commands.compare import code_of, parse_levels
+from rollbench.compare.commands.mesh_study import run_mesh_study
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.models import comparison
@@ -25,7 +26,6 @@ from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.results.compared import levels_text
 from rollbench.compare.results.comparison import unconverged
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.mesh_study.study import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from tests.processes import python
 
+from rollbench.compare.commands.sweep import run_sweep
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.answers import gather, gather_axis
 from rollbench.compare.models.registry import Options, run_model
@@ -20,7 +21,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import outputs, store
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.study import run_sweep, sweep_of
+from rollbench.compare.studies.sweep.study import sweep_of
 from rollbench.compare.studies.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion

@@ -2,9 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
-from functools import partial
 from itertools import count
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -12,10 +10,8 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
-from rollbench.compare.cases.lin import bench as friction_bench
 from rollbench.compare.cases.lin import extremes
 from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
 from rollbench.compare.cases.lin.pages import extremes as friction_stability
 from rollbench.compare.cases.lin.pages import friction_screw
@@ -161,23 +157,3 @@ def test_a_failure_would_be_counted(records):
     assert table.rows[0]["ours"] == "1 of 2"
     assert [row["source"] for row in table.rows] == ["–", "3 of 9"]
     assert "3 of 9" in text.paragraphs[0]
-
-
-def once(work, _):
-    """Wall clock of one run [s]: a median is not the point here."""
-    begin = perf_counter()
-    work()
-    return perf_counter() - begin
-
-
-def test_bench_rows_are_positive(monkeypatch):
-    monkeypatch.setattr(friction_bench, "timed", once)
-    monkeypatch.setattr(friction_bench, "SOURCE_STEPS", 4)
-    monkeypatch.setattr(friction_bench, "lin_3_4_4", partial(lin_3_4_4, steps=20, duration=0.4))
-    rows = list(friction_bench.jobs(1))
-    assert len({r.name for r in rows}) == len(rows) == 17
-    for r in rows:
-        assert min(r.seconds, r.target, r.ratio or 1.0) > 0.0
-        assert r.reached == (r.seconds <= r.target)
-        assert len(r.note) > 10
-    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 5 * 0.15e-3, 20 * 0.15e-3, 20e-3, 5e-3, 3.0}

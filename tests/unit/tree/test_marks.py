@@ -1,18 +1,18 @@
-"""What the test command without options leaves out: all of wings and sources, what is slow, and nothing else."""
+"""What the test command without options leaves out: further tests, what is slow, and nothing else."""
 
 import ast
 import tomllib
 from functools import cache
 
 import pytest
-from rollbench.compare.registration import registered
-from tests.conftest import TESTS, imports_a_wing
+from tests.conftest import TESTS, is_further
 from tests.copies import ROOT
 from tests.processes import python
 
-FOLDERS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
-PHYSICS = {f"rollbench.{name}" for name in FOLDERS}
-OF_WINGS = {"rollbench.compare.wings", "rollbench.compare.cases", *PHYSICS}
+PHYSICS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
+FURTHER = {
+    f"rollbench.{name}" for name in (*PHYSICS, *(f"compare.{x}" for x in ("cases", "evidence", "report", "studies")))
+}
 
 
 @cache
@@ -32,29 +32,25 @@ def imported(path) -> set[str]:
     return found
 
 
-def test_a_module_is_a_wing_s_where_it_or_a_helper_imports_one() -> None:
+def test_a_module_is_further_where_it_or_a_helper_imports_one() -> None:
     modules = sorted(TESTS.rglob("test_*.py"))
     expected = {
-        path for path in modules if any(f"{name}.".startswith(f"{of}.") for name in imported(path) for of in OF_WINGS)
+        path for path in modules if any(f"{name}.".startswith(f"{of}.") for name in imported(path) for of in FURTHER)
     }
-    assert {path for path in modules if imports_a_wing(path)} == expected
+    assert {path for path in modules if is_further(path)} == expected
     assert 100 < len(expected) < len(modules) - 100
-    # and the packages of wings are those that registrations name
-    folders = {folder for one in registered().values() for folder in one.folders}
-    assert {f"rollbench.{folder.replace('/', '.')}" for folder in folders} == PHYSICS
 
 
 MARKED = "import pytest\ndef test_plain(): pass\n" + "".join(
     "".join(f"@pytest.mark.{mark}\n" for mark in marks) + f"def test_{'_of_'.join(marks)}(): pass\n"
-    for marks in (("slow",), ("slow", "every_run"), ("survey",), ("each_wing",), ("installs",))
+    for marks in (("slow",), ("slow", "every_run"), ("survey",), ("installs",))
 )
-#: Options, and the tests that they run: of the core (c), of a wing (w), through a helper (h) and of a source (s).
+#: Options, and the tests that they run: of one solve (c), of a study (w), through a helper (h) and of a case (s).
 RUNS = {
     "": "c-plain c-slow_of_every_run h-slow_of_every_run s-slow_of_every_run w-slow_of_every_run",
     "tests/test_w.py": "w-plain w-slow w-slow_of_every_run",
     "-m slow": " ".join(f"{module}-{name}" for module in "chsw" for name in ("slow", "slow_of_every_run")),
-    "-m wing and not slow": "h-each_wing h-installs h-plain h-survey s-each_wing s-installs s-plain s-survey "
-    "w-each_wing w-installs w-plain w-survey",
+    "-m further and not slow": "h-installs h-plain h-survey s-installs s-plain s-survey w-installs w-plain w-survey",
     "-m installs": "c-installs h-installs s-installs w-installs",
 }
 
@@ -71,7 +67,7 @@ def marked(tmp_path_factory):
         "helper.py": "from rollbench.lowfi.friction import contact\n",
         "test_c.py": '"""Tells of rollbench.compare.studies.sweep and imports none."""\n' + MARKED,
         "test_h.py": "if False:\n    pass\n" + "from tests.helper import contact\n" + MARKED,
-        "test_w.py": MARKED + "\ndef imports():\n    from rollbench.compare.wings import sweep\n",
+        "test_w.py": MARKED + "\ndef imports():\n    from rollbench.compare.studies import sweep\n",
         "sources/lin/test_s.py": MARKED,
     }
     for name, text in texts.items():
