@@ -24,8 +24,7 @@ class Case:
     """A publication, or several of a kind, that answers are held against.
 
     The folder of its package holds ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
-    ``scenes/*.toml``, ``computations.toml`` (how each number is computed), ``misprints.toml``; a case
-    has those that it needs.
+    ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
     """
 
     #: Names of its tables begin with it and a hyphen.
@@ -71,14 +70,15 @@ def others() -> tuple[Case, ...]:
 
     found: dict[str, Case] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        place, advice = f"entry point {point.name}", "mend the package that adds it, or uninstall it"
+        place, allowed = f"entry point {point.name}", "a rollbench.compare.case.Case of a package that can be imported"
+        advice = "mend the package that adds it, or uninstall it"
         try:
             one = point.load()
+            folder = one.folder if isinstance(one, Case) else None
         except Exception as error:
-            reason = f"{type(error).__name__}: {error}"
-            raise InputError(place, point.value, reason, "a rollbench.compare.case.Case", advice) from error
-        if not isinstance(one, Case):
-            raise InputError(place, point.value, repr(one), "a rollbench.compare.case.Case", advice)
+            raise InputError(place, point.value, f"{type(error).__name__}: {error}", allowed, advice) from error
+        if folder is None:
+            raise InputError(place, point.value, repr(one), allowed, advice)
         if one.name in found or one.name in (case.name for case in CASES):
             raise InputError(place, "name", f'"{one.name}"', "a name that no other case has", advice)
         found[one.name] = one

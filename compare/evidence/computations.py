@@ -35,7 +35,12 @@ class Computation:
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
         sheet = Sheet(self.table)
-        self.case.load(self.computed_by)(sheet, study)
+        try:
+            function = self.case.load(self.computed_by)
+        except (ImportError, AttributeError) as error:
+            place = f"{self.case.name}: computations.toml"
+            raise InputError(place, self.table, str(error), f"module:function in {self.case.package}", "mend it") from error
+        function(sheet, study)
         return sheet.evidence()
 
     @property
@@ -60,12 +65,15 @@ class Computation:
 
 @cache
 def computations() -> dict[str, Computation]:
-    """Those of every case's ``computations.toml`` by table, in the order of cases and files. Raises InputError for printed
-    tables that it does not name, and for tables that are not printed."""
+    """Those of every case's ``computations.toml`` by table, in the order of cases and files. Raises InputError for a file
+    that cannot be read, printed tables that it does not name, and tables that are not printed."""
     out: dict[str, Computation] = {}
     for case in every_case():
         path = case.folder / "computations.toml"
-        described = tomllib.loads(path.read_text("utf-8")) if path.is_file() else {}
+        try:
+            described = tomllib.loads(path.read_text("utf-8")) if path.is_file() else {}
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(str(path), "file", str(error), "TOML", "mend it") from None
         printed = case.files("printed")
         for table in sorted(described.keys() ^ printed.keys()):
             value = "no computation" if table in printed else "no printed table"

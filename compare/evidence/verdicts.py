@@ -37,9 +37,9 @@ def left_out() -> list[dict[str, Any]]:
     return rows
 
 
-def sources() -> dict[str, str]:
-    """Titles of the sources with printed tables, by the beginning of the tables' names."""
-    return {case.name: case.title for case in every_case() if case.title}
+def sources() -> list[str]:
+    """Titles of the sources with printed tables."""
+    return [case.title for case in every_case() if case.title]
 
 
 def audit(study: Study, *names: str) -> list[Evidence]:
@@ -50,14 +50,14 @@ def audit(study: Study, *names: str) -> list[Evidence]:
 
 def source(printed: Printed) -> str:
     """Title of the source of an entry."""
-    return sources()[printed.table.split("-")[0]]
+    return computations()[printed.table].case.title
 
 
 def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     """Entries by source and verdict, one row a source and one for all: verdicts, ``judged`` (without inputs and
     identities), ``all``."""
     out = []
-    for title in (*sources().values(), "all"):
+    for title in (*sources(), "all"):
         by_verdict = Counter(row.verdict for row in rows if title in (source(row.printed), "all"))
         if by_verdict:
             judged = sum(n for verdict, n in by_verdict.items() if verdict not in APART)

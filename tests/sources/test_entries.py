@@ -26,7 +26,7 @@ COUNTS = {
     ("open", "contradicted"): {"lin": 4, "liu": 12, "smith": 42},
 }
 #: Entries that are judged by a value or a claim.
-SHIFTED = {"external": 0, "kalker": 0, "lin": 0, "liu": 0, "smith": 0}
+SHIFTED = {"external": 136, "kalker": 36, "lin": 216, "liu": 71, "smith": 249}
 
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
@@ -52,7 +52,7 @@ def wrong(e):
 def test_a_value_off_by_twice_its_tolerance_changes_the_verdict(source):
     judged = [e for e in evidence(STUDY, *of_source(source)) if e.printed.cls != "open" and e.agrees is not None]
     assert len(judged) == SHIFTED[source]
-    assert [e.printed.name for e in judged if not all(other.change for other in wrong(e)) or not wrong(e)] == []
+    assert [e.printed.name for e in judged for other in wrong(e) if not other.change] == []
 
 
 @pytest.mark.parametrize("source", ["liu", "smith"])

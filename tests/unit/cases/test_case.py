@@ -72,17 +72,28 @@ def test_a_broken_case_is_named_in_one_error_and_other_commands_go_on(installed)
     assert rollbench("list").returncode == rollbench("check", "lin-case1", "--no-compute").returncode == 0
 
 
-@pytest.mark.parametrize(
-    ("module", "word"), [("CASE = 3", "acme_case:CASE: got 3"), (CASE.replace('"acme"', '"lin"'), 'name: got "lin"')]
-)
-def test_what_is_no_case_and_a_name_that_is_taken_are_refused(installed, module, word):
+#: Modules that give no case, and what is said of them.
+NO_CASE = {
+    "CASE = 3": "acme_case:CASE: got 3",
+    CASE.replace("acme_case", "acme_cse"): "No module named 'acme_cse'",
+    CASE.replace('"acme"', '"lin"'): 'name: got "lin"',
+}
+
+
+@pytest.mark.parametrize("module", NO_CASE, ids=["number", "package", "name"])
+def test_what_is_no_case_and_a_name_that_is_taken_are_refused(installed, module):
     done = installed(module)("check", "--printed", "--only", "lin-B1")
-    assert (done.returncode, word in done.stderr) == (2, True), done.stderr
+    assert (done.returncode, NO_CASE[module] in done.stderr) == (2, True), done.stderr
 
 
-def test_tables_without_a_computation_are_named(installed, tmp_path):
-    rollbench = installed(CASE)
-    (tmp_path / "acme_case/computations.toml").write_text("", encoding="utf-8")
-    done = rollbench("check", "--printed", "--only", "lin-B1")
-    assert done.returncode == 2
-    assert "computations.toml: acme-1: got no computation" in done.stderr
+def test_computations_that_are_missing_or_wrong_are_named(installed, tmp_path):
+    rollbench, file = installed(CASE), tmp_path / "acme_case/computations.toml"
+    right = file.read_text(encoding="utf-8")
+    for text, said in (
+        ("", "computations.toml: acme-1: got no computation"),
+        ("[", "computations.toml: file: got"),
+        (right.replace("table_1", "table_2"), "acme: computations.toml: acme-1: got module 'acme_case.evidence' has no"),
+    ):
+        file.write_text(text, encoding="utf-8")
+        done = rollbench("check", "--printed", "--only", "acme-1")
+        assert (done.returncode, said in done.stderr, done.stderr.count("\n")) == (2, True, 1), done.stderr
