@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.compare import commands, report, text
+from rollbench import compare
 from rollbench.compare.text.printing import Answer, cell, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
@@ -21,7 +21,7 @@ def writes(path: Path) -> bool:
 
 
 def test_one_module_prints_answers():
-    folders = [Path(package.__file__).parent for package in (commands, report, text)]
+    folders = [Path(compare.__file__).with_name(name) for name in ("commands", "report", "text")]
     assert {path.name for folder in folders for path in folder.rglob("*.py") if writes(path)} == WRITERS
 
 
