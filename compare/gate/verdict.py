@@ -15,6 +15,7 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import bearing, mean_load
 from rollbench.meshes.parts import SIDES
+from rollbench.meshes.quantity import Stated, quantity, record
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
@@ -50,7 +51,7 @@ def of_whom(scene: str, case: str | None, set_: str | None) -> str:
     return ", ".join(filter(None, (scene, case, set_)))
 
 
-@dataclass(frozen=True)
+@record
 class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty of it (None: not known) and the
     limit, all in one unit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
@@ -63,15 +64,32 @@ class Verdict:
     judged: str
     quantity: str
     word: Word
-    error: float | None
-    uncertainty: float | None
-    limit: float
+    error: float | None = quantity(
+        "error_percent",
+        "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
+        "tenth of it",
+        Stated(
+            "error_deg",
+            "error of the contact angle that decides, of contacts that bear load in both",
+            error="`uncertainty_deg` beside it",
+        ),
+        error="`uncertainty_percent` beside it",
+    )
+    uncertainty: float | None = quantity("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
+    limit: float = quantity(
+        "limit_percent", "limit of the scene or of the command line", Stated("limit_deg", "its limit, 1 deg unless given")
+    )
     ball: int | None = None
     flank: str | None = None
     levels: tuple[int, ...] = ()
     contacts: int = 0
     detail: str = ""
-    of_mean: LoadError | None = None
+    of_mean: LoadError | None = quantity(
+        "max_percent_of_mean",
+        "error of the worst contact load in per cent of the mean load",
+        Stated("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
+        default=None,
+    )
     set: str | None = None
     case: str | None = None
     unit: str = "%"

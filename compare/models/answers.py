@@ -33,6 +33,7 @@ from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
@@ -42,17 +43,17 @@ TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source
 WIDEST = 0.6
 
 
-@dataclass(frozen=True)
+@record
 class LoadAnswers:
     """What contact loads alone answer, of any model or of the 3D reference: the worst contact, its static safety, where the
     ellipses reach, and the life; None without load, words where a formula does not take the scene."""
 
-    worst: Contact | None
-    safety: StaticSafety | None
-    reach: Truncation | None
-    life: Life | None
-    ratings: Ratings | None
-    words: str = ""
+    worst: Contact | None = quantity("worst_contact")
+    safety: StaticSafety | None = quantity("static_safety")
+    reach: Truncation | None = quantity("truncation")
+    life: Life | None = quantity("life")
+    ratings: Ratings | None = quantity("ratings")
+    words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
 
 
 @dataclass(frozen=True)
@@ -250,6 +251,19 @@ class AxisAnswers:
     motion: Array | None
     path: LoadPath | None = None
     paths: tuple[LoadPath, ...] = ()
+
+    @property
+    def by_pressure(self) -> list[int]:
+        """Numbers (from 0) of the loaded sets, first that whose highest pressure is most of what is allowed."""
+        found = [x.loads for x in self.sets]
+        shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
+        return sorted(shares, key=lambda i: -shares[i])
+
+    @property
+    @Stated("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
+    def worst_set(self) -> int | None:
+        """The first of these, from 1; None without load."""
+        return next((i + 1 for i in self.by_pressure), None)
 
     @property
     def displacement(self) -> float | None:

@@ -31,6 +31,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 from rollbench.meshes.solid import dimensions
 
 #: File of the points of shipped scenes in a store of runs.
@@ -77,7 +78,7 @@ FLANGE = "flange"
 WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 
 
-@dataclass(frozen=True)
+@record
 class ModelForm:
     """Model-form error to expect of a result: errors of the same model against a 3D reference on other scenes.
 
@@ -88,15 +89,25 @@ class ModelForm:
     in, and what is unlike.
     """
 
-    percent: float | None
-    rms_percent: float | None
-    distance: float
-    nearest: str
-    compared: int
-    words: tuple[str, ...]
-    displacement_percent: float | None = None
-    rigidity_percent: float | None = None
-    pressure_percent: float | None = None
+    percent: float | None = quantity(
+        "covered",
+        "whether scenes like this one were compared with the 3D reference",
+        Stated(
+            "largest_percent_of_mean",
+            "error of the worst contact load that holds for nine of ten such scenes, in per cent of the mean load",
+        ),
+        show=lambda percent: percent is not None,
+    )
+    rms_percent: float | None = quantity("rms_percent_of_mean", "the same of the root mean square over all contacts")
+    distance: float = quantity("distance", "distance to the nearest compared scene, in the space of what decides the error")
+    nearest: str = quantity("nearest", "its name")
+    compared: int = quantity("compared", "number of compared scenes")
+    words: tuple[str, ...] = quantity("words")
+    displacement_percent: float | None = quantity(
+        "displacement_percent", "the same of the axial displacement", default=None
+    )
+    rigidity_percent: float | None = quantity("rigidity_percent", "the same of the tangent rigidity", default=None)
+    pressure_percent: float | None = quantity("pressure_percent", "the same of the largest pressure", default=None)
 
 
 @dataclass(frozen=True)
@@ -277,11 +288,11 @@ def _beyond(known: Array, here: Array) -> list[str]:
 def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
     """Expected errors [%] by quantity."""
     out: dict[str, float | None] = {}
-    for quantity in QUANTITIES:
-        errors = np.array([np.nan if (e := getattr(p, quantity)) is None else e for p in like], dtype=float)
+    for name in QUANTITIES:
+        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
         finite = np.isfinite(errors)
         enough = finite.sum() >= FEWEST
-        out[quantity] = bound(known[finite], errors[finite], here, LEAST[quantity]) if enough else None
+        out[name] = bound(known[finite], errors[finite], here, LEAST[name]) if enough else None
     return out
 
 

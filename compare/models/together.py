@@ -14,6 +14,7 @@ from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
 from rollbench.lowfi.rating.life import Life, life, over_cases
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.quantity import Stated, quantity, record
 
 #: What is said of a shaft without a set of balls.
 NO_BALLS = "none: rollers are not rated"
@@ -27,18 +28,24 @@ class Extreme:
     case: str
 
 
-@dataclass(frozen=True)
+@record
 class Lives:
     """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
     None with words that say why; set: its name, empty where it is the only one."""
 
     life: Life | None
-    life_words: str
-    standard: EquivalentLife | None
-    standard_words: str
+    life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
+    standard: EquivalentLife | None = quantity("standard_life")
+    standard_words: str = quantity(
+        "standard_life_words", "why the standard does not apply", show=lambda words: words or None
+    )
     set: str = ""
 
     @property
+    @Stated(
+        "life_difference_percent",
+        "life over the duty cycle by the contact loads against that by the standard; a result, not an error",
+    )
     def difference_percent(self) -> float | None:
         """Of the life by the loads from that by the standard [%]."""
         if self.life is None or self.standard is None:
@@ -46,7 +53,7 @@ class Lives:
         return float(error_percent(self.life.revolutions, self.standard.revolutions))
 
 
-@dataclass(frozen=True)
+@record
 class Together:
     """What the cases of a duty cycle say together.
 
@@ -55,13 +62,36 @@ class Together:
     of every set of balls, in order; speed: mean one [rad/s].
     """
 
-    pressure: Extreme | None
-    safety: Extreme | None
-    error: Extreme | None
-    uncovered: tuple[str, ...]
-    unsolved: dict[str, str]
+    pressure: Extreme | None = quantity(
+        "largest_pressure_MPa",
+        "largest pressure of all cases",
+        Stated("largest_pressure_case", "its case", show=lambda found: found and found.case),
+        error="`model_form.pressure_percent` of its case",
+        show=lambda found: found and found.value,
+    )
+    safety: Extreme | None = quantity(
+        "least_static_safety",
+        "least static safety of all cases",
+        Stated("least_static_safety_case", "its case", show=lambda found: found and found.case),
+        error="that of the load",
+        show=lambda found: found and found.value,
+    )
+    error: Extreme | None = quantity(
+        "largest_expected_error_percent",
+        "largest error to expect of a contact load in any case, in per cent of the mean load",
+        Stated("largest_expected_error_case", "its case", show=lambda found: found and found.case),
+        show=lambda found: found and found.value,
+    )
+    uncovered: tuple[str, ...] = quantity("expected_error_not_covered")
+    unsolved: dict[str, str] = quantity("unsolved")
     lives: tuple[Lives, ...]
     speed: float | None
+
+    @property
+    @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
+    def shortest(self) -> str:
+        """Name of `least`."""
+        return self.least.set
 
     @property
     def least(self) -> Lives:

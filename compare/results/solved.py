@@ -13,10 +13,8 @@ import numpy as np
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.together import Together
-from rollbench.compare.results.answers_json import by_pressure
 from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
-from rollbench.compare.results.cases_json import cases_json
-from rollbench.compare.results.solved_json import case_json
+from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
 from rollbench.lowfi.statics.problem import own_hertz
@@ -27,6 +25,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.quantity import quantity, record
 
 if TYPE_CHECKING:
     import pandas
@@ -106,19 +105,19 @@ class WorstContact:
     """Semi-axes of the ellipse, across and along the groove [m]; None of rollers."""
 
 
-@dataclass(frozen=True)
+@record
 class ExpectedError:
     """Error of the model to expect, from its errors against the 3D reference on other scenes; None: not covered."""
 
-    loads: float | None
+    loads: float | None = quantity("expected_error_percent", "what `model_form` promised for the worst contact load")
     """Largest error of a contact load [% of the mean contact load]."""
     loads_rms: float | None
     """RMS error of the contact loads [% of the mean contact load]."""
-    displacement: float | None
+    displacement: float | None = quantity("expected_displacement_error_percent", "the same for the displacement")
     """Of the axial displacement [%]."""
-    rigidity: float | None
+    rigidity: float | None = quantity("expected_rigidity_error_percent", "the same for the rigidity")
     """Of the axial stiffness [%]."""
-    pressure: float | None
+    pressure: float | None = quantity("expected_pressure_error_percent", "the same for the pressure")
     """Of the largest pressure [%]."""
     nearest: str
     """The compared scene that is most alike."""
@@ -424,7 +423,7 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
     }
-    worst = next((sets[found.sets[i].of.name].worst for i in by_pressure(answers)), None)
+    worst = next((sets[found.sets[i].of.name].worst for i in answers.by_pressure), None)
     lives = [s.life for s in sets.values() if s.life is not None]
     moved = answers.displacement
     return replace(

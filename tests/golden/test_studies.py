@@ -16,7 +16,7 @@ from tests.golden.means import means, same
 from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.compare.gate import closed_forms, further, judged, verdict
-from rollbench.compare.models import applicability, compared_point, loading, model_form, modelling, total_uncertainty, u_val
+from rollbench.compare.models import applicability, compared_point, loading, model_form, modelling, uncertainty
 from rollbench.compare.models.comparison import REFERENCED, from_result
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study, with_balls, with_groove
@@ -82,9 +82,9 @@ def validation():
     rows = []
     for name in REFERENCED:
         answer = from_result(STUDY().solve(name, "lin"))
-        rows += [u_val.validated(STUDY(), name, "lin", quantity, answer) for quantity in u_val.QUANTITIES]
+        rows += [uncertainty.validated(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
     rows = [row for row in rows if row is not None]
-    return {"rows": rows, "scatter": u_val.scatter(rows)}
+    return {"rows": rows, "scatter": uncertainty.scatter(rows)}
 
 
 def expectations():
@@ -102,7 +102,7 @@ def expectations():
 
 def uncertainties():
     found = STUDY().references(NAMES)
-    return [total_uncertainty.total(STUDY().scene(name), one) for name, one in found.items()]
+    return [uncertainty.total(STUDY().scene(name), one) for name, one in found.items()]
 
 
 def faces():

@@ -12,8 +12,7 @@ from rollbench.compare.commands.tables import aligned
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.together import Lives, Together
 from rollbench.compare.quantities import count_of
-from rollbench.compare.results.answers_json import life_json
-from rollbench.compare.results.cases_json import cases_json
+from rollbench.compare.results.scene_json import cases_json, life_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.statics.tangent import Tangent
 

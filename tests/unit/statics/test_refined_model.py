@@ -200,7 +200,7 @@ def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     from rollbench.compare.commands.solving.entries import model_form_words
     from rollbench.compare.gate.closed_forms import two_opposite_balls
     from rollbench.compare.models.load_cases import Solved
-    from rollbench.compare.results.solved_json import case_json
+    from rollbench.compare.results.scene_json import case_json
 
     found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)

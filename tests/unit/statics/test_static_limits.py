@@ -12,7 +12,7 @@ from rollbench.compare.commands.solving.output import case_table
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.load_cases import Solved
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.results.solved_json import case_json
+from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
