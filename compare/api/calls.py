@@ -91,9 +91,8 @@ def solve_described(
 ) -> Result:
     """The same of a scene that is read; origin: what errors name it, its name unless given."""
     from rollbench.compare.models.answers import tangent_of
-    from rollbench.compare.models.load_cases import solve_any
+    from rollbench.compare.models.load_cases import solve_any, together
     from rollbench.compare.models.registry import default_model
-    from rollbench.compare.models.together import together
     from rollbench.compare.results.solved import result_of
 
     solved, tangents = [], []

@@ -15,7 +15,10 @@ from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
 from rollbench.compare.models.comparison import (
     RULE,
+    Answered,
     Loads,
+    SetOf,
+    answered,
     from_result,
     from_run,
     gate_points,
@@ -25,7 +28,6 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.compare.models.referenced import Answered, SetOf, answered
 from rollbench.compare.models.registry import DEFAULT, MODELS, Model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json

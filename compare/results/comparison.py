@@ -12,10 +12,9 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by, stored_beside
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import suited
-from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.models.comparison import Referenced, referenced, suited
+from rollbench.compare.models.load_cases import cycle_life
 from rollbench.compare.models.registry import Model
-from rollbench.compare.models.together import cycle_life
 from rollbench.compare.quantities import as_json, number
 from rollbench.compare.reference.jobs import Engine, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL

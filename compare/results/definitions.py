@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
+from rollbench.compare.models.load_cases import Lives, Together
 from rollbench.compare.models.load_path import LoadPath, Taker
 from rollbench.compare.models.loading import LiftOff, Preload
 from rollbench.compare.models.model_form import ModelForm
-from rollbench.compare.models.together import Lives, Together
 from rollbench.compare.models.uncertainty import Total
 from rollbench.compare.results import scene_json
 from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
@@ -27,7 +27,6 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
-from rollbench.lowfi.bearings.torque import LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
 from rollbench.lowfi.rating.equivalent import EquivalentLife
 from rollbench.lowfi.rating.life import Life
@@ -102,7 +101,7 @@ TABLES = (
             ("ratings.", Ratings),
             ("", LoadAnswers),
             ("preload.", Preload),
-            ("starting_torque.", LoadTorque),
+            ("starting_torque.", scene_json.StartingTorque),
             ("contact_lost.", LiftOff),
         ),
     ),

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.answers import LoadAnswers, RollerAnswers
-from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_in
+from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
-from rollbench.compare.models.ring_play import clearance_in
-from rollbench.compare.models.together import Lives, Together
 from rollbench.compare.quantities import as_json, number
 from rollbench.compare.registration import offered
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
@@ -210,6 +208,21 @@ class CentrelinePoint:
     )
 
 
+@record
+class StartingTorque:
+    """Of a bearing: torque [N m], factor f1, static equivalent load and rating [N]."""
+
+    torque: float = quantity(
+        "torque_Nmm",
+        "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
+        "without lubricant and seals",
+        error="empirical",
+    )
+    factor: float = quantity("factor", "its f1 = 0.0013 (P0/C0)^(1/3)")
+    equivalent_load: float = quantity("equivalent_load_N", "its static equivalent load P0")
+    rating: float = quantity("static_rating_N", "its static rating C0 by Palmgren's formula")
+
+
 def sides_json(load: Array) -> dict[str, Any]:
     """Per loaded side: largest and smallest load of the loaded balls [N], their ratio, balls with and without load."""
     out = {}
@@ -290,7 +303,8 @@ def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     ways, preload = offered("starting torque"), answers.preload
     if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
         return None
-    return as_json(ways[0](answers.parts, preload.axial))
+    found = ways[0](answers.parts, preload.axial)
+    return as_json(StartingTorque(found.torque, found.factor, found.equivalent_load, found.rating))
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:

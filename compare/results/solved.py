@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
-from rollbench.compare.models.load_cases import Solved, SolvedAxis
-from rollbench.compare.models.together import Together
+from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
 from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rollbench.compare.commands.printing import Answer, cell, on_terminal
 from rollbench.compare.commands.tables import ruled
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.baseline import Change, changes
-from rollbench.compare.gate.publish import Outcome, of_row, of_verdict, publish
+from rollbench.compare.gate.publish import Change, Outcome, changes, of_row, of_verdict, publish
 from rollbench.compare.gate.user import Asked, as_shares
 from rollbench.compare.gate.verdict import CODES, LIMIT, Limits
 from rollbench.compare.reference.jobs import Engine

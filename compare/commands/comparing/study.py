@@ -18,8 +18,7 @@ from rollbench.compare.commands.comparing.compare_output import table as compare
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.models.comparison import compared_models, finest_bodies, rows
-from rollbench.compare.models.referenced import Referenced
+from rollbench.compare.models.comparison import Referenced, compared_models, finest_bodies, rows
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL

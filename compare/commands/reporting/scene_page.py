@@ -19,11 +19,10 @@ from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import solve_one
+from rollbench.compare.models.load_cases import solve_one, together
 from rollbench.compare.models.model_form import FILE, ModelForm
 from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.together import together
 from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
 from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.quantities import count_of

@@ -9,8 +9,7 @@ from rollbench.compare.commands.printing import text_width
 from rollbench.compare.commands.solving.entries import entry, life_words
 from rollbench.compare.commands.solving.output import case_table, stiffness_lines
 from rollbench.compare.commands.tables import aligned
-from rollbench.compare.models.load_cases import Solved, SolvedAxis
-from rollbench.compare.models.together import Lives, Together
+from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.compare.quantities import count_of
 from rollbench.compare.results.scene_json import cases_json, life_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle

@@ -10,7 +10,7 @@ from rollbench.compare.commands.comparing.study import code_of
 from rollbench.compare.commands.printing import Answer, on_terminal
 from rollbench.compare.commands.tables import aligned
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.models.comparison import Referenced, referenced
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.reference.store import shipped_store

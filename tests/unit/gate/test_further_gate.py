@@ -7,14 +7,12 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
-from rollbench.compare.gate.further import not_judged, value_verdict
-from rollbench.compare.gate.loads_file import column, read_loads
+from rollbench.compare.gate.given_files import GivenValue, column, read_loads, read_values
 from rollbench.compare.gate.user import asked, check_scenes
-from rollbench.compare.gate.values_file import GivenValue, read_values
-from rollbench.compare.gate.verdict import LARGEST, Limits, Verdict
+from rollbench.compare.gate.verdict import LARGEST, Limits, Verdict, not_judged, value_verdict
 from rollbench.compare.models import loading, uncertainty
 from rollbench.compare.models.answers import load_answers
-from rollbench.compare.models.referenced import referenced
+from rollbench.compare.models.comparison import referenced
 from rollbench.compare.reference import jobs, store, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
