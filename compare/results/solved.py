@@ -206,7 +206,7 @@ class Result(Record, Balls):
     stiffness: Array | None = None
     """Tangent stiffness of the screw's section at the nut's centre against the held nut, (6, 6) [N/m, N, N m]; where
     ``stiffness_at`` was given, at that station. Of several sets: of the whole, nan in held freedoms. None where the model
-    has none, and without axial force unless ``stiffness_at`` was given."""
+    has none."""
     axial_stiffness: float | None = None
     """Axial tangent stiffness at the nut's centre [N/m]: rotation about the axis held, all else free; of several sets all
     other freedoms held."""
@@ -343,11 +343,13 @@ class Result(Record, Balls):
 def result_of(
     solved: Sequence[Solved | SolvedAxis],
     tangents: Sequence[Tangent | None],
+    at_nut: Sequence[Tangent | None],
     cycle: DutyCycle | None = None,
     together: Together | None = None,
 ) -> Result:
-    """The result of a solved scene, or of the load cases of a cycle and what they say together."""
-    each = [_of_one(one, tangent) for one, tangent in zip(solved, tangents, strict=True)]
+    """The result of a solved scene, or of the load cases of a cycle and what they say together. tangents: the stiffness at
+    the station that was asked for; at_nut: at the nut's centre; of each, None where there is none."""
+    each = [_of_one(*one) for one in zip(solved, tangents, at_nut, strict=True)]
     if cycle is None or together is None:
         return each[0]
     lost = next((one for one in each if not one.converged), each[0])
@@ -372,7 +374,7 @@ def result_of(
     )
 
 
-def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None) -> Result:
+def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     found = one.result
     head = Result(
         scene=one.scene.name,
@@ -386,16 +388,16 @@ def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None) -> Result:
         solved=(one,),
         tangents=(tangent,),
     )
-    return _of_set(head, one, tangent) if isinstance(one, Solved) else _of_axis(head, one)
+    return _of_set(head, one, tangent, at_nut) if isinstance(one, Solved) else _of_axis(head, one)
 
 
-def _of_set(head: Result, one: Solved, tangent: Tangent | None) -> Result:
+def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     answers = one.answers
     balls = _balls(one.scene, one.result, solved=answers is not None)
     if answers is None:
         return replace(head, azimuth=balls.azimuth, z=balls.z)
     speed = None if one.scene.motion is None else one.scene.motion.speed
-    K = tangent if tangent is not None and tangent.status == "converged" else answers.at_nut
+    K = tangent if tangent is not None and tangent.status == "converged" else at_nut
     return replace(
         head,
         **vars(balls),
@@ -403,7 +405,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None) -> Result:
         displacement=answers.motion,
         rigidity=None if answers.rigidities is None else answers.rigidities.unequal,
         stiffness=None if K is None else K.matrix,
-        axial_stiffness=answers.tangent,
+        axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
         preload=_preload(answers.preload),

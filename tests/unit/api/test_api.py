@@ -56,6 +56,13 @@ def test_the_axial_stiffness_is_that_of_the_matrix_with_all_but_the_rotation_fre
     assert not np.allclose(elsewhere.stiffness, K, rtol=1e-3)
 
 
+def test_the_stiffness_is_there_without_an_axial_force() -> None:
+    scene = rollbench.read("lin-case3")  # preloaded
+    found = rollbench.solve(replace(scene, loads=()), "lin")
+    assert found.axial_stiffness == pytest.approx(found.stiffness[2, 2], rel=0.05)
+    assert found.to_dict()["summary"]["axial"]["tangent_N_per_um"] is None
+
+
 def test_fields_of_several_sets(command) -> None:
     found, data = rollbench.solve("double-nut", "lin"), command.answer("solve", "double-nut", "--model", "lin")
     assert [*found.sets] == [one["name"] for one in data["sets"]]
