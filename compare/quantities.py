@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache, reduce
 from typing import Any, NamedTuple
 
@@ -105,13 +105,14 @@ def as_json(holder: object, *without: str) -> dict[str, Any] | None:
 
 
 def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Values in SI units of the fields of a record whose keys JSON has."""
-    out = {}
-    for name, one in stated_in(kind):
-        value: Any = reduce(lambda at, key: at.get(key) if isinstance(at, Mapping) else None, one.key.split("."), data)
-        if value is not None and name not in out and one.show is None:
+    """The fields of a record that are quantities, in SI units, from JSON with their keys; None where that has no value."""
+    out: dict[str, Any] = {}
+    for field in fields(kind):
+        one = next(iter(field.metadata.get("stated", ())), None)
+        if one is not None and one.show is None:
+            value: Any = reduce(lambda at, key: (at or {}).get(key), one.key.split("."), data)
             unit = _unit(one.key)[1]
-            out[name] = _ready(value, 1.0 if unit is None else 1.0 / unit.factor)
+            out[field.name] = _ready(value, 1.0 if unit is None else 1.0 / unit.factor)
     return out
 
 

@@ -131,8 +131,8 @@ def quantities() -> Iterator[str]:
     """Every quantity of the output: from the fields that state it."""
     yield (
         "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path in"
-        " their JSON (`--json`) and in Python: `solution[path]`. The ending of a path is its unit. Axes: z along the screw,"
-        " azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
+        " their JSON (`--json`); in Python `result.definition(path)` says the same. The ending of a path is its unit. Axes:"
+        " z along the screw, azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
     )
     for table in TABLES:
         head = "| path | unit | definition | its error |\n|---|---|---|---|"

@@ -51,24 +51,19 @@ class FrictionBall:
     """Motion and friction of one ball of a screw or bearing, and of its contacts; None where its kind of scene has none."""
 
     index: int = quantity("index")
-    orbit: float | None = quantity("orbit_rad_s", "speed of the ball's centre about the axis", default=None)
+    orbit: float | None = quantity("orbit_rad_s", "speed of the ball's centre about the axis")
     rotation: Sequence[float] | None = quantity(
-        "rotation_rad_s",
-        "rotation of the ball about its centre: across, along, normal to its track",
-        parts="[]",
-        default=None,
+        "rotation_rad_s", "rotation of the ball about its centre: across, along, normal to its track", parts="[]"
     )
-    closing: float | None = quantity("closing_mm_s", "speed at which the gap to the next ball closes", default=None)
+    closing: float | None = quantity("closing_mm_s", "speed at which the gap to the next ball closes")
     sliding: FlankPairs | None = quantity(
-        "sliding_mm_s", "sliding at the contact's centre, across and along", parts=".FLANK[]", default=None
+        "sliding_mm_s", "sliding at the contact's centre, across and along", parts=".FLANK[]"
     )
-    spin: Flanks | None = quantity("spin_rad_s", "rotation about the contact's normal", parts=".FLANK", default=None)
-    force: FlankPairs | None = quantity(
-        "friction_N", "friction force on the ball, across and along", parts=".FLANK[]", default=None
-    )
-    moment: Flanks | None = quantity("moment_Nmm", "friction moment about the normal", parts=".FLANK", default=None)
-    loss: Flanks | None = quantity("loss_mW", "power lost in the contact", parts=".FLANK", default=None)
-    at_rest: Mapping[str, bool] | None = quantity("at_rest", "whether the contact sticks", parts=".FLANK", default=None)
+    spin: Flanks | None = quantity("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
+    force: FlankPairs | None = quantity("friction_N", "friction force on the ball, across and along", parts=".FLANK[]")
+    moment: Flanks | None = quantity("moment_Nmm", "friction moment about the normal", parts=".FLANK")
+    loss: Flanks | None = quantity("loss_mW", "power lost in the contact", parts=".FLANK")
+    at_rest: Mapping[str, bool] | None = quantity("at_rest", "whether the contact sticks", parts=".FLANK")
 
 
 @record(kw_only=True)
@@ -79,13 +74,9 @@ class FrictionBand:
         "coefficients", "coefficients between which a lubricated screw lies, 0.003 to 0.1", parts="[]"
     )
     torque: Sequence[float | None] = quantity("friction_torque_Nmm", "friction torque at both", parts="[]")
-    drag_torque: Sequence[float | None] | None = quantity(
-        "drag_torque_Nmm", "drag torque at both", parts="[]", default=None
-    )
-    preload: float | None = quantity("preload_N", "preload that the makers' formula takes", default=None)
-    makers: float | None = quantity(
-        "makers_formula_Nmm", "0.05/sqrt(tan beta) F l/(2 pi), which makers print", default=None
-    )
+    drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both", parts="[]")
+    preload: float | None = quantity("preload_N", "preload that the makers' formula takes")
+    makers: float | None = quantity("makers_formula_Nmm", "0.05/sqrt(tan beta) F l/(2 pi), which makers print")
 
 
 @record(kw_only=True)
@@ -93,22 +84,18 @@ class FrictionPlay:
     """Friction torque with smaller balls, of a screw that states neither preload nor play."""
 
     smaller: float = quantity("smaller_by_um", "by how much the ball radii are made smaller to show what play does")
-    torque: float | None = quantity("friction_torque_Nmm", "friction torque then", default=None)
-    as_given: float | None = quantity("friction_torque_as_given_Nmm", "friction torque as the scene stands", default=None)
+    torque: float | None = quantity("friction_torque_Nmm", "friction torque then")
+    as_given: float | None = quantity("friction_torque_as_given_Nmm", "friction torque as the scene stands")
 
 
 @record(kw_only=True)
 class FrictionCases:
     """Friction of the load cases of a duty cycle together."""
 
-    largest: float | None = quantity(
-        "largest_friction_torque_Nmm", "friction torque of the case with the largest", default=None
-    )
-    case: str | None = quantity("largest_friction_torque_case", "its case", default=None)
-    mean: float | None = quantity(
-        "mean_friction_torque_Nmm", "work of friction over the duty cycle, over the angle turned", default=None
-    )
-    words: str | None = quantity("mean_words", "why there is no mean", default=None)
+    largest: float | None = quantity("largest_friction_torque_Nmm", "friction torque of the case with the largest")
+    case: str | None = quantity("largest_friction_torque_case", "its case")
+    mean: float | None = quantity("mean_friction_torque_Nmm", "work of friction over the duty cycle, over the angle turned")
+    words: str | None = quantity("mean_words", "why there is no mean")
 
 
 @record(eq=False, repr=False, kw_only=True)
@@ -128,56 +115,49 @@ class Friction(Data):
         "torque.friction_torque_Nmm",
         "torque of friction alone, against the motion",
         error="proportional to the coefficient",
-        default=None,
     )
     torque_on_screw: float | None = quantity(
-        "torque.friction_torque_on_screw_Nmm", "the same as it acts on the screw, with sign", error="as above", default=None
+        "torque.friction_torque_on_screw_Nmm", "the same as it acts on the screw, with sign", error="as above"
     )
     torque_on_nut: float | None = quantity(
-        "torque.friction_torque_on_nut_Nmm", "the same as it acts on the nut", error="as above", default=None
+        "torque.friction_torque_on_nut_Nmm", "the same as it acts on the nut", error="as above"
     )
     drag_torque: float | None = quantity(
-        "torque.drag_torque_Nmm", "friction torque without the scene's loads: preload alone", error="as above", default=None
+        "torque.drag_torque_Nmm", "friction torque without the scene's loads: preload alone", error="as above"
     )
-    axial_load: float | None = quantity("torque.axial_load_N", "axial load that the torque works against", default=None)
+    axial_load: float | None = quantity("torque.axial_load_N", "axial load that the torque works against")
     driving_torque_on_screw: float | None = quantity(
         "torque.driving_torque_on_screw_Nmm",
         "torque that the screw must be given in the stated motion",
         error="friction's share of it",
-        default=None,
     )
     driving_torque_on_nut: float | None = quantity(
-        "torque.driving_torque_on_nut_Nmm", "the same for the nut", error="friction's share of it", default=None
+        "torque.driving_torque_on_nut_Nmm", "the same for the nut", error="friction's share of it"
     )
-    load_moves: str | None = quantity("torque.load_moves", "with or against the load", default=None)
+    load_moves: str | None = quantity("torque.load_moves", "with or against the load")
     forward_torque: float | None = quantity(
         "torque.forward_torque_Nmm",
         "torque that moves the nut against the axial load: F l/(2 pi) + friction",
         error="friction's share of it",
-        default=None,
     )
     backward_torque: float | None = quantity(
         "torque.backward_torque_Nmm",
         "torque that the load gives when it drives: F l/(2 pi) - friction",
         error="friction's share of it",
-        default=None,
     )
     efficiency_forward: float | None = quantity(
         "torque.efficiency_forward_percent",
         "work on the load over work of the torque",
         error="1 - efficiency is proportional to the coefficient",
-        default=None,
     )
     efficiency_backward: float | None = quantity(
-        "torque.efficiency_backward_percent", "work of the torque over work of the load", error="as above", default=None
+        "torque.efficiency_backward_percent", "work of the torque over work of the load", error="as above"
     )
-    self_locking: bool | None = quantity("torque.self_locking", "whether the load cannot drive the screw", default=None)
-    screw_coefficient: float | None = quantity(
-        "friction.screw", "coefficient of friction in the screw's groove", default=None
-    )
-    nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove", default=None)
-    turns: str | None = quantity("motion.turns", "which part turns", default=None)
-    speed: float | None = quantity("motion.speed_rad_s", "its speed", default=None)
+    self_locking: bool | None = quantity("torque.self_locking", "whether the load cannot drive the screw")
+    screw_coefficient: float | None = quantity("friction.screw", "coefficient of friction in the screw's groove")
+    nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove")
+    turns: str | None = quantity("motion.turns", "which part turns")
+    speed: float | None = quantity("motion.speed_rad_s", "its speed")
     loss: float | None = quantity(
         "losses.total_W",
         "power lost in all contacts",
@@ -193,14 +173,12 @@ class Friction(Data):
             "friction torque when friction does not move the balls in their grooves, and what that motion changes",
             parts=".*",
         ),
-        default=None,
     )
     imbalance: float | None = quantity(
         "solver.friction_imbalance",
         "largest unbalanced force of a ball with friction over its load",
         Stated("solver.static_residual", "residual of the static solve under friction"),
         Stated("solver.feedback_change", "last change of the loads by friction"),
-        default=None,
     )
     balls: tuple[FrictionBall, ...] = ()
     """Every ball; empty of load cases and of kinds that do not list their balls so."""
@@ -219,11 +197,11 @@ class Friction(Data):
 def friction_of(data: Mapping[str, Any]) -> Friction:
     """The record of what ``rollbench friction`` answers."""
     converged, warnings = bool(data.get("converged")), tuple(map(str, data.get("warnings", ())))
-    known = from_json(Friction, data) if converged else {}
-    for name in known.keys() & {"efficiency_forward", "efficiency_backward"}:
-        known[name] *= 1e-2
-    if converged:
-        known.setdefault("loss", (data.get("energy") or {}).get("loss_W"))
+    known = from_json(Friction, data if converged else {})
+    for name in ("efficiency_forward", "efficiency_backward"):
+        known[name] = None if known[name] is None else 1e-2 * known[name]
+    if converged and known["loss"] is None:
+        known["loss"] = (data.get("energy") or {}).get("loss_W")
     cases = {str(one["case"]): friction_of(one) for one in data.get("cases", ())}
     return Friction(
         values=data,
@@ -433,7 +411,7 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
 def _statistics(x: Mapping[str, Any]) -> Statistics:
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
     quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
-    return Statistics(**from_json(Statistics, x), quantiles=quantiles)
+    return Statistics(**(from_json(Statistics, x) | {"quantiles": quantiles}))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

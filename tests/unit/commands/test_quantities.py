@@ -52,7 +52,9 @@ def test_a_record_is_shown_in_the_units_of_its_keys():
 
 
 def test_fields_are_read_back_from_json_in_si_units():
-    assert from_json(Whole, {"ball": 3, "tilt_deg": 180.0, "edge_mm": None}) == {"ball": 3, "tilt": pytest.approx(math.pi)}
+    found = from_json(Whole, {"ball": 3, "peak_approach_um": 2.0, "edge_mm": None})
+    none = dict.fromkeys(("tilt", "edge", "load", "part"))
+    assert found == {"ball": 3, "approach": pytest.approx(2e-6)} | none
 
 
 def test_rows_say_the_columns_of_their_table():
