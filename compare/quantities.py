@@ -92,12 +92,13 @@ def _column(name: str, x: Stated) -> Quantity:
     return Quantity(x.key, x.heading or words.replace("_", " "), text, x.form, value)
 
 
-def as_json(holder: object, *without: str) -> dict[str, Any] | None:
+def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
     """The quantities of a record by their keys, ready for JSON, but for those ``without``; None without a record."""
     if holder is None:
         return None
     out: dict[str, Any] = {}
-    for key, one in quantities(type(holder)).items():
+    kind: Any = type(holder)
+    for key, one in quantities(kind).items():
         if key not in without:
             *tables, last = key.split(".")
             reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = one.value(holder)
@@ -110,7 +111,9 @@ def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
     for field in fields(kind):
         one = next(iter(field.metadata.get("stated", ())), None)
         if one is not None and one.show is None:
-            value: Any = reduce(lambda at, key: (at or {}).get(key), one.key.split("."), data)
+            value: Any = data
+            for key in one.key.split("."):
+                value = value.get(key) if isinstance(value, Mapping) else None
             unit = _unit(one.key)[1]
             out[field.name] = _ready(value, 1.0 if unit is None else 1.0 / unit.factor)
     return out
@@ -144,6 +147,6 @@ def _ready(value: Any, factor: float) -> Any:
         return as_json(value)
     if isinstance(value, Mapping):
         return {key: _ready(inner, factor) for key, inner in value.items()}
-    if isinstance(value, tuple) or getattr(value, "ndim", False):
+    if isinstance(value, tuple | list) or getattr(value, "ndim", False):
         return [_ready(inner, factor) for inner in value]
     return value if value is None or isinstance(value, str | int) else number(factor * value)

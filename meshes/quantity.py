@@ -7,7 +7,7 @@ from dataclasses import MISSING, dataclass, field
 from typing import Any, TypeVar, dataclass_transform, overload
 
 Class = TypeVar("Class")
-Getter = TypeVar("Getter", bound=Callable[[Any], object])
+Getter = TypeVar("Getter", bound=Callable[..., object])
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def record(*, eq: bool = True, repr: bool = True, kw_only: bool = False) -> Call
 @dataclass_transform(frozen_default=True, field_specifiers=(field, quantity))
 def record(cls: type[Class] | None = None, /, **options: bool) -> Any:
     """A frozen dataclass, some fields of which are a `quantity`; options: as of `dataclasses.dataclass`."""
-    made = dataclass(frozen=True, **options)  # type: ignore[call-overload]
+    made = dataclass(frozen=True, **options)
     return made if cls is None else made(cls)
 
 
