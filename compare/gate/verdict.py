@@ -20,7 +20,8 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import bearing, mean_load
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import Stated, record
+from rollbench.meshes.quantity import quantity as stated
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
@@ -76,7 +77,7 @@ class Verdict:
     judged: str
     quantity: str
     word: Word
-    error: float | None = quantity(
+    error: float | None = stated(
         "error_percent",
         "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
         "tenth of it",
@@ -87,8 +88,8 @@ class Verdict:
         ),
         error="`uncertainty_percent` beside it",
     )
-    uncertainty: float | None = quantity("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
-    limit: float = quantity(
+    uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
+    limit: float = stated(
         "limit_percent", "limit of the scene or of the command line", Stated("limit_deg", "its limit, 1 deg unless given")
     )
     ball: int | None = None
@@ -96,7 +97,7 @@ class Verdict:
     levels: tuple[int, ...] = ()
     contacts: int = 0
     detail: str = ""
-    of_mean: LoadError | None = quantity(
+    of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         Stated("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),

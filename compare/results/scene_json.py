@@ -427,9 +427,9 @@ def rollers(result: AxisResult) -> list[dict[str, Any]]:
         if not isinstance(s.of.parts, RollerRow) or s.roller_azimuth is None or s.line_loads is None:
             continue
         pressures = race_pressures(s.of.parts, s.line_loads)
-        for i, each in enumerate(zip(s.roller_azimuth, s.loads, s.line_loads.max(axis=1), pressures, strict=True), 1):
-            *values, of_races = each
-            row = RollerRowAnswer(i, *values, dict(zip(RACES, of_races, strict=True)))
+        each = zip(s.roller_azimuth, s.loads, s.line_loads.max(axis=1), pressures, strict=True)
+        for i, (azimuth, load, line_load, of_races) in enumerate(each, 1):
+            row = RollerRowAnswer(i, azimuth, load, line_load, dict(zip(RACES, of_races, strict=True)))
             rows.append({"set": k} | (as_json(row) or {}))
     return rows
 
