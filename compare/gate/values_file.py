@@ -8,7 +8,7 @@ from pathlib import Path
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
 from rollbench.compare.gate.loads_file import Rows, comma_or
-from rollbench.compare.scenes.units import UnitError, expected, parse
+from rollbench.meshes.units import UnitError, expected, parse
 
 COLUMNS = ("quantity", "value", "unit")
 WHERE = "where"

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ConfigDict
 
-from rollbench.compare.scenes import units
+from rollbench.meshes import units
 
 #: Materials by name: Young's modulus and Poisson's ratio, rounded values within the ranges of makers' data sheets
 #: (steels of bearings and of hardened shafts: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205

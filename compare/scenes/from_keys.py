@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from math import floor, hypot, pi, sin
 from typing import TYPE_CHECKING, Any
 
@@ -35,21 +35,21 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
             balls=parts.BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
             seed=e.seed,
             lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
-            **{side: _side(getattr(e, side)) for side in parts.SIDES},
+            **{side: getattr(e, side) for side in parts.SIDES},
         ),
         supports=tuple(support_of(s) for s in keys.supports),
-        loads=tuple(map(load_of, keys.loads)),
-        ingredients=parts.Ingredients(**keys.ingredients.model_dump()),
-        solid=parts.Solid(**keys.solid.model_dump() | {"nut_held": nut.held.at or held}),
+        loads=tuple(keys.loads),
+        ingredients=keys.ingredients,
+        solid=replace(keys.solid, nut_held=nut.held.at or held),
         source=escaped(keys.source),
         assumed=(*map(escaped, keys.assumed), *former),
         members=keys.members,
         friction=None if keys.friction is None else friction_of(keys.friction),
-        motion=None if keys.motion is None else parts.Motion(**keys.motion.model_dump()),
+        motion=keys.motion,
         role=keys.role,
-        circulation=None if keys.circulation is None else parts.Circulation(**keys.circulation.model_dump()),
-        time=None if keys.time is None else parts.Time(**keys.time.model_dump()),
-        gate=parts.GateLimits(**keys.gate.model_dump()),
+        circulation=keys.circulation,
+        time=keys.time,
+        gate=keys.gate,
     )
 
 
@@ -160,26 +160,8 @@ def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
 
 
-def _side(side: schema.SideKeys) -> parts.SideErrors:
-    pitch, roundness = (
-        tuple(parts.FourierTerm(**term.model_dump()) for term in terms) for terms in (side.pitch, side.roundness)
-    )
-    return parts.SideErrors(tuple(side.profile), tuple(side.profile_sigma), pitch, side.pitch_along, roundness)
-
-
 def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
     """Support at a station: freedoms held and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
     return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
-
-
-def load_of(keys: schema.LoadKeys) -> parts.Load:
-    """Force and moment at a station."""
-    return parts.Load(keys.at, vector(keys.force), vector(keys.moment))
-
-
-def vector(values: Sequence[float]) -> tuple[float, float, float]:
-    """Three values as a record."""
-    x, y, z = values
-    return x, y, z

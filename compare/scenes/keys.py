@@ -9,40 +9,21 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validat
 from pydantic_core import PydanticCustomError
 
 from rollbench.compare.scenes.catalogue_input import MATERIAL_NAMES, OTHER_NAME, with_material
-from rollbench.compare.scenes.quantity import Quantity, Rate, key
+from rollbench.meshes.ranges import (
+    MAX_BALLS,
+    Coefficient,
+    Conformity,
+    ContactAngle,
+    Deviation,
+    Lead,
+    Modulus,
+    Poisson,
+    Quantity,
+    Radius,
+    Size,
+    Turning,
+)
 
-MAX_BALLS = 100_000
-
-
-Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
-Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
-Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
-Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
-Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
-Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
-Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
-Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
-Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
-Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
-ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
-Modulus = Annotated[float, Quantity("pressure", "1 MPa", "5000 GPa", "210 GPa")]
-Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
-Conformity = Annotated[float, Quantity("number", 0.5, 5, 0.52, above=True)]
-Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
-Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
-Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
-Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
-#: A force and a moment by x, y, z.
-Forces = Annotated[list[Force], Field(min_length=3, max_length=3)]
-Moments = Annotated[list[Moment], Field(min_length=3, max_length=3)]
-Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
-Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
-Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
-Filling = Annotated[float, Quantity("number", 0, 1, 0.8, above=True)]
-Travel = Annotated[float, Quantity("angle", "0.001 deg", "1000000 deg", "360 deg")]
-Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
-StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
-Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
 Sentences = Annotated[list[Sentence], Field(max_length=100)]
@@ -53,6 +34,12 @@ StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NA
 Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
 #: Young's moduli [Pa] of solids that parts of machines are made of.
 SOLIDS = (1e9, 1e12)
+
+
+def key(description: str, default: Any = ..., example: Any = None) -> Any:
+    """A key of the file. ``default`` is written as in a scene; without it the key is required."""
+    examples = None if example is None else [example]
+    return Field(default=default, description=description, examples=examples)
 
 
 class Table(BaseModel):
@@ -141,14 +128,6 @@ class SpeedKeys(Table):
     speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
 
 
-class MotionKeys(SpeedKeys):
-    """Which part turns and how fast, for: rollbench friction."""
-
-    turns: Literal["screw", "nut"] = key(
-        "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
-    )
-
-
 @cache
 def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
@@ -174,7 +153,18 @@ def without_null(node: Any) -> Any:
             out[name] = {k: without_null(v) for k, v in value.items()}
         elif name == "default":
             if value is not None and not isinstance(value, dict):
-                out[name] = value
+                out[name] = _as_in_a_file(value, node)
+        elif name == "description":
+            out[name] = value.partition("\n\n")[0]
         elif not (name == "title" and isinstance(value, str)):
             out[name] = value if name == "examples" else without_null(value)
     return out
+
+
+def _as_in_a_file(default: Any, node: dict[str, Any]) -> Any:
+    """A default as a file has it: a record has it in SI units."""
+    if isinstance(default, list):
+        return [_as_in_a_file(x, node.get("items", {})) for x in default]
+    if isinstance(default, float) and "x-unit" in node:
+        return Quantity(node["x-dimension"], 0, 0, node["examples"][0]).written(default)
+    return default

@@ -12,9 +12,8 @@ from rollbench.compare.errors import escaped
 from rollbench.compare.registration import kinds, load
 from rollbench.compare.scenes.axis_schema import AxisKeys
 from rollbench.compare.scenes.fault import Fault
-from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, without_null
+from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, key, without_null
 from rollbench.compare.scenes.names import AXIS
-from rollbench.compare.scenes.quantity import key
 from rollbench.compare.scenes.schema import SceneKeys
 
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 from math import cos, sin
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.scenes.quantity import ShareOfRating
 from rollbench.compare.scenes.schema import PreloadKeys
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.ranges import ShareOfRating
 
 
 def oversize_for(scene: Scene, force: float) -> float:

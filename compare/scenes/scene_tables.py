@@ -18,9 +18,9 @@ from rollbench.compare.scenes.mending import sound, validated
 from rollbench.compare.scenes.names import AXIS, WHOLE
 from rollbench.compare.scenes.preload import preloaded
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.compare.scenes.units import show
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import show
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.axis_schema import AxisKeys

@@ -16,12 +16,13 @@ from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import Options, default_model
 from rollbench.compare.quantities import count_of
-from rollbench.compare.scenes import catalogue, units
+from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.compare.watch import checked, watched
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
+from rollbench.meshes import units
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
