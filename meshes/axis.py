@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollbench.meshes.fields import about, keyed, usual
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
-from rollbench.meshes.ranges import Bore, Size, Station
+from rollbench.meshes.ranges import Bore, ContactAngle, Size, Station
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -93,11 +93,11 @@ class RollerRow:
     azimuth of the first one [rad]."""
 
     count: int
-    diameter: float
-    length: float
-    cup_angle: float
-    roller_angle: float
-    depth: float
+    diameter: Size
+    length: Size
+    cup_angle: ContactAngle
+    roller_angle: ContactAngle
+    depth: Size
     material: Material
     crown: float = usual(float("inf"))
     slices: int = usual(15)
@@ -154,6 +154,12 @@ class Assembly:
     stiffness_at: float | str | None = usual(None)
     thermal_strain: float = usual(0.0)
     kind: ClassVar[str] = "axis"
+
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this shaft with its sets."""
+        from rollbench.meshes.scene_text import axis_tables, to_toml
+
+        return to_toml(axis_tables(self))
 
     @property
     def ball_count(self) -> int:

@@ -11,15 +11,22 @@ from typing import Annotated, Any, Literal
 from rollbench.meshes.fields import about, keyed, usual
 from rollbench.meshes.ranges import (
     MAX_BALLS,
+    Azimuth,
+    Bore,
     Clearance,
+    ContactAngle,
     Deviation,
     Duration,
     Element,
     Filling,
     Forces,
     Harmonic,
+    Lead,
+    Modulus,
     Moments,
     Percent,
+    Poisson,
+    Radius,
     Several,
     Size,
     Spread,
@@ -72,8 +79,8 @@ class UnfitKey(ValueError):
 class Material:
     """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio."""
 
-    youngs_modulus: float
-    poissons_ratio: float
+    youngs_modulus: Modulus
+    poissons_ratio: Poisson
 
     @property
     def shear_modulus(self) -> float:
@@ -90,12 +97,12 @@ class Track:
     is a gothic arch of two arcs, or, of a bearing, one arc, whose contacts then carry thrust on the screw this way.
     """
 
-    pitch_radius: float
-    lead: float
-    contact_angle: float
+    pitch_radius: Radius
+    lead: Lead
+    contact_angle: ContactAngle
     hand: Literal["right", "left"] = usual("right")
     starts: int = usual(1)
-    phase: float = usual(0.0)
+    phase: Azimuth = usual(0.0)
     arcs: Literal["two", "+z", "-z"] = usual("two")
 
 
@@ -104,11 +111,11 @@ class Track:
 class Screw:
     """Screw shaft or inner ring: length, outer diameter, bore and groove radius [m], material."""
 
-    length: float
-    outer_diameter: float
-    groove_radius: float
+    length: Size
+    outer_diameter: Size
+    groove_radius: Radius
     material: Material
-    bore: float = usual(0.0)
+    bore: Bore = usual(0.0)
 
 
 @keyed
@@ -122,11 +129,11 @@ class Flange:
     the first at azimuth 0 (0: all of the seat, as in low-order models).
     """
 
-    diameter: float
-    thickness: float
+    diameter: Size
+    thickness: Size
     seat: tuple[float, float]
     side: Literal["left", "right"] = usual("left")
-    centring: float = usual(0.0)
+    centring: Bore = usual(0.0)
     bonded: bool = usual(False)
     bolts: int = usual(0)
 
@@ -145,12 +152,12 @@ class Nut:
     ``azimuth`` [rad] is the angle psi_N between the axes of nut and screw (Lin 2.9), on which the nut's errors depend.
     """
 
-    position: float
-    length: float
-    outer_diameter: float
-    groove_radius: float
+    position: Station
+    length: Size
+    outer_diameter: Size
+    groove_radius: Radius
     material: Material
-    azimuth: float = usual(0.0)
+    azimuth: Azimuth = usual(0.0)
     flange: Flange | None = usual(None)
 
 
@@ -158,9 +165,9 @@ class Nut:
 class Balls:
     """Balls: nominal radius [m], material, and the unwrapped azimuths [rad] of one start (each start has the same)."""
 
-    radius: float
+    radius: Radius
     material: Material
-    azimuths: tuple[float, ...]
+    azimuths: tuple[Azimuth, ...]
 
 
 @keyed
@@ -206,9 +213,9 @@ class SideErrors:
 class BallErrors:
     """Errors of the ball radii [m]: the same ``oversize`` for all, ``listed`` by ball number (from 1), and random."""
 
-    oversize: float = usual(0.0)
+    oversize: Deviation = usual(0.0)
     listed: tuple[tuple[int, float], ...] = usual(())
-    sigma: float = usual(0.0)
+    sigma: Spread = usual(0.0)
     distribution: Literal["normal", "uniform"] = usual("normal")
 
 
@@ -247,7 +254,7 @@ class Errors:
 class Support:
     """Support of the screw at station ``at`` [m]: pairs (freedom, prescribed displacement [m] or rotation [rad])."""
 
-    at: float
+    at: Station
     fixed: tuple[tuple[str, float], ...]
 
 
@@ -447,6 +454,12 @@ class Scene:
     def __getstate__(self) -> dict[str, Any]:
         """Only the fields: words have another hash in another process."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this scene."""
+        from rollbench.meshes.scene_text import scene_tables, to_toml
+
+        return to_toml(scene_tables(self))
 
     @property
     def stations(self) -> list[float]:

@@ -77,7 +77,8 @@ class Quantity:
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
             if self._number(text) == value:
                 return text
-        return f"{value!r} {self.unit}"
+        text = f"{Decimal(repr(value)) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
+        return text if self._number(text) == value else f"{value!r} {self.unit}"
 
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
@@ -215,3 +216,7 @@ Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
 StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
 Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
+Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
+Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
+#: Young's moduli [Pa] of solids that parts of machines are made of.
+SOLIDS = (1e9, 1e12)

@@ -13,8 +13,6 @@ from rollbench.meshes.axis import Segment
 from rollbench.meshes.parts import Motion
 from rollbench.meshes.ranges import ForceOrShare, Quantity, ShareOfRating
 
-Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
-Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
 Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
 Expansion = Annotated[float, Quantity("number", 0, 1e-3, 11.5e-6)]
 Push = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "1000 MN", "500 N")]
@@ -85,7 +83,7 @@ class SetKeys(keys.Table):
     pair_preload: ranges.Force = key(
         "preload of a pair of these bearings with the same gaps, from which that of the set follows", "0 N", "2150 N"
     )
-    pair_rigidity: Spring | None = key(
+    pair_rigidity: ranges.Spring | None = key(
         "axial rigidity of that pair at its preload, as makers print it: the conformity of both grooves follows from it",
         None,
         "750 N/um",
@@ -102,12 +100,12 @@ class SetKeys(keys.Table):
 class SpringKeys(keys.Table):
     """Springs along and about the axes; freedoms left out have none."""
 
-    ux: Spring = key("along x", "0 N/m", "200 N/um")
-    uy: Spring = key("along y", "0 N/m", "200 N/um")
-    uz: Spring = key("along z", "0 N/m", "200 N/um")
-    rx: Twist = key("about x, per rad", "0 N m", "5 kN m")
-    ry: Twist = key("about y, per rad", "0 N m", "5 kN m")
-    rz: Twist = key("about z, per rad", "0 N m", "5 kN m")
+    ux: ranges.Spring = key("along x", "0 N/m", "200 N/um")
+    uy: ranges.Spring = key("along y", "0 N/m", "200 N/um")
+    uz: ranges.Spring = key("along z", "0 N/m", "200 N/um")
+    rx: ranges.Twist = key("about x, per rad", "0 N m", "5 kN m")
+    ry: ranges.Twist = key("about y, per rad", "0 N m", "5 kN m")
+    rz: ranges.Twist = key("about z, per rad", "0 N m", "5 kN m")
 
 
 Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]

@@ -12,6 +12,7 @@ from rollbench.compare.errors import escaped
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.keys import MaterialKeys
 from rollbench.meshes import parts
+from rollbench.meshes.helix import spread_over_turns
 from rollbench.meshes.one_arc import rest_angle
 
 if TYPE_CHECKING:
@@ -122,10 +123,8 @@ def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, .
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     if balls.arcs is None:
-        n, turns = balls_of_circuit(balls, track), balls.turns or 1.0
-        spacing, pitch = 2.0 * pi * turns / n, 2.0 * pi * (turns + (balls.circuit_gap or 0.0))
-        middles = (track.phase + (k - (balls.circuits - 1) / 2.0) * pitch for k in range(balls.circuits))
-        return tuple(middle + (i - (n - 1) / 2.0) * spacing for middle in middles for i in range(n))
+        n = balls_of_circuit(balls, track)
+        return spread_over_turns(n, balls.turns or 1.0, track.phase, balls.circuits, balls.circuit_gap or 0.0)
     n = (balls.count or 0) // track.starts
     ends = np.array(balls.arcs)
     fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])

@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 from rollbench.compare.scenes.catalogue_input import MATERIAL_NAMES, OTHER_NAME, with_material
 from rollbench.meshes.ranges import (
     MAX_BALLS,
+    SOLIDS,
     Coefficient,
     Conformity,
     ContactAngle,
@@ -32,8 +33,6 @@ MaterialName = Literal[
 ]
 StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NAME})]
 Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
-#: Young's moduli [Pa] of solids that parts of machines are made of.
-SOLIDS = (1e9, 1e12)
 
 
 def key(description: str, default: Any = ..., example: Any = None) -> Any:

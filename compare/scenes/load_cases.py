@@ -42,7 +42,7 @@ def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
     whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
     shares = [k.share or 0.0 for k in keys] if whole == 0.0 else [x / whole for x in turned]
     speed = whole / time if whole else None if scene.motion is None else abs(scene.motion.speed)
-    cases = (LoadCase(k.name, share, k.speed, _scene(scene, k)) for k, share in zip(keys, shares, strict=True))
+    cases = (LoadCase(k.name, share, k.speed, _scene(scene, k), k.time) for k, share in zip(keys, shares, strict=True))
     return DutyCycle(scene, tuple(cases), speed)
 
 
