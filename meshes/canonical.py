@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.meshes.fields import FROZEN, keyed
+from rollbench.meshes.fields import FROZEN
 
 #: Version of the form, part of every digest: bump it when the same value gets another text.
 FORM = 1
@@ -73,9 +73,7 @@ def _record(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _usual(record: type) -> Mapping[str, str]:
-    """Texts of the frozen defaults of a record, by field. Raises TypeError for one with defaults that are not frozen."""
-    if record.__name__ not in FROZEN and is_dataclass(record):
-        keyed(record)
+    """Texts of the frozen defaults of a record, by field; none of one that only caches know."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 
