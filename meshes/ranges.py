@@ -65,8 +65,11 @@ class Quantity:
             allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
             raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
 
-    def written(self, value: float) -> str | float:
-        """A value as a file has it, in the unit of the example: the shortest text that is read as exactly this value."""
+    def written(self, value: float, added: float = 0.0) -> str | float:
+        """A value as a file has it, in the unit of the example: the shortest text that is read as exactly this value.
+
+        added: what the value that is read is added to, where only the sum counts.
+        """
         if self.dimension == "number":
             return value
         _, unit = units.number_and_unit(str(self.example)) or ("", "")
@@ -75,7 +78,7 @@ class Quantity:
             unit, number = unit[1:], 1e3 * number
         for digits in range(1, 18):
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
-            if self._number(text) == value:
+            if added + self._number(text) == added + value:
                 return text
         text = f"{Decimal(repr(value)) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
         return text if self._number(text) == value else f"{value!r} {self.unit}"
@@ -181,6 +184,12 @@ class Several:
 
         items = handler.generate_schema(get_args(source)[0])
         return core_schema.tuple_variable_schema(items, min_length=self.low or None, max_length=self.high, strict=False)
+
+
+def quantity_of(of: Any) -> Quantity:
+    """The quantity of a type such as `Size`."""
+    found: Quantity = get_args(of)[1]
+    return found
 
 
 #: Most balls of a scene.

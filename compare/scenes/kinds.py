@@ -15,6 +15,7 @@ from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, key, without_null
 from rollbench.compare.scenes.names import AXIS
 from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.meshes.scene_text import to_toml
 
 
 class KindKeys(HeadKeys):
@@ -34,6 +35,10 @@ class KindScene:
     source: str
     assumed: tuple[str, ...]
 
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this scene."""
+        return to_toml(kind_named(self.kind).tables(self))
+
 
 Head = tuple[str, str, str, tuple[str, ...]]
 
@@ -45,11 +50,12 @@ def head_of(keys: KindKeys, name: str) -> Head:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
+    """A kind of scene: its keys, what they may not describe, the record of faultless ones, tables of a record."""
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]
     record: Callable[[Any, str], KindScene]
+    tables: Callable[[Any], dict[str, Any]]
 
 
 def kind_named(name: str) -> Kind:

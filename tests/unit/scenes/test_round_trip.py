@@ -13,22 +13,22 @@ import rollbench
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.axis_schema import AxisKeys
+from rollbench.compare.scenes.kinds import KindScene
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.compare.scenes.template import template
 from rollbench.meshes.canonical import canonical
 from rollbench.meshes.parts import FourierTerm
 
-NAMES = (*catalogue.whole_names(), *(name for name in catalogue.scene_names() if catalogue.kind(name) == "axis"))
 #: Tables in the order of the schema.
 ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*AxisKeys.model_fields]}
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", catalogue.scene_names())
 def test_every_shipped_scene_goes_round(name):
     scene = catalogue.shipped(name)
     again = scene_file.read(scene.to_toml(), f"{name}.toml")
-    assert again == scene
     assert canonical(again) == canonical(scene)  # keys of stored runs
+    assert isinstance(scene, KindScene) or again == scene  # those of a kind have arrays
     assert again.to_toml() == scene.to_toml()
 
 
