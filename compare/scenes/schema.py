@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from rollbench.compare.scenes import keys
-from rollbench.compare.scenes.catalogue_input import either, with_radius
-from rollbench.compare.scenes.keys import key
+from rollbench.compare.scenes.keys import either, key, with_radius
 from rollbench.meshes import parts, ranges
 from rollbench.meshes.parts import Flange, Friction, NutHeld
 from rollbench.meshes.ranges import ForceOrShare, Quantity, Rate, ShareOfRating

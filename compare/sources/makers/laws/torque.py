@@ -10,8 +10,8 @@ from math import pi, prod, sqrt
 import numpy as np
 
 from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes.from_keys import oversize_for
 from rollbench.compare.scenes.like import STOCK
-from rollbench.compare.scenes.preload import oversize_for
 from rollbench.compare.sources.makers.laws.nuts import CONFORMITY, Nut, of_ratings, one_turn
 from rollbench.compare.sources.makers.outside import Band, Outside, of_row
 from rollbench.compare.sources.makers.tables import table
