@@ -8,7 +8,7 @@ from math import cos, hypot, pi, sin
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.statics.problem import drawn_hertz, nominal_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz, nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle

@@ -24,7 +24,7 @@ from rollbench.compare.reference.convergence import observe
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.registration import offered
 from rollbench.compare.scenes.units import COMMA, has_comma
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

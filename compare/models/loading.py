@@ -83,7 +83,7 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     loads = tuple(map(times, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
-    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
 
@@ -178,7 +178,7 @@ def along_axis(assembly: Assembly, result: AxisResult) -> float:
 
 def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
     """Motion ``(6,)`` [m, rad] of what is asked about: a station of the shaft, or a housing."""
-    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     at = asked(assembly)
     if isinstance(at, str):

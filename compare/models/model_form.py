@@ -26,7 +26,7 @@ import numpy as np
 from rollbench.compare import data
 from rollbench.compare.models.applicability import outside, survey
 from rollbench.compare.models.registry import MODELS
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout

@@ -19,7 +19,7 @@ from rollbench.compare.results.cases_json import cases_json
 from rollbench.compare.results.solved_json import case_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent

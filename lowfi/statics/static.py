@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
+from rollbench.lowfi.statics.held import Mechanism, free_motions
 from rollbench.lowfi.statics.kernel_types import BeamArrays, BeamContacts, BeamSystem, Options, Outcome, RowState, Slopes
-from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, SolvedState, build, distances, tightest
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
@@ -396,7 +396,7 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 def unheld(problem: Problem) -> Status:
     """Status sentence of a screw that ran away: not held only where a linear program proves it."""
-    from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
+    from rollbench.lowfi.statics.held import opening_motion, ran_away, words_of
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
     return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(words_of(motion)))

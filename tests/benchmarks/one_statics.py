@@ -18,8 +18,7 @@ from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, kernels
 from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.elastic_members import ElasticMembers
+from rollbench.lowfi.statics.elastic import ElasticMembers, solve_elastic
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing

@@ -40,7 +40,7 @@ from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.sections.sketch import sketch_of
 from rollbench.compare.system import libraries
 from rollbench.compare.writing import need_writable, replace_file
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.errors import specimen

@@ -35,7 +35,7 @@ from rollbench.lowfi.friction.whole.losses import ball_friction
 from rollbench.lowfi.friction.whole.run import Setting
 from rollbench.lowfi.friction.whole.travelling import AGAIN
 from rollbench.lowfi.jit import CONTACT, kernels
-from rollbench.lowfi.statics.again import ContactLoads
+from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, draw

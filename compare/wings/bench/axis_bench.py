@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.scenes.catalogue import shipped
 from rollbench.compare.wings.bench.costs.timing import Job, timed
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.problem import forget_nominal
+from rollbench.lowfi.statics.contacts import forget_nominal
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Assembly, Housing, RollingSet, diagonal
 from rollbench.meshes.memory import peak_MB

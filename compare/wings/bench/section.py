@@ -26,7 +26,7 @@ from rollbench.compare.wings.bench.costs.timing import Job
 from rollbench.compare.wings.bench.waits import TYPED, kept, now_and_here, spent_table
 from rollbench.compare.wings.members.members import run_members
 from rollbench.compare.writing import replace_file
-from rollbench.lowfi.statics.elastic_system import LARGEST
+from rollbench.lowfi.statics.response import LARGEST
 from rollbench.meshes.kept import made_anew
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text

@@ -2,7 +2,7 @@
 
 The shaft is a beam with its supports; beyond it the screw, nut and balls of a set answer contact forces as in the refined
 model of one set (`lowfi.compliance`), as long as the force is of that set: from set to set only beam and housings reach,
-and the beam's section forces, which squeeze the contacts (`lowfi.statics.squeeze`).
+and the beam's section forces, which squeeze the contacts (`lowfi.statics.shaft`).
 """
 
 from __future__ import annotations
@@ -19,38 +19,49 @@ from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section
-from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
-from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, solve_assembly
-from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
+from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, inverse, rigid_rows, solve_assembly
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
 from rollbench.lowfi.statics.axis.system import (
     BallSet,
+    RollerElements,
     System,
+    asked_row,
     none_of,
+    roller_elements,
+    roller_springs,
     set_flanks,
     typical,
     typical_force,
     widened,
     with_arms,
 )
-from rollbench.lowfi.statics.conformity import oblique_term
+from rollbench.lowfi.statics.contacts import nominal_hertz, oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
-from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
 from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, Options, RowState
-from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.response import by_ball, normals_of, positive, typical_axes
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.response import (
+    LARGEST,
+    by_ball,
+    contact_compliance,
+    normals_of,
+    positive,
+    spring_rows,
+    typical_axes,
+)
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.settle import SetFlanks, least_residual
 from rollbench.lowfi.statics.shaft import (
     Shaft,
+    Squeeze,
     flank_loads,
     flank_motions_by_loads,
     flank_response,
     node_forces,
     node_motions,
     shaft_of,
+    squeezed,
+    stretch_of,
 )
-from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array

@@ -1,4 +1,9 @@
-"""An assembly as arrays for the kernels: balls and rollers of all sets between the rows of a `Structure`."""
+"""An assembly as arrays for the kernels: balls and rollers of all sets between the rows of a `Structure`.
+
+Between elastic bodies a roller is one element: a ring moves as a rigid body, so that a slice's approach is that of the
+roller's middle plus its place times the slope along the roller: two motions at each ring hold all slices, and the slices'
+law is that of the model lin.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +17,10 @@ from numpy.typing import NDArray
 from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers.roller_slices import middles, tapered
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
+from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
-from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RowState
-from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry, round_off_approach, tightest
+from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RollerContacts, RowState
+from rollbench.lowfi.statics.problem import Problem, flank_rows, pack_geometry, round_off_approach, tightest
 from rollbench.lowfi.statics.settle import SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
@@ -22,7 +28,7 @@ from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.partition import contact_stations
-from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.section import BeamSection
 
 Ints = NDArray[np.int64]
@@ -402,3 +408,77 @@ def typical(system: System) -> tuple[float, float, float]:
         stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
     floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
     return force, stiffness, floor
+
+
+@dataclass(frozen=True)
+class RollerElements:
+    """M rollers of all rows. node (M,): of the shaft; outer (M,): row of the cup's motions, -1 where it stands; B
+    (M, 2, 2, 6): the normal motion of cone and cup at the roller's middle, and its slope along the roller times the
+    length [m], by the motions of those rows."""
+
+    node: NDArray[np.int64]
+    outer: NDArray[np.int64]
+    B: Array
+    contacts: RollerContacts
+
+    @property
+    def count(self) -> int:
+        """Number of rollers."""
+        return self.node.size
+
+
+def roller_elements(sets: list[RollerSet]) -> RollerElements:
+    """Rollers of all rows, one after the other."""
+    M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
+    node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
+    B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
+    place, width, drop = np.zeros((3, M, K))
+    first = 0
+    for r in sets:
+        a, n = r.arrays, r.row.slices
+        mine = slice(first, first + r.row.count)
+        first = mine.stop
+        x = middles(r.row.length, n) / r.row.length
+        rows = a.B.reshape(r.row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin takes the approach, this motions
+        base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
+        B[mine] = np.einsum("ak,ikej->ieaj", base, rows)
+        place[mine, :n] = x
+        width[mine, :n], drop[mine, :n] = a.width.reshape(-1, n), a.drop.reshape(-1, n)
+        law[0, mine], law[1, mine] = a.g[0], a.s[0]
+        node[mine], outer[mine] = a.row[0]
+    return RollerElements(node, outer, B, RollerContacts(place, width, drop, *law))
+
+
+def roller_springs(count: int, stiffness: float) -> Array:
+    """Linear springs between cone and cup at the rollers' middles in place of slices, (count, 2, 8), as
+    `lowfi.statics.response.spring_rows`."""
+    rows = np.zeros((count, 2, 8))
+    rows[:, 0, 0], rows[:, 0, 4] = np.sqrt(stiffness), -np.sqrt(stiffness)
+    return rows
+
+
+def asked(assembly: Assembly) -> float | str:
+    """Station [m] or housing whose motion and stiffness are asked for: as the assembly says, else the first housing that is
+    loaded, the first load, the first set."""
+    if assembly.stiffness_at is not None:
+        return assembly.stiffness_at
+    loaded = [h.name for h in assembly.housings if any(h.force) or any(h.moment)]
+    if loaded:
+        return loaded[0]
+    return assembly.loads[0].at if assembly.loads else assembly.sets[0].position
+
+
+def asked_row(system: System) -> int:
+    """Row of motions whose stiffness is asked for; -1 for a housing that stands."""
+    at, s = asked(system.assembly), system.structure
+    return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
+
+
+def left_out(system: System) -> tuple[str, ...]:
+    """Sentences on the sides that were left out though their sets could use them."""
+    notes = []
+    for b in system.balls:
+        idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]
+        if idle:
+            notes.append(f"{b.of.name}: sides {' and '.join(idle)}: load or offset opens them, and every ball clears them")
+    return tuple(notes)

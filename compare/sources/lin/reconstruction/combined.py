@@ -32,7 +32,7 @@ from rollbench.compare.sources.lin.reconstruction.readings import (
     together,
     wanted,
 )
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 

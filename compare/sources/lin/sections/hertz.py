@@ -12,7 +12,7 @@ from rollbench.compare.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY
 from rollbench.compare.wings.evidence.audit import judge
 from rollbench.compare.wings.evidence.record import Evidence
 from rollbench.compare.wings.evidence.registry import evidence
-from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 
