@@ -149,13 +149,14 @@ def test_an_interrupt_waits_for_the_compiler(number, capsys):
 
 
 def test_one_solve_compiles_nothing_from_an_empty_home(tmp_path):
-    solve = "from rollbench.compare.cli import main; main(['solve', 'lin-case1', '--json'])"
-    code = f"import sys; {solve}; print('numba' in sys.modules)"
     clean = {k: v for k, v in os.environ.items() if k not in ("NUMBA_CACHE_DIR", "ROLLBENCH_CACHE", "XDG_CACHE_HOME")}
+    command = [sys.executable, "-X", "importtime", "-m", "rollbench", "solve", "lin-case1", "--json"]
     there = {**clean, "HOME": str(tmp_path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=200, check=False, env=there)
-    assert done.stdout.endswith("}\nFalse\n"), done.stderr
-    assert "compiling" not in done.stderr
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=True, env=there)
+    assert '"status": "converged"' in done.stdout
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert "rollbench.lowfi.statics.kernel" in imported
+    assert "numba" not in imported
     assert not [*tmp_path.rglob("*.nb?")]
 
 
