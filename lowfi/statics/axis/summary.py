@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.statics.axis.proof import crossed
+from rollbench.lowfi.statics.axis.proof import APEX, crossed
 from rollbench.lowfi.statics.axis.roller_warnings import roller_warnings
 from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
@@ -47,8 +47,6 @@ ROLLERS = (
 )
 
 
-#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
-APEX = 1e-6
 #: Share of the largest force met up to which a contact counts as none there: what the solver is asked for, times ten.
 NOTHING = 10.0 * ACCEPTED
 
