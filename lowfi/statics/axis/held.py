@@ -98,6 +98,10 @@ def pinned(system: System, loose: Loose) -> System:
     return replace(system, structure=structure, axis=system.axis._replace(fixed=fixed))
 
 
+#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
+APEX = 1e-6
+
+
 def opening_motion(system: System) -> Array | None:
     """Motion (r, 6) of all rows as rigid bodies [m, rad], of size one with rotations times the arm, that opens all
     contacts at their nominal angles while the loads do work; None where compressive forces balance the loads.
@@ -162,9 +166,11 @@ def crossed(system: System, name: str, thrust: str, angle: float, load: float) -
         opened = False
     if opened:
         return Status("not held", f"the load opens {name}, which carries thrust along {thrust} only (linear program)")
+    on = abs(angle) < APEX
+    place = "0 deg, on the groove's bottom" if on else f"{np.degrees(angle):.1f} deg, across the groove's bottom"
     reason = (
         f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
         f"{thrust}: in the only one that there is (the energy is convex) a ball carries {load:.3g} N at a contact angle of "
-        f"{np.degrees(angle):.1f} deg, across the groove's bottom"
+        f"{place}"
     )
     return Status("not held", reason, "crossed row")

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.statics.axis.held import loose_motions, pinned, unheld
 from rollbench.lowfi.statics.axis.mount import mount
+from rollbench.lowfi.statics.axis.structure import spring_terms
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import (
     USE,
@@ -237,11 +238,13 @@ class RigidSets(Sets):
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
     def round_off(self) -> float:
-        """By the largest motions and the stiffest contact."""
+        """By the largest motions and the stiffest contact, and by the springs, however little they are strained."""
         state, v0 = self.state, self.given.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-        return least_residual(motion, stiff, self.scale, self.problems)
+        contacts = least_residual(motion, stiff, self.scale, self.problems)
+        springs = spring_terms(self.system.structure, state.q, self.system.arm)
+        return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
     def words(self) -> tuple[str, int, tuple[str, ...]]:
         """As `Sets.words`."""

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.rollers.roller_slices import slice_contacts, tapered
-from rollbench.lowfi.statics.axis.held import crossed
+from rollbench.lowfi.statics.axis.held import APEX, crossed
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
@@ -46,8 +46,6 @@ ROLLERS = (
     "seated on their ribs; rings do not bend"
 )
 
-#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
-APEX = 1e-6
 #: Share of the largest force met up to which a contact counts as none there: what the solver is asked for, times ten.
 NOTHING = 10.0 * ACCEPTED
 
