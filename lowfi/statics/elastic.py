@@ -28,20 +28,9 @@ from rollbench.lowfi.statics.problem import Problem, SolvedState, distances
 from rollbench.lowfi.statics.response import LARGEST, Flanks, flanks_of, one_pair, pair_data, response_of, spring_rows
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
-from rollbench.lowfi.statics.settle import ACCEPTED, SetFlanks, least_residual
+from rollbench.lowfi.statics.settle import ACCEPTED, SetFlanks, Words, least_residual, options_of
 from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions, rigid_nodes, rows_of
-from rollbench.lowfi.statics.static import (
-    Build,
-    Engine,
-    OneSet,
-    Solution,
-    Words,
-    options_of,
-    pick_engine,
-    scale_of,
-    solve_built,
-    solve_sides,
-)
+from rollbench.lowfi.statics.static import Build, Engine, OneSet, Solution, pick_engine, scale_of, solve_built, solve_sides
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
@@ -158,7 +147,7 @@ class Elastic(OneSet):
         return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
     def words(self) -> Words:
-        """As `OneSet.words`: with what was done to keep the compliance positive."""
+        """As `Prepared.words`: with what was done to keep the compliance positive."""
         build, clipped = self.build, self.bodies.clipped
         assert isinstance(build, ElasticBuild)
         source = idealised(build.backend, build.scene) if build.condensed is None else (build.condensed.describe(),)
@@ -199,7 +188,8 @@ class ElasticBuild(Build):
             local[..., 0] += 2.0 * ball.g**2
             rows = pair_data(problem, pair, local[..., 0], flanks.h)
         balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)
-        v0, k, options = flanks.bodies.v0, flanks.bodies.work.size, options_of(problem, scale)
+        v0, k = flanks.bodies.v0, flanks.bodies.work.size
+        options = options_of(scale, problem.scene.track.pitch_radius, float(drawn.ball_radius.max()))
         springs = spring_rows(problem, pair, options.stiffness)
         return Elastic(
             engine=self.engine,

@@ -12,14 +12,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.linalg import qr
 
 from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
 from rollbench.lowfi.statics.axis.system import BallSet, System
 from rollbench.lowfi.statics.held import approach, drives, opening, ran_away
 from rollbench.lowfi.statics.problem import wrench_rows
 from rollbench.lowfi.statics.result import Status
-from rollbench.lowfi.statics.shape import unresisted
+from rollbench.lowfi.statics.shape import pivots, unresisted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
 
@@ -68,8 +67,8 @@ def loose_motions(system: System) -> Loose:
     rows_of = [0, *range(n, s.stations.size)]
     flat = free[rows_of].reshape(-1, null.shape[0])
     arms = np.tile([1.0, 1.0, 1.0, system.arm, system.arm, system.arm], len(rows_of))
-    _, _, order = qr((flat * arms[:, None]).T, pivoting=True)
-    return Loose(False, text, tuple((rows_of[k // 6], int(k % 6)) for k in order[: null.shape[0]]))
+    chosen = pivots((flat * arms[:, None]).T)
+    return Loose(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
 
 def words_for(system: System, free: Array) -> str:

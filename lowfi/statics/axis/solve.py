@@ -32,20 +32,29 @@ from rollbench.lowfi.statics.axis.system import (
     build,
     motions_of,
     moved_flanks,
-    none_of,
     placed,
+    scale_of,
     set_flanks,
-    typical,
     with_arms,
 )
 from rollbench.lowfi.statics.contacts import nominal_hertz
-from rollbench.lowfi.statics.kernel_types import AxisSystem, Options, RowState, Slopes
+from rollbench.lowfi.statics.kernel_types import AxisSystem, RowState, Slopes
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
-from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, report_of, settled, verdict
+from rollbench.lowfi.statics.settle import (
+    NO_LOADS,
+    Prepared,
+    SetFlanks,
+    Words,
+    least_residual,
+    options_of,
+    report_of,
+    settled,
+    verdict,
+)
 from rollbench.lowfi.statics.shape import lifted, rigid_transport
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine, pick_engine
+from rollbench.lowfi.statics.static import Engine, pick_engine
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen
@@ -204,14 +213,6 @@ class Sets(Prepared):
         return [b.problem for b in self.system.balls]
 
     @abstractmethod
-    def round_off(self) -> float:
-        """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`)."""
-
-    @abstractmethod
-    def words(self) -> tuple[str, int, tuple[str, ...]]:
-        """Formulation, number of unknowns, what is assumed of the bodies."""
-
-    @abstractmethod
     def rows(self) -> tuple[RowState, Array]:
         """Motions of all rows with the contacts there, and the forces (r, 6) of what holds them."""
 
@@ -246,9 +247,9 @@ class RigidSets(Sets):
         springs = spring_terms(self.system.structure, state.q, self.system.arm)
         return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
-    def words(self) -> tuple[str, int, tuple[str, ...]]:
-        """As `Sets.words`."""
-        return "convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ()
+    def words(self) -> Words:
+        """What is assumed stands in the model."""
+        return Words("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
     def slopes(self) -> Slopes:
         """Derivatives of the energy at the state."""
@@ -275,15 +276,14 @@ def far_off(q: Array, system: System) -> bool:
 def prepare(system: System, engine: ModuleType) -> RigidSets:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
     s, n = system.structure, system.structure.nodes.size
-    force, stiffness, floor = typical(system)
+    scale, furthest = scale_of(system), float(system.contacts.r_ball.max(initial=0.0))
     q = np.zeros((s.stations.size, 6))
     q[:n], d = lifted(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
     N, M = system.contacts.r_ball.size, system.slices.drop.size
     state = RowState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
-    system.contacts = system.contacts._replace(tiny=none_of(system, force))
-    furthest = float(system.contacts.r_ball.max(initial=0.0))
-    options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
+    system.contacts = system.contacts._replace(tiny=scale.none)
+    options = options_of(scale, system.arm, furthest)
     given = AxisSystem(system.axis, system.contacts, system.slices)
     return RigidSets(engine=engine, given=given, state=state, options=options, system=system)
 
@@ -334,20 +334,26 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
             break
         uses = all_sides(mounted)
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
-    bound, (state, held) = prepared.round_off(), prepared.rows()
+    state, held = prepared.rows()
     proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
-    status = verdict(outcome, bound, partial(unheld, proven), far_off(state.q, proven))
-    system = prepared.system
+    status = verdict(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
     if outcome.status in NO_LOADS:
         return failed(status)
-    formulation, unknowns, also = prepared.words()
-    size = formulation, unknowns, system.structure.nodes.size - 1
-    report = report_of(outcome, kernels, (start, ready), size, bound, notes)
-    assumed, shifts = (*model.assumed, *also), [x.shift for x in prepared.flanks()]
-    sets, whole = prepared.stiffness()
-    solved = status, report, loose.text, held, sets, whole
-    ending = Ending(*solved, model.name, assumed, model.left_out, shifts, outcome.scale)
-    return assemble_axis(system, state, ending)
+    words, (sets, whole) = prepared.words(), prepared.stiffness()
+    ending = Ending(
+        status=status,
+        report=report_of(outcome, prepared, words, prepared.system.structure.nodes.size - 1, (start, ready), notes),
+        loose=loose.text,
+        held=held,
+        sets=sets,
+        whole=whole,
+        model=model.name,
+        assumed=(*model.assumed, *words.assumed),
+        left_out=model.left_out,
+        shifts=[x.shift for x in prepared.flanks()],
+        scale=outcome.scale,
+    )
+    return assemble_axis(prepared.system, state, ending)
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:

@@ -21,7 +21,7 @@ from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RollerContacts, RowState
 from rollbench.lowfi.statics.problem import Problem, flank_rows, pack_geometry, round_off_approach, tightest
-from rollbench.lowfi.statics.settle import SetFlanks
+from rollbench.lowfi.statics.settle import Scale, SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
@@ -176,20 +176,20 @@ def _ball_set(
     pieces = widened(node, on_screw, width, r), widened(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
     problem = Problem(
-        scene,
-        layout,
-        drawn,
-        nodes,
-        structure.sections[0],
-        structure.fixed[:n],
-        structure.prescribed[:n],
-        structure.load[:n],
-        node,
-        B[:, :2],
-        geometry,
-        closure,
-        use,
-        0,
+        scene=scene,
+        layout=layout,
+        drawn=drawn,
+        nodes=nodes,
+        section=structure.sections[0],
+        fixed=structure.fixed[:n],
+        prescribed=structure.prescribed[:n],
+        load=structure.load[:n],
+        node=node,
+        B=B[:, :2],
+        geometry=geometry,
+        closure=closure,
+        use=use,
+        left_out_elements=0,
     )
     return BallSet(rolling, problem, slice(first, first + N), outer, row, B, v0)
 
@@ -256,14 +256,14 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
     for b in sets:  # constants that change in one place change in the other
         b.problem = replace(b.problem, geometry=geometry[b.balls])
     return AxisBalls(
-        joined(row, (4,)).astype(np.int64),
-        joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
-        joined([b.v0 for b in sets], (4, 2)),
-        geometry,
-        joined([b.problem.closure for b in sets], (2,)),
-        joined([b.problem.drawn.ball_radius for b in sets], ()),
-        joined(profile, (4, degree)),
-        0.0,
+        row=joined(row, (4,)).astype(np.int64),
+        B=joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
+        v0=joined([b.v0 for b in sets], (4, 2)),
+        geometry=geometry,
+        closure=joined([b.problem.closure for b in sets], (2,)),
+        r_ball=joined([b.problem.drawn.ball_radius for b in sets], ()),
+        profile=joined(profile, (4, degree)),
+        tiny=0.0,
     )
 
 
@@ -336,17 +336,17 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
     sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
     lengths = np.diff(structure.nodes)
     return AxisArrays(
-        lengths,
-        sections,
-        np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
-        structure.fixed,
-        structure.load,
-        structure.ends,
-        structure.reach,
-        structure.springs,
-        place,
-        first,
-        start,
+        lengths=lengths,
+        sections=sections,
+        constants=np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
+        fixed=structure.fixed,
+        load=structure.load,
+        ends=structure.ends,
+        reach=structure.reach,
+        springs=structure.springs,
+        place=place,
+        first=first,
+        start=start,
     )
 
 
@@ -382,16 +382,9 @@ def typical_force(system: System, b: BallSet) -> float:
     return max(force, 1e-6)
 
 
-def none_of(system: System, force: float) -> float:
-    """Force [N] up to which a contact counts as none: round-off of a typical one (``force``), or where nothing presses any,
-    what an approach by round-off brings about."""
-    if force > 0.0:
-        return 1e-14 * force
-    return max((float(contact_force(round_off_approach(b.problem), pair_compliance(b))) for b in system.balls), default=0.0)
-
-
-def typical(system: System) -> tuple[float, float, float]:
-    """Force [N] of a typical loaded contact, its secant stiffness [N/m], and least force [N] that residuals count by."""
+def scale_of(system: System) -> Scale:
+    """The scale of all sets. A contact that counts as none has the round-off of a typical force, or where nothing presses
+    any, what an approach by round-off brings about."""
     load, share = system.structure.load, mean_share(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.balls:
@@ -407,7 +400,11 @@ def typical(system: System) -> tuple[float, float, float]:
         law = r.arrays
         stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
     floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
-    return force, stiffness, floor
+    none = 1e-14 * force
+    if force == 0.0:
+        pressed = (contact_force(round_off_approach(b.problem), pair_compliance(b)) for b in system.balls)
+        none = max(map(float, pressed), default=0.0)
+    return Scale(force, stiffness, floor, none)
 
 
 @dataclass(frozen=True)
