@@ -27,6 +27,7 @@ ONCE_BAD = {
     (9201, 0): scenes.RIGHT,  # nothing presses the contacts, 1e-44 N of round-off in which were to be balanced
     (9201, 182): scenes.PROVEN,  # at mounting a preload draws the balls of another row across its groove's bottom
     (9501, 225): scenes.PROVEN,  # a ball on the bottom itself, at an angle of round-off: nothing holds its row together
+    (9802, 254): scenes.RIGHT,  # rollers that nothing presses, with loads of 1e-27 N
     (9501, 293): scenes.RIGHT,  # an outer part tied stiffly to a housing that turns by 4 mrad at mounting
     (9301, 160): scenes.PROVEN,  # the same by a preload on a housing that moves
 }
