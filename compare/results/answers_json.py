@@ -11,7 +11,6 @@ from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.load_path import LoadPath
 from rollbench.compare.models.ring_play import clearance_in
 from rollbench.compare.quantities import number, quantity, record
-from rollbench.compare.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.rating.life import Life
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -222,10 +221,17 @@ def path_json(path: LoadPath | None) -> dict[str, Any] | None:
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
-    ways, preload = offered("starting torque"), answers.preload
-    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
+    parts, preload = answers.parts, answers.preload
+    if (
+        not isinstance(parts, Scene)
+        or s.of.kind != "bearing"
+        or s.of.thrust not in ("+z", "-z")
+        or not (preload and preload.axial)
+    ):
         return None
-    return record(STARTING, ways[0](answers.parts, preload.axial))
+    from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
+
+    return record(STARTING, formula_torque(parts, preload.axial))
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 from tests.axes import TURNING, assembly, bearing, nut
 
 from rollbench.compare.scenes.catalogue import shipped, whole_names
-from rollbench.compare.wings.members.ensemble import run_ensemble
+from rollbench.compare.studies.members.ensemble import run_ensemble
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, kernels
 from rollbench.lowfi.statics.axis.elastic import solve_refined

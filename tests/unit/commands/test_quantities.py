@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.compare.commands.solving import entries
 from rollbench.compare.quantities import UNITS, quantity, record, shown
+from rollbench.compare.text import entries
 from rollbench.reports.content import Quantity, Table
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
