@@ -114,7 +114,7 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0)))
+    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0), bare))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, bare))
 
 
