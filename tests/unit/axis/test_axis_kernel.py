@@ -10,10 +10,10 @@ from tests.helpers import relative
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers.line_contact import LineLaw
-from rollbench.lowfi.statics.axis import sides
+from rollbench.lowfi.statics.axis import solve as solving
 from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, moved_flanks, tapered
-from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, newton, rollers, skyline
+from rollbench.lowfi.statics.kernel import axis, ball, beam, matrices, rollers
 from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
 from rollbench.meshes.parts import Load
@@ -50,7 +50,7 @@ def evaluated(prepared, step=None, t=0.0):
     out = Slopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
     q, d = state.q.copy(), state.d.copy()
     if step is not None:
-        newton.advance(s.axis, state, q, d, step, t)
+        beam.advance(s.axis, state, q, d, step, t)
     energy, _ = axis.evaluate_axis(prepared.given, state, out)
     state.q[:], state.d[:] = q, d
     return energy, out
@@ -68,9 +68,9 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     change = (ends[1][1].gradient - ends[0][1].gradient) / 2e-2
     evaluated(ready)
     values = np.zeros(s.axis.start[-1])
-    axis_matrix.add_axis(values, s.axis)
-    axis_matrix.add_balls(values, s.axis, s.contacts, out.hessians)
-    axis_matrix.add_rollers(values, s.axis, s.slices, ready.state.slices)
+    axis.add_axis(values, s.axis)
+    axis.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis.add_rollers(values, s.axis, s.slices, ready.state.slices)
     lines = full(values, s.axis)
     place = (6 * s.axis.place[:, None] + np.arange(6)).ravel()
     placed = np.zeros(len(lines))
@@ -94,13 +94,13 @@ def test_both_ways_of_adding_the_balls_agree_and_the_envelope_is_factored_as_the
     s = ready.system
     _, out = evaluated(ready)
     values, other = np.zeros((2, s.axis.start[-1]))
-    axis_matrix.add_balls(values, s.axis, s.contacts, out.hessians)
-    axis_matrix.loop_balls(other, s.axis, s.contacts, out.hessians)
+    axis.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis.loop_balls(other, s.axis, s.contacts, out.hessians)
     assert relative(other, values) < 1e-13
-    axis_matrix.add_axis(values, s.axis)
-    axis_matrix.hold(values, s.axis, np.full(6, 1e3))
+    axis.add_axis(values, s.axis)
+    axis.hold(values, s.axis, np.full(6, 1e3))
     matrix, b = full(values, s.axis), np.random.default_rng(3).normal(size=s.axis.first.size)
-    for factor, solve in ((skyline.row_factor, skyline.row_solve), (skyline.factor, skyline.substitute)):
+    for factor, solve in ((matrices.row_factor, matrices.row_solve), (matrices.factor, matrices.substitute)):
         found, x = values.copy(), b.copy()
         assert factor(found, s.axis.first, s.axis.start)
         solve(found, s.axis.first, s.axis.start, x)
@@ -161,4 +161,4 @@ def test_a_flank_between_nodes_moves_with_a_shaft_that_turns_as_one():
     q[: z.size, :3] = np.array([3e-6, 1e-6, -2e-6]) + np.cross(turn, np.stack([0.0 * z, 0.0 * z, z], axis=-1))
     for b in system.balls:
         for s in range(2):
-            assert relative(sides._flank_motion(system, b, s, q), moved_flanks(b, q)[:, s]) < 1e-12
+            assert relative(solving._flank_motion(system, b, s, q), moved_flanks(b, q)[:, s]) < 1e-12

@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.whole import balls
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
-from rollbench.lowfi.statics.problem import drawn_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Friction, Load, Motion, Support

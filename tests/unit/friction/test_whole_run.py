@@ -19,9 +19,9 @@ from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.lowfi.statics import again
-from rollbench.lowfi.statics.again import beam_loads, elastic_loads
+from rollbench.lowfi.statics import nominal
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads
 from rollbench.lowfi.statics.selection import choose_sides
 from rollbench.lowfi.statics.static import pick_engine, solve_sides, solve_static
 from rollbench.meshes.errors import draw, specimen
@@ -214,7 +214,7 @@ def test_loads_again_leave_out_what_cannot_touch(oversize, pair):
     for loads in (elastic_loads, beam_loads):
         found = loads(scene, drawn, layout)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(again, "choose_sides", lambda *_: np.ones(4, dtype=bool))
+            patch.setattr(nominal, "choose_sides", lambda *_: np.ones(4, dtype=bool))
             every = loads(scene, drawn, layout)
         assert found.load[2].max() == 0.0 < found.load[3].max()
         assert found.load == pytest.approx(every.load, rel=1e-9, abs=1e-7)

@@ -6,7 +6,7 @@ from tests.helpers import small_screw
 
 from rollbench.compare.models.study import with_balls, with_groove
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.problem import nominal_curvatures
+from rollbench.lowfi.statics.contacts import nominal_curvatures
 
 
 @pytest.mark.parametrize("conformity", [0.515, 0.56])

@@ -8,7 +8,7 @@ from tests.helpers import STEEL, dense, relative, with_ingredients
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import element_stiffness
-from rollbench.lowfi.statics.kernel import banded, beam, newton
+from rollbench.lowfi.statics.kernel import beam, matrices
 from rollbench.lowfi.statics.kernel_types import BeamArrays
 from rollbench.lowfi.statics.shape import motions_at, pivots, rigid_transport, shape_polynomials
 from rollbench.meshes.helix import ball_layout
@@ -38,8 +38,8 @@ def cantilever(nodes, load):
     band = assembled(nodes)[6:]
     b = np.zeros(band.shape[0])
     b[-6:] = load
-    assert banded.factor_band(band)
-    banded.substitute_band(band, b)
+    assert matrices.factor_band(band)
+    matrices.substitute_band(band, b)
     return b.reshape(-1, 6)
 
 
@@ -88,9 +88,9 @@ def test_positions_of_a_rigid_beam():
     constants = np.array([beam.element_constants(length, STIFFNESSES) for length in lengths])
     shaft = BeamArrays(lengths, nothing > 0.0, nothing, constants, np.zeros((18, 12)))
     q[0] = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]
-    assert newton.evaluate_beam(shaft, q, np.zeros((2, 6)), np.zeros((3, 6))) == (0.0, 0.0)
+    assert beam.evaluate_beam(shaft, q, np.zeros((2, 6)), np.zeros((3, 6))) == (0.0, 0.0)
     assert q[2] == pytest.approx([1e-3 + 0.35 * 5e-3, 2e-3 - 0.35 * 4e-3, 3e-3, 4e-3, 5e-3, 6e-3], rel=1e-14)
-    newton.evaluate_beam(shaft, q, np.array([[0, 0, 1e-6, 0, 0, 0], [7e-6, 0, 0, 0, 0, 0]]), np.zeros((3, 6)))
+    beam.evaluate_beam(shaft, q, np.array([[0, 0, 1e-6, 0, 0, 0], [7e-6, 0, 0, 0, 0, 0]]), np.zeros((3, 6)))
     assert q[2, :3] == pytest.approx([1e-3 + 0.35 * 5e-3 + 7e-6, 2e-3 - 0.35 * 4e-3, 3.001e-3], rel=1e-14)
 
 
@@ -162,7 +162,7 @@ def test_motion_beyond_the_ends_is_rigid():
 def test_banded_solver(engine):
     """Both engines against a dense solution of a random band, scaled like the beam; round-off of the dense solution is
     up to 1.4e-11 of one of its values, by the processor."""
-    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").banded
+    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").matrices
     rng = np.random.default_rng(1)
     for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
         band = rng.uniform(-1.0, 1.0, (n, width))
@@ -182,7 +182,7 @@ def test_banded_solver(engine):
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
 def test_banded_solver_refuses_an_indefinite_matrix(engine):
-    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton
+    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").beam
     assert not kernels.factor_band(np.array([[1.0, 2.0], [1.0, 0.0]]))
     assert not kernels.factor_band(np.array([[-1.0, 0.0], [-1.0, 0.0]]))  # a positive determinant
 

@@ -12,12 +12,12 @@ from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
-from rollbench.lowfi.statics import elastic_system as model
+from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import contact as laws
-from rollbench.lowfi.statics.kernel import elastic_balls
+from rollbench.lowfi.statics.kernel import elastic as force_kernels
 from rollbench.lowfi.statics.kernel_types import BodyState
-from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.response import LENT, positive
 from rollbench.lowfi.statics.shaft import flank_motions_by_loads, flank_response, node_motions, shaft_of
@@ -274,7 +274,7 @@ def test_flank_rows_square_to_the_hessian(case):
     v = motions(elastic, elastic.state.phi, elastic.state.a)
     _, _, state = balls(elastic, v)
     S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.given.contacts, state.contact, S, counts)
+    force_kernels.ball_rows(elastic.given.contacts, state.contact, S, counts)
     worst = 0.0
     for i, H in enumerate(energy_hessians(elastic, v)):
         rows = S[i, : counts[i]]
@@ -289,7 +289,7 @@ def test_pair_rows_square_to_the_hessian():
     elastic.iterate()
     v = motions(elastic, elastic.state.phi, elastic.state.a)
     S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.given.contacts, balls(elastic, v)[2].contact, S, counts)
+    force_kernels.ball_rows(elastic.given.contacts, balls(elastic, v)[2].contact, S, counts)
     for i, H in enumerate(energy_hessians(elastic, v)):
         assert np.abs(S[i].T @ S[i] - H).max() < 1e-6 * np.abs(H).max()
 
@@ -305,7 +305,7 @@ def test_rows_of_any_number_of_contacts(count):
     contact[:, 3], contact[:, 4] = rng.uniform(2e7, 6e7, 4), rng.uniform(1e4, 1e5, 4)
     local[:, 1] = 1e-5 * np.array([1.0, -1.0, -1.0, 1.0])
     rows = np.zeros((6, 8))
-    n = elastic_balls.flank_rows(contact, local, rows)
+    n = force_kernels.flank_rows(contact, local, rows)
     full = np.zeros((11, 11))
     full[2, 2] = 1.0
     for s in range(count):

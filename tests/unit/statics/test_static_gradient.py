@@ -8,7 +8,7 @@ from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingre
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import element_stiffness
-from rollbench.lowfi.statics.kernel import newton
+from rollbench.lowfi.statics.kernel import beam
 from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.lowfi.statics.shape import shape_polynomials
 from rollbench.meshes.partition import contact_stations
@@ -131,11 +131,11 @@ def at_random_state(scene, seed):
     q[0] = rng.normal(0.0, 3e-6, 6) / [1, 1, 1, 20 * arm, 20 * arm, arm]
     d[:] = rng.normal(0.0, 2e-7, d.shape) / [1, 1, 1, 100 * arm, 100 * arm, arm]
     out = Slopes(np.zeros((q.shape[0], 6)), np.zeros((ready.problem.C.shape[0], 4, 4)))
-    energy, scale = newton.evaluate(ready.given, ready.state, out)
+    energy, scale = beam.evaluate(ready.given, ready.state, out)
     if ready.force[ready.force > 0.0].min() < 1e-3:
         return at_random_state(scene, seed + 10)
     band = np.empty((q.size, ready.problem.half_bandwidth + 1))
-    newton.assemble(band, *ready.given, out.hessians, 0.0, arm)
+    beam.assemble(band, *ready.given, out.hessians, 0.0, arm)
     return ready, energy, scale, out.gradient, dense(band)
 
 

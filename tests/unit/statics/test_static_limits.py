@@ -15,8 +15,8 @@ from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.solved import case_table
 from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.settle import Prepared
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.helix import lead_angle

@@ -10,7 +10,8 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.problem import SolvedState, build, nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.problem import SolvedState, build
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings, tilt_warning, warnings_of
 from rollbench.lowfi.warned import Warned, above
