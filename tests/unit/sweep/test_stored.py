@@ -3,7 +3,7 @@
 import pytest
 
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.sections import tolerances as tolerances
+from rollbench.compare.sections import tolerances
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.outputs import MAIN
 from rollbench.compare.studies.sweep.sample import solve_sample
