@@ -1,6 +1,6 @@
 """The cases: what a publication printed, the scenes, how each number is computed, and its page of the report.
 
-Ours are the folders of ``compare/cases``, named in `CASES`. Another package adds its own by an entry point of the group
+Ours are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry point of the group
 ``rollbench.cases`` that names its `Case`; it is loaded when printed data are judged.
 """
 

@@ -82,20 +82,26 @@ def solve(
     options = Options(everything, member, condensed=None if condensed is None else Path(condensed))
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
     chosen = model or ("" if condensed is None else "condensed")
-    return solve_described(_described(scene), chosen, options, stiffness_at, origin)
+    return solve_described(_described(scene), chosen, options, stiffness_at, origin, stiffness=True)
 
 
 def solve_described(
-    described: Described, model: str, options: Options, stiffness_at: float | None = None, origin: str = ""
+    described: Described,
+    model: str,
+    options: Options,
+    stiffness_at: float | None = None,
+    origin: str = "",
+    *,
+    stiffness: bool = False,
 ) -> Result:
-    """The same of a scene that is read; origin: what errors name it, its name unless given."""
-    from rollbench.compare.models.answers import tangent_of
-    from rollbench.compare.models.load_cases import solve_any
+    """The same of a scene that is read; origin: what errors name it, its name unless given; stiffness: compute that at the
+    nut's centre even where nothing that is printed needs it: without axial force."""
+    from rollbench.compare.models.answers import Answers, tangent_at_nut, tangent_of
+    from rollbench.compare.models.load_cases import solve_any, together
     from rollbench.compare.models.registry import default_model
-    from rollbench.compare.models.together import together
     from rollbench.compare.results.solved import result_of
 
-    solved, tangents = [], []
+    solved, tangents, at_nut = [], [], []
     for scene in each_case(described, origin or described.name):
         with named(scene.name, origin or scene.name):
             chosen, tangent = model or default_model(scene), None
@@ -104,11 +110,15 @@ def solve_described(
             one = solve_any(scene, chosen, options)
             if isinstance(scene, Scene) and stiffness_at is not None and one.answers is not None:
                 tangent = tangent_of(scene, stiffness_at, chosen, options)
+            K = one.answers.at_nut if isinstance(one.answers, Answers) else None
+            if K is None and stiffness and isinstance(scene, Scene) and one.answers is not None:
+                K, _ = tangent_at_nut(scene, chosen, options)
             solved.append(one)
             tangents.append(tangent)
+            at_nut.append(K)
     if not isinstance(described, DutyCycle):
-        return result_of(solved, tangents)
-    return result_of(solved, tangents, described, together(described, solved))
+        return result_of(solved, tangents, at_nut)
+    return result_of(solved, tangents, at_nut, described, together(described, solved))
 
 
 @held_to_one_thread()

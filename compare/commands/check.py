@@ -17,9 +17,8 @@ from rollbench.compare.text.tables import ruled
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from rollbench.compare.gate.baseline import Change
     from rollbench.compare.gate.gate import GateRow
-    from rollbench.compare.gate.publish import Outcome
+    from rollbench.compare.gate.publish import Change, Outcome
     from rollbench.compare.gate.user import Asked
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.jobs import Engine
@@ -36,7 +35,7 @@ class Files:
 
     def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
         """What changed since the verdicts of the baseline. Raises InputError."""
-        from rollbench.compare.gate.baseline import changes
+        from rollbench.compare.gate.publish import changes
 
         return [] if self.baseline is None else changes(self.baseline, outcomes)
 

@@ -13,7 +13,7 @@ from rollbench.compare.text.printing import Answer, on_terminal, print_answer
 from rollbench.compare.text.tables import aligned
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.referenced import Referenced
+    from rollbench.compare.models.comparison import Referenced
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.results.compared import Beside

@@ -10,14 +10,16 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.quantities import quantity
+from rollbench.compare.quantities import quantities
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.results.answers_json import GROUPS
 from rollbench.compare.results.compared import OURS, Beside, Compared, answers_of
+from rollbench.compare.results.scene_json import Axial, LoadSums
 from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.text.printing import cell
 from rollbench.compare.text.tables import plain
 from rollbench.compare.writing import write_csv, write_figure
+from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
+from rollbench.lowfi.rating.life import Life
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
@@ -28,23 +30,16 @@ if TYPE_CHECKING:
 COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
 
 
-#: Answers on contacts that are compared, by group and key.
-BESIDE = (
-    ("worst_contact", "pressure_MPa"),
-    ("worst_contact", "approach_um"),
-    ("worst_contact", "semi_axis_a_mm"),
-    ("truncation", "margin_deg"),
-    ("static_safety", "factor"),
-    ("life", "L10_million_revolutions"),
+#: Answers of the block: group of `answers_of`, its record, and keys of it.
+BLOCK = (
+    ("loads", LoadSums, ("max_N", "mean_N")),
+    ("axial", Axial, ("displacement_um", "rigidity_N_per_um")),
+    ("worst_contact", Contact, ("pressure_MPa", "approach_um", "semi_axis_a_mm")),
+    ("truncation", Truncation, ("margin_deg",)),
+    ("static_safety", StaticSafety, ("factor",)),
+    ("life", Life, ("L10_million_revolutions",)),
 )
-#: Answers of the block: the quantities and the group of `answers_of` that holds them.
-ANSWERS = (
-    ("loads", quantity("max_N", heading="largest contact load", form=".1f")),
-    ("loads", quantity("mean_N", heading="mean contact load", form=".1f")),
-    ("axial", quantity("displacement_um", heading="axial displacement", form=".3f")),
-    ("axial", quantity("rigidity_N_per_um", heading="axial load over it", form=".1f")),
-    *((group, q) for group, key in BESIDE for q in GROUPS[group] if q.key == key),
-)
+ANSWERS = [(group, quantities(kind)[key]) for group, kind, keys in BLOCK for key in keys]
 
 
 def answers_table(whole: Compared) -> RenderableType:

@@ -93,7 +93,7 @@ def _of_case(choices: Choices, name: str) -> Choices:
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
-    from rollbench.compare.gate.loads_file import loads_csv
+    from rollbench.compare.gate.given_files import loads_csv
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.quantities import count_of
     from rollbench.compare.writing import write_csv

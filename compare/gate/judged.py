@@ -15,9 +15,9 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import load_answers, unloaded_place
-from rollbench.compare.models.compared_point import pull
 from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
 from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.model_form import pull
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.compare.reference.convergence import observe

@@ -15,8 +15,7 @@ from rollbench.compare.models.ladder import points as compared_points
 from rollbench.compare.models.model_form import Point, surveyed_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import total
-from rollbench.compare.models.u_val import CONTACTS, scatter
+from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured

@@ -99,7 +99,7 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 def keep_experience(stores: Sequence[Path]) -> None:
     """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
     own levels do not show, and the modelling choices."""
-    from rollbench.compare.models import total_uncertainty
+    from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combined, varied
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference import grid_parts
@@ -111,7 +111,7 @@ def keep_experience(stores: Sequence[Path]) -> None:
         grid_parts.save(stores[0], known)
     modelling = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
     if all(modelling):
-        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in modelling if m is not None})
+        uncertainty.save(stores[0], {m.scene: uncertainty.recorded(m) for m in modelling if m is not None})
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:

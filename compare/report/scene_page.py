@@ -17,19 +17,17 @@ from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import solve_one
+from rollbench.compare.models.load_cases import solve_one, together
 from rollbench.compare.models.model_form import FILE, ModelForm
 from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.together import together
-from rollbench.compare.models.u_val import QUANTITIES, Validated, validated
+from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
 from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
-from rollbench.compare.results.cases_json import cases_json
-from rollbench.compare.results.solved_json import case_json
+from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.applicability import range_figure, range_table

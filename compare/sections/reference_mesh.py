@@ -12,7 +12,7 @@ from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.ladder import UNSEEN
 from rollbench.compare.models.modelling import REFINED, VARIED, varied
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import SHARED, beside_face
+from rollbench.compare.models.uncertainty import SHARED, beside_face
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH

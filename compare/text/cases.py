@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from rollbench.compare.models.load_cases import Solved, SolvedAxis
-from rollbench.compare.models.together import Lives, Together
+from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.compare.quantities import count_of
-from rollbench.compare.results.answers_json import life_json
-from rollbench.compare.results.cases_json import cases_json
+from rollbench.compare.results.scene_json import cases_json, life_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text.entries import entry, life_words
 from rollbench.compare.text.printing import text_width

@@ -9,7 +9,7 @@ from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.load_path import path_words
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.quantities import count_of, shown
-from rollbench.compare.results.answers_json import answers_json, by_pressure, set_json, starting_torque, whole_json
+from rollbench.compare.results.scene_json import answers_json, set_json, starting_torque, whole_json
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         if lost is not None:
             lines.append(("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity only"))
     kinds: set[bool] = set()
-    for i in by_pressure(answers):  # the worst set of balls and the worst row of rollers
+    for i in answers.by_pressure:  # the worst set of balls and the worst row of rollers
         s, of_set = result.sets[i], answers.sets[i]
         if (of_rollers := isinstance(of_set.parts, RollerRow)) in kinds:
             continue

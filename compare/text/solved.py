@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.registry import random_errors
-from rollbench.compare.quantities import count_of, quantity, shown
-from rollbench.compare.results.answers_json import sides_json
-from rollbench.compare.results.solved_json import discretisation_percent, motion_json, rollers, set_balls
+from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.results.scene_json import discretisation_percent, rollers, set_balls, sides_json
 from rollbench.compare.text.entries import block, load_error
 from rollbench.compare.text.printing import Column, text_width
-from rollbench.compare.text.tables import listed, of_quantities, plain
+from rollbench.compare.text.tables import listed, plain
 from rollbench.lowfi.rating.roller_contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.loads import mean_load
@@ -28,19 +27,12 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
-#: What the table of sets says of each.
+#: What the table of sets says of each: key of `_set_rows`, heading, format.
 SETS = (
-    quantity("name", "of.name", form="s"),
-    quantity("kind", "of.kind", form="s"),
-    quantity("position_mm", "of.position", "z", ".2f"),
-    quantity("force_x_N", lambda s: s.force[0], "Fx", ".2f"),
-    quantity("force_y_N", lambda s: s.force[1], "Fy", ".2f"),
-    quantity("force_z_N", lambda s: s.force[2], "Fz", ".2f"),
-    quantity("largest_N", lambda s: s.loads.max(initial=0.0), "largest load", ".2f"),
-    quantity("loaded", lambda s: int((s.loads > 0.0).sum()), form="s"),
-    quantity("axial_N_per_um", lambda s: s.stiffness[2, 2], form=".2f"),
-    quantity("x_N_per_um", lambda s: s.stiffness[0, 0], "along x", ".2f"),
-    quantity("y_N_per_um", lambda s: s.stiffness[1, 1], "along y", ".2f"),
+    *(("set", "set", "s"), ("name", "name", "s"), ("kind", "kind", "s"), ("z", "z mm", ".2f")),
+    *((f"F{x}", f"F{x} N", ".2f") for x in "xyz"),
+    *(("largest", "largest load N", ".2f"), ("loaded", "loaded", "s")),
+    *(("uz", "axial N/um", ".2f"), ("ux", "along x N/um", ".2f"), ("uy", "along y N/um", ".2f")),
 )
 
 
@@ -153,13 +145,22 @@ def _set_tables(result: AxisResult, *, balls: bool) -> list[RenderableType]:
     """Sets, balls and rollers where asked for, housings, stiffness."""
     out: list[RenderableType] = []
     if result.sets and result.converged:
-        out += [of_quantities("sets: force on the shaft, stiffness of the set alone", SETS, result.sets)]
+        out += [listed("sets: force on the shaft, stiffness of the set alone", SETS, _set_rows(result))]
         out += _element_tables(result) if balls else []
     for h in result.housings if result.converged else ():
-        moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in motion_json(h.motion).items())
+        moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items())
         force = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
         out.append(f"{h.name}: {moved}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
     return [*out, *_stiffness_lines(result)]
+
+
+def _set_rows(result: AxisResult) -> Iterator[dict[str, Any]]:
+    """Place, force on the shaft, loads and stiffness of each set."""
+    for k, s in enumerate(result.sets, 1):
+        head = {"set": k, "name": s.of.name, "kind": s.of.kind, "z": 1e3 * s.of.position}
+        loads = {"largest": s.loads.max(initial=0.0), "loaded": int((s.loads > 0.0).sum())}
+        forces = dict(zip(("Fx", "Fy", "Fz"), s.force, strict=True))
+        yield head | forces | loads | dict(zip(FREEDOMS[:3], 1e-6 * np.diag(s.stiffness), strict=False))
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:

@@ -10,8 +10,6 @@ from rollbench.compare.text.printing import Column, cell
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from rollbench.reports.quantity import Quantity
-
 
 def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
     """Texts as a table with a title and rules, flush right but for the columns whose headings are ``left``."""
@@ -49,9 +47,3 @@ def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, An
     """Rows as a table with a title and rules; columns: key of the row, heading, format."""
     texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
     return ruled(title, [heading for _, heading, _ in columns], texts)
-
-
-def of_quantities(title: str, quantities: Sequence[Quantity], records: Iterable[Any]) -> Table:
-    """Quantities of records as a table with a title and rules, their sets numbered from 1."""
-    rows = ([str(i), *(cell(q.value(one), q.format) for q in quantities)] for i, one in enumerate(records, 1))
-    return ruled(title, ["set", *(f"{q.label} {q.unit}".strip() for q in quantities)], rows)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.models.comparison import Referenced, referenced
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.reference.store import shipped_store

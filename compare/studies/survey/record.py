@@ -14,9 +14,8 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import DESCRIPTORS
-from rollbench.compare.models.compared_point import point, rigidity, section
 from rollbench.compare.models.comparison import from_run
-from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, shipped_points
+from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, point, rigidity, section, shipped_points
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.jobs import keep

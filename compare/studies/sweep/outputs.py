@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.models.answers import unloaded_place
+from rollbench.compare.models.load_cases import cycle_life, loads_of
 from rollbench.compare.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.together import cycle_life, loads_of
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force

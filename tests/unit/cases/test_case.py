@@ -72,7 +72,7 @@ def test_a_broken_case_is_named_in_one_error_and_other_commands_go_on(installed)
     assert rollbench("list").returncode == rollbench("check", "lin-case1", "--no-compute").returncode == 0
 
 
-#: Modules that give no case, and what is said of them.
+#: Modules that give no case, and the error that names each.
 NO_CASE = {
     "CASE = 3": "acme_case:CASE: got 3",
     CASE.replace("acme_case", "acme_cse"): "No module named 'acme_cse'",
@@ -89,11 +89,11 @@ def test_what_is_no_case_and_a_name_that_is_taken_are_refused(installed, module)
 def test_computations_that_are_missing_or_wrong_are_named(installed, tmp_path):
     rollbench, file = installed(CASE), tmp_path / "acme_case/computations.toml"
     right = file.read_text(encoding="utf-8")
-    for text, said in (
+    for text, expected in (
         ("", "computations.toml: acme-1: got no computation"),
         ("[", "computations.toml: file: got"),
         (right.replace("table_1", "table_2"), "acme: computations.toml: acme-1: got module 'acme_case.evidence' has no"),
     ):
         file.write_text(text, encoding="utf-8")
         done = rollbench("check", "--printed", "--only", "acme-1")
-        assert (done.returncode, said in done.stderr, done.stderr.count("\n")) == (2, True, 1), done.stderr
+        assert (done.returncode, expected in done.stderr, done.stderr.count("\n")) == (2, True, 1), done.stderr

@@ -21,8 +21,8 @@ from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.results.answers_json import answers_json
 from rollbench.compare.results.compared import compared
+from rollbench.compare.results.scene_json import answers_json
 from rollbench.compare.scenes import catalogue, like
 from rollbench.compare.text.entries import block, entries
 from rollbench.lowfi.rating.rigidity import slope_of

@@ -21,8 +21,8 @@ def test_sources_tables_and_entries_can_be_chosen(command):
 
 def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, monkeypatch):
     rows = [replace(row, verdict="identity") if row.key == "e_S" else row for row in printed_data.load_table("lin-B1")]
-    for sheet in ("record", "computations"):
-        monkeypatch.setattr(f"rollbench.compare.evidence.{sheet}.load_table", lambda _: tuple(rows))
+    for module in ("record", "computations"):
+        monkeypatch.setattr(f"rollbench.compare.evidence.{module}.load_table", lambda _: tuple(rows))
     code, data = command.json(*HERE, "--only", "lin-B1:e_S", "--json")
     assert (code, data["changed_verdicts"]) == (1, ["lin-B1:e_S: expected identity, came out only as printed"])
     code, out, _ = command(*HERE, "--only", "lin-B1")
@@ -31,7 +31,7 @@ def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, mo
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "expected"),
     [
         ((*HERE, "--source", "smit"), "did you mean smith?"),
         ((*HERE, "--only", "lin-b1"), "did you mean lin-B1"),
@@ -43,5 +43,5 @@ def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, mo
         (("check", "lin-case1", "--only", "lin-B1"), "with --printed"),
     ],
 )
-def test_what_cannot_be_judged_is_refused(command, words, said):
-    assert said in command.refused(*words)
+def test_what_cannot_be_judged_is_refused(command, words, expected):
+    assert expected in command.refused(*words)

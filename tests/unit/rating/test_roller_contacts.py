@@ -11,7 +11,7 @@ from tests.shipped_texts import own_text
 from rollbench.compare.models import answers
 from rollbench.compare.models.load_cases import solve_axis
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.results.answers_json import whole_json
+from rollbench.compare.results.scene_json import whole_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.entries import block
 from rollbench.lowfi.hertz import hertz_constants

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import beside_face, total
+from rollbench.compare.models.uncertainty import beside_face, total
 from rollbench.compare.reference.near_face import AWAY, FILE, left_out, read, too_large
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue

@@ -16,7 +16,7 @@ from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.models import comparison
 from rollbench.compare.models.ladder import DEEP, UNSEEN
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import total
+from rollbench.compare.models.uncertainty import total
 from rollbench.compare.reference import computing, jobs
 from rollbench.compare.reference.estimate import reference_of
 from rollbench.compare.reference.levels import LEVELS, STUDIED

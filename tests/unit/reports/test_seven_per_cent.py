@@ -5,7 +5,7 @@ import pytest
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import ladder
-from rollbench.compare.models.compared_point import point
+from rollbench.compare.models.model_form import point
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.report import overview

@@ -6,11 +6,22 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.models import total_uncertainty
+from rollbench.compare.models import uncertainty
 from rollbench.compare.models.answers import load_answers
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import Choices, Total, read, save, second_order, spoken_for, total
-from rollbench.compare.models.u_val import QUANTITIES, input_parts, input_uncertainty
+from rollbench.compare.models.uncertainty import (
+    QUANTITIES,
+    Choices,
+    Total,
+    input_parts,
+    input_uncertainty,
+    read,
+    save,
+    second_order,
+    spoken_for,
+    total,
+)
+from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.meshes.parts import Material
 
@@ -32,7 +43,7 @@ def test_parts_add_by_squares_and_the_largest_are_named() -> None:
     assert less.percent == pytest.approx(np.hypot(0.3, 1.2))
     assert "by experience with other scenes; modelling choices not known; inputs not known; large" in less.text
     assert less.beside == ""
-    assert less.as_json()["modelling_dominated_by"] is None
+    assert as_json(less)["modelling_dominated_by"] is None
 
 
 def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
@@ -53,7 +64,7 @@ def test_the_total_of_a_preloaded_scene() -> None:
     assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
     assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
     parts = input_parts(STUDY, scene, QUANTITIES[0])
-    assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0]).max()))
+    assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0])[0].max()))
     assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
     assert 0.0 < whole.percent < 15.0
 
@@ -77,5 +88,5 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
 
 def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
-    monkeypatch.setattr(total_uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
+    monkeypatch.setattr(uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
     assert total(scene, found).inputs is None

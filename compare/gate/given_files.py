@@ -1,5 +1,8 @@
-"""Contact loads as a CSV file with the columns ball, flank, newton, where the balls are, and more of the contacts: read and
-written."""
+"""What a user gives to be judged, as CSV files.
+
+Contact loads: the columns ball, flank, newton, where the balls are, and more of the contacts; read and written. Values of
+the whole screw: the columns quantity, value, unit, and where they hold.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +18,18 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
-from rollbench.compare.scenes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
+from rollbench.compare.scenes.units import COMMA, COMMON, UnitError, expected, has_comma, parse, tidy
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 
 COLUMNS = ("ball", "flank", "newton")
+
 #: Words of a row.
 WORDS = ("ball", "flank", "case", "set")
+
 #: Numbers of a row by the name that headings have for them: the name here, and its dimension; none goes without unit.
 NAMES = {
     "contact_angle": ("angle", "angle"),
@@ -38,20 +44,29 @@ NAMES = {
     "load": ("load", "force"),
     "z": ("z", "length"),
 }
+
 #: Units as they are spelt in headings without capitals; ``mn`` may mean two.
 FOLDED = {unit.lower(): unit for units in COMMON.values() for unit in units if unit != "MN"}
+
 FOLDED |= {"newton": "N", "newtons": "N"}
+
 #: First line by which Excel says its separator.
 SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
+
 #: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
 PLACE = {"azimuth", "z"}
+
 #: What a file may say of contacts besides, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
+
 #: Which rows of a file are read: by column the words that they have there, the usual one first.
 Only = Mapping[str, Sequence[str]]
+
 EVERY: Only = {}
+
 #: Largest file [bytes]: four loads of 100 000 balls.
 MAX_BYTES = 16_000_000
+
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 
 
@@ -378,3 +393,94 @@ def _whole(path: Path, load: Array) -> GivenLoads:
         raise InputError(str(path), "rows", value, "every ball on every flank that is named", advice)
     flanks = tuple(SIDES[k] for k in np.flatnonzero(named))
     return GivenLoads(np.where(given, load, 0.0), flanks)
+
+
+VALUE_COLUMNS = ("quantity", "value", "unit")
+
+WHERE = "where"
+
+VALUE_EXAMPLE = "write a first line quantity,value,unit,where and rows such as rigidity,540,N/um,5 kN"
+
+DIMENSIONS = {DISPLACEMENT: "length", RIGIDITY: "stiffness", TORQUE: "moment"}
+
+#: Million revolutions of units of life.
+LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6}
+
+
+@dataclass(frozen=True)
+class GivenValue:
+    """A value [SI, life in million revolutions] as a line of a file gives it; force [N]: size of the axial load at which it
+    holds, None for the scene's loads; station [m]: of a displacement, None for the nut's centre; where: these in words;
+    set: of several on one shaft, by number or name."""
+
+    quantity: Quantity
+    value: float
+    force: float | None = None
+    station: float | None = None
+    where: str = ""
+    set: str = ""
+
+    @property
+    def name(self) -> str:
+        """Quantity and where it holds."""
+        return self.quantity.name + (f" at {self.where}" if self.where else "")
+
+
+def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
+    """Values of a file, of a load case by their column case, and headings that nothing is known of. Raises InputError."""
+    needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
+    optional = (WHERE, "set")
+    table = Rows.read(path, needed, VALUE_EXAMPLE, optional)
+    out: dict[tuple[str, ...], GivenValue] = {}
+    for number, cells in table.rows:
+        if case is not None and cells.get("case") != case:
+            continue
+        given = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
+        key = (given.name, given.set)
+        if key in out:
+            raise InputError(str(path), f"line {number}", f"{given.name} again", "each once", "keep one of the rows")
+        out[key] = given
+    if not out and case is None:
+        raise InputError(str(path), "file", "no values", "a row for every value", VALUE_EXAMPLE)
+    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in (*needed, *optional))
+
+
+def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
+    name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
+    quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
+    if quantity is None:
+        allowed = ", ".join(q.name for q in OF_WHOLE)
+        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to `loads`")
+    text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
+    try:
+        value = _life(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])
+    except UnitError as error:
+        allowed, advice = expected(DIMENSIONS[quantity]), comma_or(error.advice, f"{number},{unit}")
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
+    except ValueError:
+        allowed, advice = f"a number and one of: {', '.join(LIVES)}", comma_or(VALUE_EXAMPLE, text)
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
+    where = cells.get(WHERE, "")
+    force, station = (_size(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
+    if where and force is None and (station is None or quantity is not DISPLACEMENT):
+        allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
+        advice = comma_or("leave it empty for the scene's own loads", where)
+        raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
+    return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
+
+
+def _life(number: str, unit: str) -> float:
+    """Million revolutions. Raises ValueError for anything else."""
+    value = float(number) * LIVES.get(unit.lower(), float("nan"))
+    if not 0.0 < value < float("inf"):
+        raise ValueError(unit)
+    return value
+
+
+def _size(where: str, dimension: str) -> float | None:
+    """A size of a dimension; None for anything else."""
+    try:
+        value = parse(where, dimension)
+    except UnitError:
+        return None
+    return value if value > 0.0 or dimension == "length" else None
