@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from rollbench.compare.case import files_named
 from rollbench.compare.quantities import unit_of
-from rollbench.compare.registration import source_files
 from rollbench.compare.results.definitions import TABLES
 
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
@@ -150,7 +150,7 @@ def unit_of_path(path: str) -> str:
 def misprints() -> Iterator[str]:
     """The sources' misprints, from the data of each source."""
     yield "# Misprints of the sources\n\nThe right value stands in the models; as-printed modes show what a misprint does."
-    for path in source_files("misprints.toml"):
+    for path in files_named("misprints.toml").values():
         found = tomllib.loads(path.read_text())
         yield f"\n## {found['title']}\n\n| where | printed | right | evidence |\n|---|---|---|---|"
         for row in found["row"]:

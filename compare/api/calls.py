@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import ArgumentError, named
-from rollbench.compare.registration import needed
 from rollbench.compare.results.data import (
     Ensemble,
     Friction,
@@ -129,7 +128,9 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    data = needed("friction of a scene", "friction", "scene", str(scene))(_described(scene), tuple(mu), model)
+    from rollbench.compare.studies.friction.solve import library
+
+    data = library(_described(scene), tuple(mu), model)
     return friction_of(data)
 
 
@@ -142,8 +143,9 @@ def ensemble(
     members: how many; model: refined unless given; seed: of the random errors in place of the scene's; workers: parallel
     processes. Raises InputError.
     """
-    found = needed("ensemble", "ensemble", "members", str(members))
-    return ensemble_of(found(_described(scene), model, members, seed, workers, LOG.info))
+    from rollbench.compare.studies.members.answer import library
+
+    return ensemble_of(library(_described(scene), model, members, seed, workers, LOG.info))
 
 
 @held_to_one_thread()
@@ -242,9 +244,10 @@ def mesh_study(
     that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
     computed. Raises InputError, Refusal where no run converged.
     """
+    from rollbench.compare.studies.mesh_study.study import library
+
     described = _described(scene)
-    study = needed("mesh study", "mesh_study", "scene", described.name)
-    found = study(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+    found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 
 
@@ -266,8 +269,9 @@ def sweep(
     samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
     computed, all unless given. Raises InputError.
     """
-    swept = needed("sweep", "sweep", "vary", " ".join(vary))
-    data = swept(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
+    from rollbench.compare.studies.sweep.study import library
+
+    data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_of(data, Path(out))
 
 

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare.evidence.computations import by_table, evidence
+from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, gate_points, known_exceedances
 from rollbench.compare.models.ladder import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.grid_summary import uncertainty_percent
-from rollbench.compare.registration import offered
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import best_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -202,6 +203,46 @@ def error_row(
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 
+def evidence_row(entry: Evidence, max_error: float) -> GateRow:
+    """Row of a printed entry: its own printed digits are the limit, and ``max_error`` on top."""
+    p = entry.printed
+    if p.value is None:
+        return GateRow(
+            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, entry.agrees is not False, entry.words
+        )
+    label = f"{p.place}: {p.label}"
+    kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
+    if p.value == 0.0:  # no per cent of it: within its own tolerance or not
+        return GateRow(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
+    error = entry.error_percent
+    limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
+    passed = bool(entry.agrees) and error is not None and abs(error) <= max_error
+    return GateRow(label, kind, entry.compared, p.value, error, limit, passed)
+
+
+def printed_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Every hard or as-printed entry and every input of the printed tables."""
+    gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
+    return [evidence_row(e, max_error) for e in gated]
+
+
+def band_rows(study: Study) -> list[GateRow]:
+    """Every number and claim of other programs, makers and textbooks that has a band, each within its own: the limit is the
+    end of the band on the value's side."""
+    tables = [name for name, one in by_table().items() if one.case.name == "external"]
+    return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
+
+
+def band_row(found: Evidence) -> GateRow:
+    """Row of an entry in a band."""
+    p, value = found.printed, found.compared
+    label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
+    if p.value is None or value is None or p.low is None or p.high is None:
+        return GateRow(label, "external, band", None, None, None, None, passed, found.words)
+    limit = abs(float(error_percent(p.high if value >= p.value else p.low, p.value)))
+    return GateRow(label, "external, band", value, p.value, found.error_percent, limit, passed, found.words)
+
+
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
     """Closed forms on the source's screw."""
     scene = study.scene("lin-case1")
@@ -304,15 +345,3 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
         error, words = top.error_percent, "; ".join(wrong[:3])
         rows.append(GateRow(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))
     return rows
-
-
-def run_gate(study: Study, max_error: float) -> list[GateRow]:
-    """All rows of the gate."""
-    return [
-        *(row for rows in offered("gate of what is printed") for row in rows(study, max_error)),
-        *closed_form_rows(study, max_error),
-        *solver_rows(study, max_error),
-        *reference_rows(study, max_error),
-        *source_rows(study, max_error),
-        *(row for rows in offered("gate") for row in rows(study, max_error)),
-    ]

@@ -17,7 +17,6 @@ from rollbench.compare.models import loading
 from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
-from rollbench.compare.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life, rating
@@ -237,10 +236,9 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     do."""
     if scene.friction is None:
         return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
-    for friction in offered("friction"):
-        sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
-        return sums
-    return None, "friction is left out of this installation"
+    from rollbench.compare.models.friction_sums import kept_sums
+
+    return kept_sums(scene, result, options)
 
 
 def roller_answers(row: RollerRow, line_loads: Array) -> RollerAnswers:

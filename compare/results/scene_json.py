@@ -13,7 +13,6 @@ from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Toget
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, number
-from rollbench.compare.registration import offered
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.life import Life
 from rollbench.lowfi.rating.roller_contacts import RACES, race_pressures
@@ -208,21 +207,6 @@ class CentrelinePoint:
     )
 
 
-@record
-class StartingTorque:
-    """Of a bearing: torque [N m], factor f1, static equivalent load and rating [N]."""
-
-    torque: float = quantity(
-        "torque_Nmm",
-        "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
-        "without lubricant and seals",
-        error="empirical",
-    )
-    factor: float = quantity("factor", "its f1 = 0.0013 (P0/C0)^(1/3)")
-    equivalent_load: float = quantity("equivalent_load_N", "its static equivalent load P0")
-    rating: float = quantity("static_rating_N", "its static rating C0 by Palmgren's formula")
-
-
 def sides_json(load: Array) -> dict[str, Any]:
     """Per loaded side: largest and smallest load of the loaded balls [N], their ratio, balls with and without load."""
     out = {}
@@ -300,11 +284,17 @@ def answers_json(one: Solved) -> dict[str, Any]:
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
-    ways, preload = offered("starting torque"), answers.preload
-    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
+    parts, preload = answers.parts, answers.preload
+    if (
+        not isinstance(parts, Scene)
+        or s.of.kind != "bearing"
+        or s.of.thrust not in ("+z", "-z")
+        or not (preload and preload.axial)
+    ):
         return None
-    found = ways[0](answers.parts, preload.axial)
-    return as_json(StartingTorque(found.torque, found.factor, found.equivalent_load, found.rating))
+    from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
+
+    return as_json(formula_torque(parts, preload.axial))
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:

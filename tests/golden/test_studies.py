@@ -22,7 +22,7 @@ from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study, with_balls, with_groove
 from rollbench.compare.reference import convergence, levels, near_face, tasks, variants
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.mesh_study import table as mesh_study
+from rollbench.compare.studies.mesh_study import table as mesh_study
 
 RECORD = Path(__file__).parent / "studies.json"
 STUDY = cache(Study)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from rollbench.compare.commands.comparing import compare_output as output
+from rollbench.compare.commands import compare_output as output
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.compare.models.model_form import estimate, shipped_points

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from rollbench.compare.commands.solving import entries
 from rollbench.compare.quantities import UNITS, as_json, from_json, quantities, shown
+from rollbench.compare.text import entries
 from rollbench.meshes.quantity import Stated, quantity, record
 from rollbench.reports.content import Quantity, Table
 

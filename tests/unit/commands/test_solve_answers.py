@@ -12,8 +12,7 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.compare.commands.solving.entries import block, entries
-from rollbench.compare.commands.solving.files import dmig, market
+from rollbench.compare.commands.solve_files import dmig, market
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, tangent_of
 from rollbench.compare.models.load_cases import Solved
@@ -25,6 +24,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compared
 from rollbench.compare.results.scene_json import answers_json
 from rollbench.compare.scenes import catalogue, like
+from rollbench.compare.text.entries import block, entries
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic

@@ -17,7 +17,7 @@ from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.frozen_defaults import FROZEN
 from rollbench.meshes.parts import Errors, Scene
 
-pytestmark = pytest.mark.every_run  # wings' records are among those of the core
+pytestmark = pytest.mark.every_run  # records of studies are among those of one solve
 RECORDS = keyed_records()
 FIELDS = [(name, field) for name, record in RECORDS.items() for field in names(record)]
 #: Fields whose default was changed on purpose since they were frozen: scenes that rely on it have another key since.

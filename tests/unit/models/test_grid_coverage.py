@@ -12,11 +12,11 @@ from rollbench.compare.reference import convergence, grid_parts, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import grid_coverage
-from rollbench.compare.wings.crosscheck.data import load, shipped
-from rollbench.compare.wings.crosscheck.fit import extrapolate
-from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
-from rollbench.compare.wings.mesh_study.section import coverage_table, shared_text
-from rollbench.compare.wings.mesh_study.table import study_table
+from rollbench.compare.sections.reference_mesh import coverage_table, shared_text
+from rollbench.compare.studies.crosscheck.data import load, shipped
+from rollbench.compare.studies.crosscheck.fit import extrapolate
+from rollbench.compare.studies.mesh_study.table import study_table
+from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")

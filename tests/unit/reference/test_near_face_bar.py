@@ -16,7 +16,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.expected import hertz_units
 from rollbench.meshes.helix import ball_layout
 
-pytestmark = pytest.mark.every_run  # of a wing are only the screws that it drew
+pytestmark = pytest.mark.every_run  # only the screws that the survey drew are of a study
 ROWS = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))
 KNOWN = read(shipped_store())
 
