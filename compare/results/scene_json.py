@@ -285,12 +285,8 @@ def answers_json(one: Solved) -> dict[str, Any]:
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
     parts, preload = answers.parts, answers.preload
-    if (
-        not isinstance(parts, Scene)
-        or s.of.kind != "bearing"
-        or s.of.thrust not in ("+z", "-z")
-        or not (preload and preload.axial)
-    ):
+    one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
+    if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
         return None
     from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
 
