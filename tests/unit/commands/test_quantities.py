@@ -5,9 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.compare.commands.solving import entries
 from rollbench.compare.quantities import UNITS, quantity, record, shown
-from rollbench.reports.content import Quantity, Table
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
 KEPT = ("percent", "million_revolutions", "hours")
@@ -29,14 +27,6 @@ def test_a_record_is_read_in_the_units_of_its_keys():
     assert (quantity("peak_pressure_MPa").label, quantity("peak_pressure_MPa").unit) == ("peak pressure", "MPa")
 
 
-def test_rows_say_the_columns_of_their_table():
-    error = Quantity("error", "largest error", "%", ".2f")
-    table = Table.of("t", "t", [{"scene": "a"}, {"scene": "b", error: 1.0}])
-    columns = [(q.key, q.label, q.format) for q in table.columns]
-    assert columns == [("scene", "scene", "s"), ("error", "largest error", ".2f")]
-    assert table.rows == [{"scene": "a"}, {"scene": "b", "error": 1.0}]
-
-
 SHOWN = [
     (1234.56, 4.3, "1235"),
     (1234.56, 0.43, "1235"),
@@ -50,9 +40,3 @@ SHOWN = [
 def test_people_see_one_digit_beyond_the_first_that_the_error_touches(value: float, error: float, text: str) -> None:
     assert shown(value, error) == text
     assert abs(float(text) - value) <= max(0.05 * 10.0 ** math.floor(math.log10(error)), abs(value) * 5e-4)
-
-
-def test_a_friction_torque_known_to_a_factor_has_two_digits() -> None:
-    efficiencies = {"efficiency_forward_percent": 94.8571, "efficiency_backward_percent": None}
-    data = {"friction_torque_Nmm": 838.6123, **efficiencies}
-    assert entries._friction({"friction": data}) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"
