@@ -1,9 +1,7 @@
 """The audit: verdicts by rule, the stored list, misprints with a test each."""
 
 import re
-from collections import Counter
 from dataclasses import replace
-from fnmatch import fnmatchcase
 
 import pytest
 from tests.copies import ROOT
@@ -61,26 +59,6 @@ def test_a_verdict_that_changes_without_its_data_is_named(monkeypatch):
     assert audit.changes([one]) == []
 
 
-def test_every_pattern_of_contradicted_entries_fits_open_entries():
-    for pattern in audit.contradicted():
-        fits = [row for row in ENTRIES if fnmatchcase(f"{row.table}:{row.key}", pattern)]
-        assert fits, pattern
-        assert any(row.cls == "open" for row in fits), pattern
-
-
-def test_stored_list_reads_as_it_is_written_and_its_counts_are_told():
-    rows = [audit.Audited(record.Evidence(row), audit.stored()[f"{row.table}:{row.key}"][1], "") for row in ENTRIES]
-    assert audit.changes(rows) == []
-    assert len(audit.as_stored(rows).splitlines()) == len(ENTRIES) + 2
-    counted = audit.counts(rows)
-    assert [row["source"] for row in counted] == [*audit.sources().values(), "all"]
-    total = Counter(row.verdict for row in rows)
-    assert {v: counted[-1][v] for v in audit.VERDICTS} == {v: total[v] for v in audit.VERDICTS}
-    assert counted[-1]["all"] == len(ENTRIES) == sum(row["all"] for row in counted[:-1])
-    assert all(row["judged"] == row["all"] - row["input"] - row["identity"] for row in counted)
-    assert all(str(row["contradicted"]) in audit.trust(row) for row in counted)
-
-
 @pytest.mark.parametrize("row", audit.misprints(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
 def test_every_misprint_has_a_command_and_a_test(row):
     path, _, name = row["test"].partition("::")
@@ -89,9 +67,3 @@ def test_every_misprint_has_a_command_and_a_test(row):
         assert row["command"].split()[-1] in tables()
     else:
         assert row["command"] == f"pytest {row['test']}"
-
-
-def test_what_is_left_out_has_a_reason():
-    whole = {"Kalker (1990)"}  # whose one table is entered whole
-    assert {row["source"] for row in audit.left_out()} == {*audit.sources().values(), "all"} - whole
-    assert all(len(row["reason"]) > 10 for row in audit.left_out())
