@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models import comparison, ladder, study
-from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.sections.reference import LABELS as NAMES
 from rollbench.compare.wings.bench.sections import reference_time
-from rollbench.compare.wings.mesh_study import section as reference_mesh
 
 STUDY = study.Study()
 
@@ -31,17 +28,3 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
     assert 0.0 < more["low"] < more["error"] < more["high"]
     assert more["rms"] < more["error"]
     assert more["gate"].error == pytest.approx(5.0)
-
-
-def test_levels_and_parts_of_every_scene() -> None:
-    table = reference_mesh.convergence_table(stored())
-    assert [r["scene"] for r in table.rows] == list(stored())
-    assert sum(int(row["levels"] or 0) > 1 for row in table.rows) >= 9
-    for row in table.rows:
-        parts = [float(row[key] or 0.0) for key in ("contact", "bodies", "sockets", "common")]
-        assert row["bar"] == pytest.approx(2.0 * np.linalg.norm(parts))
-    levels = reference_mesh.level_table(STUDY, stored())
-    for name, found in stored().items():
-        of_scene = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]
-        assert [r["change"] is None for r in of_scene] == [False] * (len(found.runs) - 1) + [True]
-    assert set(NAMES) >= {f"3D level {k}" for k in LEVELS}

@@ -49,20 +49,6 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     assert "not with" not in str(replace(KEPT, measured=here()))
 
 
-def test_the_report_refuses_a_mixture():
-    study = study_of(KEPT, quick=True)
-    study.computed[(reference_time.ladder,)] = []
-    reference_time.all_points(study, quiet)
-    mixed = [replace(p, measured=OTHER) if p.name == "mei" else p for p in points_of(study)]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reference_time, "time_points", lambda *_: mixed)
-        with pytest.raises(ValueError, match="several measuring runs"):
-            reference_time.all_points(study, quiet)
-    far = [replace(p, measured=OTHER) if p.kind == "level" else p for p in mixed]
-    with pytest.raises(ValueError, match="several measuring runs"):
-        reference_time.speed_table({"lin-case1": far})
-
-
 def test_a_ratio_compares_the_same_work():
     (row,) = reference_time.speed_table({"lin-case1": points_of(study_of(KEPT))}).rows
     assert (row["cold"], row["warm"]) == (pytest.approx(60.0 / 0.4), pytest.approx(0.9 / 1e-3))
