@@ -5,13 +5,12 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from tests.processes import COMMAND, python, ran
 
-from rollbench.compare import cli, errors, provenance, writing
-from rollbench.compare.report import report, scene_page, verify
+from rollbench.compare import cli, errors, writing
+from rollbench.compare.report import scene_page, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
@@ -123,24 +122,6 @@ def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monk
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
-
-
-def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monkeypatch):
-    said = iter(["f" * 40, ""])
-    provenance.commit.cache_clear()
-    monkeypatch.setattr(provenance.subprocess, "run", lambda *_, **__: SimpleNamespace(stdout=next(said, "M times.json")))
-    seen = []
-
-    def build(*_):
-        seen.append(provenance.commit.cache_info().currsize)
-        raise errors.InputError("report", "build", "begun", "nothing", "the rest is not needed here")
-
-    monkeypatch.setattr(report, "make_sections", build)
-    with pytest.raises(errors.InputError, match="begun"):
-        report.make_report(["hertz"], tmp_path / "out", stored=True)
-    assert seen == [1]
-    assert provenance.commit() == "f" * 40, "what is written afterwards is no change"
-    provenance.commit.cache_clear()
 
 
 def test_a_matplotlibrc_of_the_working_folder_changes_no_figure(tmp_path):

@@ -29,17 +29,6 @@ def copied(folder):
     return str(folder / "lowfi" / "jit.py")
 
 
-def test_machine_code_is_filed_by_the_sources(tmp_path, monkeypatch):
-    monkeypatch.setattr(jit, "__file__", copied(tmp_path))
-    found = [jit.digest.__wrapped__()]
-    for package in jit.PACKAGES:
-        folder = tmp_path.joinpath(*package.split(".")[1:])
-        for source in (folder / "__init__.py", *folder.parent.glob("kernel_types.py")):
-            source.write_text(source.read_text() + "# changed\n")
-            found.append(jit.digest.__wrapped__())
-    assert len(set(found)) == len(found) > len(jit.PACKAGES)
-
-
 def test_old_machine_code_goes(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     for number in range(6):
@@ -97,20 +86,6 @@ def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
     assert capfd.readouterr().err == ""
     done = subprocess.run([sys.executable, "-c", CALL], capture_output=True, text=True, timeout=200, check=False)
     assert done.stdout.strip() == "None", done.stderr
-
-
-@pytest.mark.parametrize("package", jit.PACKAGES)
-def test_both_engines_hold_the_same_kernels(package):
-    plain, compiled = (jit.kernels(package, compiled=c) for c in (False, True))
-    assert jit.loaded(package)
-    names = plain.__all__
-    assert compiled.__all__ == names
-    functions = [name for name in names if callable(getattr(plain, name))]
-    assert all(hasattr(getattr(compiled, name), "py_func") for name in functions)
-    assert not any(hasattr(getattr(plain, name), "py_func") for name in functions)
-    assert jit.kernels(package, compiled=False) is plain
-    with pytest.raises(KeyError):
-        jit.kernels(f"{package}.nothing", compiled=True)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
