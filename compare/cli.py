@@ -191,7 +191,7 @@ def main(tokens: list[str] | None = None) -> None:
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        from rollbench.compare.scenes.units import COMMA, has_comma
+        from rollbench.meshes.units import COMMA, has_comma
 
         given = re.search('convert "(.*)" into (?:int|float)', text)
         advice = COMMA if given and has_comma(given[1]) else "see rollbench --help"

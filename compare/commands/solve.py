@@ -147,7 +147,7 @@ def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
 def _checked(choices: Choices) -> tuple[str, float]:
     """Model (empty: not asked for) and station [m] of the choices. Raises InputError for what does not go together or
     cannot be written."""
-    from rollbench.compare.scenes import units
+    from rollbench.meshes import units
 
     model = choices.model or ("" if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":

@@ -20,10 +20,10 @@ import numpy as np
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
-from rollbench.compare.scenes.units import COMMA, COMMON, UnitError, expected, has_comma, parse, tidy
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.units import COMMA, COMMON, UnitError, expected, has_comma, parse, tidy
 
 COLUMNS = ("ball", "flank", "newton")
 

@@ -22,13 +22,13 @@ from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.compare.reference.convergence import observe
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.scenes.units import COMMA, has_comma
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import COMMA, has_comma
 
 #: Options of the solution that gives the place without loads, and lends its contacts to friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")

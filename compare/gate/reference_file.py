@@ -15,11 +15,11 @@ from rollbench.compare.models.comparison import gate_points
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
 from rollbench.compare.reference.store import Run
-from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.units import parse
 
 #: Notes above the table.
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 from rollbench.compare.errors import escaped
 from rollbench.compare.scenes.fault import Fault
-from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys
-from rollbench.compare.scenes.quantity import key
+from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, key
+from rollbench.meshes.scene_text import to_toml
 
 
 class KindKeys(HeadKeys):
@@ -29,6 +29,12 @@ class KindScene:
     source: str
     assumed: tuple[str, ...]
 
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this scene."""
+        from rollbench.compare.scenes.kind_table import kind_named  # which has all kinds
+
+        return to_toml(kind_named(self.kind).tables(self))
+
 
 Head = tuple[str, str, str, tuple[str, ...]]
 
@@ -40,8 +46,9 @@ def head_of(keys: KindKeys, name: str) -> Head:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
+    """A kind of scene: its keys, what they may not describe, the record of faultless ones, tables of a record."""
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]
     record: Callable[[Any, str], KindScene]
+    tables: Callable[[Any], dict[str, Any]]

@@ -17,10 +17,10 @@ from rollbench.compare.quantities import count_of
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.names import WHOLE
-from rollbench.compare.scenes.units import COMMA, has_comma
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import COMMA, has_comma
 
 #: Most parts of a dotted key: the reader's time and memory grow with their square.
 MAX_PARTS = 32

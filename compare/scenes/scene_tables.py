@@ -10,16 +10,15 @@ from rollbench.compare.errors import SceneError, escaped
 from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.fault import Fault, refusal, refuse, spoken
-from rollbench.compare.scenes.from_keys import scene_of
+from rollbench.compare.scenes.from_keys import preloaded, scene_of
 from rollbench.compare.scenes.key_checks import choice_faults
 from rollbench.compare.scenes.load_cases import case_faults, in_cases
 from rollbench.compare.scenes.mending import sound, validated
 from rollbench.compare.scenes.names import AXIS, KINDS, WHOLE
-from rollbench.compare.scenes.preload import preloaded
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.compare.scenes.units import show
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import show
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.axis_schema import AxisKeys

@@ -13,7 +13,7 @@ from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.keys import tidy_schema
 from rollbench.compare.scenes.names import KINDS, WHOLE
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.compare.scenes.units import show
+from rollbench.meshes.units import show
 
 #: Shipped scenes whose values the templates take; that of a ball screw is written by hand.
 EXAMPLES = {

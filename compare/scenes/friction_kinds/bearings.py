@@ -12,13 +12,13 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
+from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
 from rollbench.compare.scenes.kinds import KindKeys, KindScene, head_of
-from rollbench.compare.scenes.quantity import Quantity, Rate, key
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
 from rollbench.lowfi.friction.bearing.rotary import Bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.ranges import Quantity, Rate, Size
 
 Law = Literal["coulomb", "regularised", "sigmoid"]
 Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]

@@ -11,17 +11,17 @@ from rollbench.compare.scenes.fault import Fault, mm
 from rollbench.compare.scenes.key_checks import groove_choice_faults
 from rollbench.compare.scenes.keys import (
     BallSizeKeys,
-    Coefficient,
     CoulombKeys,
     GrooveKeys,
     MaterialKeys,
     OversizeKeys,
     PathKeys,
     Table,
+    key,
 )
 from rollbench.compare.scenes.kinds import KindKeys
-from rollbench.compare.scenes.quantity import Quantity, key
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
+from rollbench.meshes.ranges import Coefficient, Quantity
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]

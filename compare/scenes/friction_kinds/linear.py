@@ -12,11 +12,11 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.keys import BallSizeKeys, ContactAngle, GrooveKeys, Table
+from rollbench.compare.scenes.keys import BallSizeKeys, GrooveKeys, Table, key
 from rollbench.compare.scenes.kinds import KindKeys, KindScene, head_of
-from rollbench.compare.scenes.quantity import Quantity, Rate, key
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, deviations
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.ranges import ContactAngle, Quantity, Rate
 
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]

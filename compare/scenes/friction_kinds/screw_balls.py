@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import degrees, pi
 from typing import Annotated, ClassVar, Literal
 
@@ -13,15 +13,15 @@ from pydantic import Field
 from rollbench.compare.scenes.fault import Fault, mm
 from rollbench.compare.scenes.friction_kinds import common
 from rollbench.compare.scenes.key_checks import time_faults
-from rollbench.compare.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
+from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
 from rollbench.compare.scenes.kinds import KindScene, head_of
-from rollbench.compare.scenes.quantity import Quantity, key
-from rollbench.compare.scenes.schema import TimeKeys
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import Pair
 from rollbench.lowfi.friction.screw.run import Run
+from rollbench.meshes.fields import usual
 from rollbench.meshes.parts import Motion, Time
+from rollbench.meshes.ranges import Azimuth, Quantity, Turns, Whole
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
@@ -80,11 +80,12 @@ class ClosedTrackKeys(Table):
     first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
 
 
-class RunTimeKeys(TimeKeys):
+@dataclass(frozen=True)
+class RunTimeKeys(Time):
     """A run in time. Give angle or duration."""
 
-    rounds: Annotated[int, Field(ge=1, le=100)] = key(
-        "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1, 1
+    rounds: Annotated[int, Whole(1, 100)] = usual(
+        1, "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1
     )
 
 
@@ -93,7 +94,7 @@ class ScrewBallKeys(common.SectionKeys):
 
     track: HelixKeys = key("path of the ball centres")
     load: ScrewLoadKeys = key("force on the screw")
-    motion: MotionKeys = key("motion along the helix")
+    motion: Motion = key("motion along the helix")
     friction: ScrewFrictionKeys = key("friction")
 
 
@@ -221,7 +222,7 @@ def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
     """The scene of faultless keys."""
     groove, a = _screw_groove(keys), keys.angles
-    time = Time(**keys.time.model_dump(exclude={"rounds"}))
+    time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(
         groove,
         keys.balls.count,

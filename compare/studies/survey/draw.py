@@ -11,8 +11,8 @@ import numpy as np
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.from_keys import touching_angle
 from rollbench.compare.scenes.like import LOAD, values_like
-from rollbench.compare.scenes.units import show
 from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.units import show
 
 #: The survey's seed; no scene of it is ever drawn again.
 SEED = 20360

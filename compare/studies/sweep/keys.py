@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.scenes.units import COMMA, has_comma, number_and_unit, show
+from rollbench.meshes.units import COMMA, has_comma, number_and_unit, show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")

@@ -13,8 +13,8 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS, Model, run_model
 from rollbench.compare.scenes import catalogue, kind_table, scene_file
 from rollbench.compare.scenes.template import AXES, BEARINGS, template
-from rollbench.compare.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.units import show
 
 ROLLERS = own_text("rollers")
 

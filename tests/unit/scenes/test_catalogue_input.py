@@ -11,7 +11,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import loading, registry
-from rollbench.compare.scenes import catalogue, catalogue_input, keys, kind_table, preload, scene_file
+from rollbench.compare.scenes import catalogue, from_keys, keys, kind_table, scene_file
 from rollbench.compare.scenes.like import double_nut_like, scene_like
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.friction.whole.circuit import circuits
@@ -57,7 +57,7 @@ def test_materials_by_name() -> None:
     assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
     for grade in ("100Cr6", "AISI 52100"):
         assert read((steel[0], f'name = "{grade}"')).screw.material == read(steel).screw.material
-    assert set(get_args(keys.MaterialName)) == set(catalogue_input.MATERIALS), "every grade is a name of the schema"
+    assert set(get_args(keys.MaterialName)) == set(keys.MATERIALS), "every grade is a name of the schema"
     ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
     assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
     assert ceramic.screw == read().screw
@@ -119,7 +119,7 @@ def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     alpha = math.atan2(20e-3, 2.0 * math.pi * 16.5e-3)
     axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
     assert axial == pytest.approx(3000.0, rel=0.02)
-    assert preload.oversize_for(scene, 3000.0) == scene.errors.balls.oversize
+    assert from_keys.oversize_for(scene, 3000.0) == scene.errors.balls.oversize
 
 
 def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
@@ -203,7 +203,7 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
 def test_the_preload_of_a_nominal_size_is_that_of_catalogues(size: str) -> None:
     """3 to 8 % of C, between rigid bodies and what elastic ones leave of it (lin: elastic screw)."""
     scene = scene_file.loads(scene_like(size), "my.toml")
-    assert preload.oversize_for(scene, 0.05 * rating(scene)) == scene.errors.balls.oversize
+    assert from_keys.oversize_for(scene, 0.05 * rating(scene)) == scene.errors.balls.oversize
     left = loading.preload(scene, solve_static(replace(scene, loads=()))).axial
     assert 0.03 < left / rating(scene) < 0.08
 
@@ -212,7 +212,7 @@ def test_the_preload_of_a_nominal_size_is_that_of_catalogues(size: str) -> None:
 def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
     share = 0.025 if "2.5" in text else 0.05
-    assert scene.errors.balls.oversize == preload.oversize_for(read(), share * rating(read()))
+    assert scene.errors.balls.oversize == from_keys.oversize_for(read(), share * rating(read()))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 

@@ -43,23 +43,21 @@ def found(done, code=0):
     return json.loads(done.stdout)
 
 
-def test_a_key_of_the_scene_takes_three_places(tree, tmp_path):
-    """Record with its frozen default, schema, template: read with its unit, refused with another, no stored run lost."""
-    change(tree, "meshes/parts.py", r"(class Track:(?:.|\n)*?    phase: float = 0.0\n)", r"\1    wear: float = 0.0\n")
-    change(tree, "meshes/frozen_defaults.py", r'("Track": \{[^}]*?),?\s*\}', r'\1, "wear": "0"}')
-    line = '    wear: keys.Deviation = key("depth that the track has lost", "0 um", "2 um")\n'
-    change(tree, "compare/scenes/schema.py", r'(    phase: keys.Azimuth = key\("azimuth of the [^\n]*\n)', rf"\1{line}")
-    change(tree, "compare/template.toml", r"(?m)^(# starts = 1)", r'# wear = "0 um"\n\1')
+def test_a_key_of_the_scene_takes_two_places(tree, tmp_path):
+    """A field of its record, template: read with its unit, refused with another, no stored run lost."""
+    line = '    wear: Deviation = usual(0.0, "depth that the nut\'s lands have lost", "2 um")\n'
+    change(tree, "meshes/parts.py", r"(class Solid:(?:.|\n)*?)(    nut_inner_diameter: )", rf"\1{line}\2")
+    change(tree, "compare/template.toml", r"(?m)^(# hole_diameter = )", r'# wear = "0 um"\n\1')
     assert '"wear"' in rollbench(tree, "schema", cwd=tmp_path).stdout
     rollbench(tree, "new", "my.toml", cwd=tmp_path)
-    text = (tmp_path / "my.toml").read_text(encoding="utf-8")
+    text = (tmp_path / "my.toml").read_text(encoding="utf-8").replace("# [solid]", "[solid]")
     assert '# wear = "0 um"' in text
     for value, code in (("2 um", 0), ("2 N", 2)):
         (tmp_path / "worn.toml").write_text(text.replace('# wear = "0 um"', f'wear = "{value}"'), encoding="utf-8")
         done = rollbench(tree, "solve", "worn.toml", "--model", "lin", cwd=tmp_path)
         assert done.returncode == code, done.stderr
-    assert "track.wear: got" in done.stderr
-    said = "import rollbench; print(rollbench.read('worn.toml').track.wear)"
+    assert "solid.wear: got" in done.stderr
+    said = "import rollbench; print(rollbench.read('worn.toml').solid.wear)"
     (tmp_path / "worn.toml").write_text(text.replace('# wear = "0 um"', 'wear = "2 um"'), encoding="utf-8")
     assert python(tree, "-c", said, cwd=tmp_path).stdout == "2e-06\n"
     assert rollbench(tree, "check", "lin-case1", "--no-compute", cwd=tmp_path).returncode == 0
@@ -122,7 +120,7 @@ def test_a_paper_takes_two_folders_and_its_record(tree, tmp_path):
 def test_contributing_says_these_places():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"(?m)^\| (a [^|]+?) \| ([^|]+) \|$", text))
-    key = {"meshes/parts.py", "meshes/frozen_defaults.py", "compare/scenes/schema.py", "compare/template.toml"}
+    key = {"meshes/parts.py", "compare/template.toml", "compare/scenes/schema.py"}
     assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == key
     assert re.findall(r"`([^`]+)`", rows["a model"]) == ["compare/models/registry.py"]
     paper = ["compare/cases", "compare/case.py", "CASES", "rollbench.cases", "tests/sources"]

@@ -13,7 +13,6 @@ from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, load_table
-from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
 from rollbench.lowfi.bearings.load_zone import load_zone
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded
@@ -21,6 +20,7 @@ from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, factors,
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS
+from rollbench.meshes.units import parse
 
 CLASSES = ("light", "medium", "strong")
 #: Conformities between which the growth of rigidity is looked at without an inferred number.

@@ -8,9 +8,9 @@ from rollbench.compare import data
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.units import parse
 
 #: Beginning of the names of tables and scenes of this kind.
 PREFIX = "external-"

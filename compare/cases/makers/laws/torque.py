@@ -13,8 +13,8 @@ from rollbench.compare.cases.makers.laws.nuts import CONFORMITY, Nut, of_ratings
 from rollbench.compare.cases.makers.outside import Band, Outside, of_row
 from rollbench.compare.cases.makers.tables import table
 from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.scenes.from_keys import oversize_for
 from rollbench.compare.scenes.like import STOCK
-from rollbench.compare.scenes.preload import oversize_for
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 

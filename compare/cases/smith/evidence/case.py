@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
 from rollbench.lowfi.bearings.axis import Axis
 from rollbench.lowfi.bearings.sets import BearingSet, arrangement, preloaded
 from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing
+from rollbench.meshes.units import parse
 
 #: The source's units in SI.
 INCH = parse("1 in", "length")

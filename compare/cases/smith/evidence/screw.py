@@ -11,7 +11,6 @@ from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import value_of
-from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import (
     TorqueBudget,
@@ -25,6 +24,7 @@ from rollbench.lowfi.bearings.axis import (
     unloading_warming,
 )
 from rollbench.lowfi.bearings.sets import SetState, equilibrium, lift_off_force
+from rollbench.meshes.units import parse
 
 #: Lead [m] and rapid traverse [m/s] of 5.1, counts a turn, torque of the motor [in-lbf], reduced preload of 5.3 [N].
 LEAD, TRAVERSE = parse("14 mm", "length"), 800.0 * case.INCH / 60.0

@@ -11,7 +11,7 @@ from rollbench.compare.cases.smith import page as smith
 from rollbench.compare.cases.smith.evidence import case
 from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.compare.scenes import units
+from rollbench.meshes import units
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

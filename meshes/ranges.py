@@ -1,16 +1,19 @@
-"""Quantities of scene files: ranges with units and advice, as pydantic reads them and the JSON Schema shows them."""
+"""Quantities of scene files: ranges with units and advice, as pydantic reads them, the JSON Schema shows them, and a scene
+that is written has them."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
+from rollbench.meshes import units
 
-from rollbench.compare.scenes import units
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core import PydanticCustomError
 
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
 #: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.
@@ -62,12 +65,34 @@ class Quantity:
             allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
             raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
 
+    def written(self, value: float, added: float = 0.0) -> str | float:
+        """A value as a file has it, in the unit of the example: the shortest text that is read as exactly this value.
+
+        added: what the value that is read is added to, where only the sum counts.
+        """
+        if self.dimension == "number":
+            return value
+        _, unit = units.number_and_unit(str(self.example)) or ("", "")
+        number = value / self._number(f"1 {unit}")
+        if unit.startswith("k") and abs(number) < 1.0:
+            unit, number = unit[1:], 1e3 * number
+        for digits in range(1, 18):
+            text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
+            if added + self._number(text) == added + value:
+                return text
+        text = f"{Decimal(repr(value)) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
+        return text if self._number(text) == value else f"{value!r} {self.unit}"
+
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
+        from pydantic_core import PydanticCustomError
+
         return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
         """Validate with ``read``."""
+        from pydantic_core import core_schema
+
         return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -132,7 +157,75 @@ class Rate(Quantity):
         return float(parts[0]) * rates[unit]
 
 
-def key(description: str, default: Any = ..., example: Any = None) -> Any:
-    """A key of the file. ``default`` is written as in a scene; without it the key is required."""
-    examples = None if example is None else [example]
-    return Field(default=default, description=description, examples=examples)
+@dataclass(frozen=True)
+class Whole:
+    """Range of a whole number."""
+
+    low: int
+    high: int
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
+        """Validate a number that is whole as it stands."""
+        from pydantic_core import core_schema
+
+        return core_schema.int_schema(strict=True, ge=self.low, le=self.high)
+
+
+@dataclass(frozen=True)
+class Several:
+    """How many entries a list of a file has that is read as a tuple."""
+
+    low: int
+    high: int
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> Any:
+        """Validate a list; its entries are a tuple."""
+        from pydantic_core import core_schema
+
+        items = handler.generate_schema(get_args(source)[0])
+        return core_schema.tuple_variable_schema(items, min_length=self.low or None, max_length=self.high, strict=False)
+
+
+def quantity_of(of: Any) -> Quantity:
+    """The quantity of a type such as `Size`."""
+    found: Quantity = get_args(of)[1]
+    return found
+
+
+#: Most balls of a scene.
+MAX_BALLS = 100_000
+
+Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
+Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
+Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
+Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
+Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
+Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
+Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
+Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
+Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
+Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
+ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
+Modulus = Annotated[float, Quantity("pressure", "1 MPa", "5000 GPa", "210 GPa")]
+Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
+Conformity = Annotated[float, Quantity("number", 0.5, 5, 0.52, above=True)]
+Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
+Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
+Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
+Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+#: A force and a moment by x, y, z.
+Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
+Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
+Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
+Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
+Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
+Filling = Annotated[float, Quantity("number", 0, 1, 0.8, above=True)]
+Travel = Annotated[float, Quantity("angle", "0.001 deg", "1000000 deg", "360 deg")]
+Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
+StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
+Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
+Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
+Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
+#: Young's moduli [Pa] of solids that parts of machines are made of.
+SOLIDS = (1e9, 1e12)
