@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.registration import needed
 from rollbench.compare.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -381,7 +380,8 @@ def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
     if one.pair_rigidity is None:
         return parts
     given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
-    conformity = needed("conformity", origin, f"{at}.pair_rigidity", given)
+    from rollbench.compare.scenes.bearing_pairs import conformity
+
     try:
         implied = conformity(parts, one.pair_preload, one.pair_rigidity)
     except ValueError as error:

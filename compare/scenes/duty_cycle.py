@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.kinds import KindScene
@@ -16,14 +17,14 @@ if TYPE_CHECKING:
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 
 
-@dataclass(frozen=True)
+@record
 class LoadCase:
     """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
     None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize; time:
     in one cycle [s], where shares follow from times."""
 
-    name: str
-    share: float
+    name: str = quantity("case", "name of the load case")
+    share: float = quantity("share", "part of the revolutions; 0 for a static check")
     speed: float | None
     scene: Scene | Assembly
     time: float | None = None

@@ -12,7 +12,7 @@ from tests.campaign.draw_axes import axis_text
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.wings.extremes import static
+from rollbench.compare.studies.extremes import static
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.printing import Answer, cell, on_terminal
-from rollbench.compare.commands.tables import ruled
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.baseline import Change, changes
-from rollbench.compare.gate.publish import Outcome, of_row, of_verdict, publish
+from rollbench.compare.gate.publish import Change, Outcome, changes, of_row, of_verdict, publish
 from rollbench.compare.gate.user import Asked, as_shares
 from rollbench.compare.gate.verdict import CODES, LIMIT, Limits
 from rollbench.compare.reference.jobs import Engine
@@ -19,6 +16,8 @@ from rollbench.compare.results.base import with_schema
 from rollbench.compare.results.verdict import verdict_of
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.text.printing import Answer, cell, on_terminal
+from rollbench.compare.text.tables import ruled
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -80,7 +79,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:
     """The gate of what is shipped; exit code 1 where a row fails."""
-    from rollbench.compare.gate.gate import run_gate
+    from rollbench.compare.commands.check import run_gate
     from rollbench.compare.models.study import Study
 
     limit = LIMIT if max_error is None else max_error

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from rollbench.compare.commands.comparing import compare_output as output
+from rollbench.compare.commands import compare_output as output
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.compare.models.model_form import estimate, shipped_points
 from rollbench.compare.models.registry import MODELS, run_model
-from rollbench.compare.models.total_uncertainty import Choices, Total, total
+from rollbench.compare.models.uncertainty import Choices, Total, total
+from rollbench.compare.quantities import as_json
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.compare.results import compared as found_by
@@ -118,7 +119,7 @@ def test_answers_of_model_and_reference_stand_side_by_side(case) -> None:
     assert lines[5].split()[-1] == f"{100.0 * (1.01 ** (1.0 / 3.0) - 1.0):+.2f}"
     data = found_by.answers_json(whole, found)
     assert (data["levels"], data["uncertainty_percent"]) == ([1], pytest.approx(50.0 / found.load[found.load > 0.0].mean()))
-    assert data["uncertainty"] == TOTAL.as_json()
+    assert data["uncertainty"] == as_json(TOTAL)
     assert data["uncertainty"]["total_percent"] == pytest.approx(np.sqrt(0.2**2 + 3.0**2 + 2.0**2 + 0.1**2))
     assert data["uncertainty"]["shared_by_all_percent"] is None
     assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}

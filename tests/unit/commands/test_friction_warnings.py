@@ -8,11 +8,11 @@ import pytest
 from tests.feed_drive import answer, mine
 from tests.helpers import small_screw
 
+from rollbench.compare.commands.friction import as_table
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.friction import solve as friction_answer
-from rollbench.compare.wings.friction.answer import as_table
-from rollbench.compare.wings.friction.band import feedback_warnings
-from rollbench.compare.wings.friction.whole import Choices, solve_scene
+from rollbench.compare.studies.friction import solve as friction_answer
+from rollbench.compare.studies.friction.band import feedback_warnings
+from rollbench.compare.studies.friction.whole import Choices, solve_scene
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.compare import commands
-from rollbench.compare.commands.printing import Answer, cell, print_answer
+from rollbench import compare
+from rollbench.compare.text.printing import Answer, cell, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
-WRITERS = {"printing.py", "validation.py", "report.py"}
+WRITERS = {"printing.py", "completion.py", "report.py"}
 
 
 def writes(path: Path) -> bool:
@@ -21,8 +21,8 @@ def writes(path: Path) -> bool:
 
 
 def test_one_module_prints_answers():
-    folder = Path(commands.__file__).parent
-    assert {path.name for path in folder.rglob("*.py") if writes(path)} == WRITERS
+    folders = [Path(compare.__file__).with_name(name) for name in ("commands", "report", "text")]
+    assert {path.name for folder in folders for path in folder.rglob("*.py") if writes(path)} == WRITERS
 
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):

@@ -7,25 +7,25 @@ import numpy as np
 import pytest
 from tests.report_samples import screw
 
-from rollbench.compare.commands.reporting import first as report_first
-from rollbench.compare.commands.reporting import report
-from rollbench.compare.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
-from rollbench.compare.commands.reporting.parts import PARTS
+from rollbench.compare.cases.kalker import page as rolling
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.report import first as report_first
+from rollbench.compare.report import report
+from rollbench.compare.report.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
+from rollbench.compare.report.pages import SECTIONS
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.kalker import section as rolling
 from rollbench.reports.content import Section
 
 
 def test_costly_sections_come_by_name_or_all_together(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report_first, "gmsh_fault", lambda: "")
-    assert {part.name for part in PARTS} >= COSTLY
-    kept, missed = kept_parts(PARTS, named=False, everything=False)
-    assert {part.name for part in PARTS} - {part.name for part in kept} == COSTLY
+    assert {part.name for part in SECTIONS} >= COSTLY
+    kept, missed = kept_parts(SECTIONS, named=False, everything=False)
+    assert {part.name for part in SECTIONS} - {part.name for part in kept} == COSTLY
     assert [gap.remedy for gap in missed] == ["rollbench report --all makes them too"]
     for named, everything in ((True, False), (False, True)):
-        assert kept_parts(PARTS, named=named, everything=everything) == (list(PARTS), [])
+        assert kept_parts(SECTIONS, named=named, everything=everything) == (list(SECTIONS), [])
 
 
 def test_without_gmsh_a_report_is_made_and_says_what_installs_it(monkeypatch, tmp_path, command) -> None:
@@ -41,7 +41,7 @@ def test_without_gmsh_a_report_is_made_and_says_what_installs_it(monkeypatch, tm
 def test_without_gmsh_the_rolling_section_is_made_but_for_its_meshed_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in (report_first, rolling):
         monkeypatch.setattr(module, "gmsh_fault", lambda: "libGL.so.1")
-    kept, missed = kept_parts(PARTS, named=False, everything=True)
+    kept, missed = kept_parts(SECTIONS, named=False, everything=True)
     assert "rolling" in {part.name for part in kept}
     assert "rolling (no motion against the static reference, sizes of bodies)" in missed[-1].names
 

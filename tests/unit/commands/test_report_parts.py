@@ -4,26 +4,26 @@ from importlib import import_module
 
 import pytest
 
-from rollbench.compare.commands.reporting import first, report
-from rollbench.compare.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import applicability, ladder, model_form
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.report import first, report
+from rollbench.compare.report.pages import PAGES, SECTIONS, WHOLE, conclusion
 from rollbench.reports.content import Section, Table
 
 
 def test_every_part_has_a_module_with_a_section_and_stands_on_one_of_twelve_pages_at_most():
-    assert len({part.name for part in PARTS}) == len(PARTS)
-    for part in PARTS:
+    assert len({part.name for part in SECTIONS}) == len(SECTIONS)
+    for part in SECTIONS:
         assert callable(import_module(f"rollbench.compare.{part.module}").section)
-    assert {part.page for part in PARTS} <= PAGES.keys()
+    assert {part.page for part in SECTIONS} <= PAGES.keys()
     assert len([name for name in PAGES if name not in WHOLE]) + 1 <= 12  # and the first one
 
 
 def test_wanted_parts():
-    assert [p.name for p in report.wanted_parts(["timing", "hertz"], quick=True)] == ["hertz", "timing"]
-    assert [p.name for p in report.wanted_parts([])] == list(report.SECTIONS)
+    assert [p.name for p in report.wanted_parts(["stability", "hertz"], quick=True)] == ["hertz", "stability"]
+    assert [p.name for p in report.wanted_parts([])] == [part.name for part in SECTIONS]
     quick = report.wanted_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
     assert {p.name for p in quick}.isdisjoint({*first.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})

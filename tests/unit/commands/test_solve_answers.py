@@ -12,8 +12,7 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.compare.commands.solving.entries import block, entries
-from rollbench.compare.commands.solving.files import dmig, market
+from rollbench.compare.commands.solve_files import dmig, market
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, tangent_of
 from rollbench.compare.models.load_cases import Solved
@@ -22,9 +21,10 @@ from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.results.answers_json import answers_json
 from rollbench.compare.results.compared import compared
+from rollbench.compare.results.scene_json import answers_json
 from rollbench.compare.scenes import catalogue, like
+from rollbench.compare.text.entries import block, entries
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.axis import elastic as axis_elastic

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import body_checks, catalogue
-from rollbench.compare.wings.extremes import static
+from rollbench.compare.studies.extremes import static
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.lowfi.statics.static import solve_static

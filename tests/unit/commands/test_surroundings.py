@@ -11,7 +11,7 @@ import pytest
 from tests.processes import COMMAND, python, ran
 
 from rollbench.compare import cli, errors, provenance, writing
-from rollbench.compare.commands.reporting import report, scene_page, verify
+from rollbench.compare.report import report, scene_page, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
@@ -95,7 +95,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     code = (
         "import sys, runpy; from rollbench.reports import offscreen\ntry: "
         "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
-        "print(error)\nfrom rollbench.compare.wings.bench.costs.timing import launch\nprint(launch(['-c', 'import "
+        "print(error)\nfrom rollbench.compare.studies.run_times.timing import launch\nprint(launch(['-c', 'import "
         "numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
     root = str(Path(__file__).parents[3] / "src")

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from rollbench.compare.models.friction_sums import kept_sums
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import with_balls
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.friction.quick import quick_friction
 from rollbench.lowfi.friction.whole import state as whole
 from rollbench.meshes import kept
 
@@ -34,11 +34,11 @@ def test_a_state_is_made_once_for_equal_loads(asked: list[int], neighbours: bool
     scene = replace(scene, friction=replace(scene.friction, neighbours=neighbours))
     options = Options(discretisation=False, engine="interpreted")
     result = run_model(scene, "lin", options)
-    first, _ = quick_friction(scene, result, options)
+    first, _ = kept_sums(scene, result, options)
     later = replace(result, solver=replace(result.solver, seconds=9.0, setup_seconds=9.0))
-    second, _ = quick_friction(scene, later, options)
+    second, _ = kept_sums(scene, later, options)
     assert len(asked) == 1
     assert second == first
-    third, _ = quick_friction(scene, replace(result, load=1.01 * result.load), options)
+    third, _ = kept_sums(scene, replace(result, load=1.01 * result.load), options)
     assert len(asked) == 2
     assert third is not None

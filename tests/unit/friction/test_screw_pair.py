@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from tests.friction_oracles import dense
 from tests.helpers import SCREW_STATES as STATES
 
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.contact.ellipse import dissipation
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain

@@ -9,7 +9,7 @@ from scipy.special import ellipe
 from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
-from rollbench.compare.sources.lin.evidence.source_cases import four_point, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_3_6
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.contact.kernel import motion as kernel
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

@@ -11,7 +11,7 @@ from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
-from rollbench.compare.sources.lin.evidence.source_cases import lin_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.run import run_cell

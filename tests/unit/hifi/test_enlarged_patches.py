@@ -10,7 +10,7 @@ from rollbench.compare.reference import computing
 from rollbench.compare.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
 from rollbench.compare.reference.tasks import Task, settings_of
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
 from rollbench.hifi.reference import AT_RIM

@@ -18,7 +18,7 @@ from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.fields import FROZEN, keyed, usual
 from rollbench.meshes.parts import Errors, Scene
 
-pytestmark = pytest.mark.every_run  # wings' records are among those of the core
+pytestmark = pytest.mark.every_run  # records of studies are among those of one solve
 RECORDS = keyed_records()
 FIELDS = [(name, field) for name, record in RECORDS.items() for field in names(record)]
 #: Frozen defaults as they were in 0.15, by record and field.

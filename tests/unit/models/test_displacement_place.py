@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.compared_point import SectionAnswer, pull, rigidity, section
 from rollbench.compare.models.comparison import finest_bodies, from_result, from_run
+from rollbench.compare.models.model_form import SectionAnswer, pull, rigidity, section
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store

@@ -10,7 +10,7 @@ from rollbench.compare.models import comparison, ladder, model_form
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.extremes.static import BACKENDS
+from rollbench.compare.studies.extremes.static import BACKENDS
 
 QUIET = Options(discretisation=False, engine="interpreted")
 CASE1 = catalogue.scene("lin-case1")

@@ -7,8 +7,8 @@ import re
 import pytest
 
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.wings.rolling import body_sizes
-from rollbench.compare.wings.rolling.body_sizes import LIVE, NAMES, Variant, sizes, variants
+from rollbench.compare.studies.rolling import body_sizes
+from rollbench.compare.studies.rolling.body_sizes import LIVE, NAMES, Variant, sizes, variants
 
 
 @pytest.fixture

@@ -7,12 +7,11 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.evidence.record import Evidence, sentences
+from rollbench.compare.evidence.verdicts import counts
 from rollbench.compare.printed import printed_data
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.evidence.audit import VERDICTS, Audited, judge
-from rollbench.compare.wings.evidence.audit import counts as audit_counts
-from rollbench.compare.wings.evidence.record import Evidence, sentences
-from rollbench.compare.wings.evidence.sections import verdicts
+from rollbench.compare.sections import verdicts
 from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
@@ -118,6 +117,8 @@ FAULTY = {
     "row[0].remark": (ROW.replace('"hard"', '"as-printed"'),),
     "row[0].kind": (ROW + 'kind = "claim"\n', ROW.replace('"hard"', '"input"') + 'kind = "zero"\n'),
     "row[0].tolerance": tuple(f"{ROW}tolerance = {value}\n" for value in ("-1", "nan", '"1"')),
+    "row[0].verdict": (ROW + 'verdict = "good"\n',),
+    "row[0].contradicted": (ROW + 'contradicted = "so"\n',),
     "row[0].colour": (ROW + 'colour = "red"\n',),
     "row[1].key": (ROW + ROW,),
     "file": ('title = "none"\n', "row = 3\n", "[[row]\n"),
@@ -142,7 +143,7 @@ def test_remarks_have_one_full_stop_between_them():
 
 def test_a_band_is_not_called_reproduced():
     entry = row("lin-2.4.1", "case1_ratio")
-    judged = [judge(Evidence(entry, value))[0] for value in (entry.low, entry.high + 1.0, None)]
+    judged = [Evidence(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
     assert judged == ["band", "contradicted", "not identifiable"]
 
 
@@ -157,7 +158,7 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            judged = [judge(Evidence(r, value=value))[0] for value in (r.value, r.value + abs(r.value) + 1.0)]
+            judged = [Evidence(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
             assert judged == ["input", "contradicted"]
 
 
@@ -176,13 +177,12 @@ def test_counts_of_the_report_keep_kinds_apart():
     rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
     values = {"mu": 0.1, "psi": rows["psi"].value, "yaw": 600.0, "speed": 11.0}
     found = [*(Evidence(rows[key], value=x) for key, x in values.items()), Evidence(rows["worst_increase"], holds=True)]
-    audited = [Audited(one, *judge(one)) for one in found]
-    of_audit = audit_counts(audited)[-1]
-    said = verdicts.total_text(audited)
+    of_all = counts(found)[-1]
+    said = verdicts.total_text(found)
     assert said.startswith("Of 5 printed entries: 2 reproduced, ")
-    assert all(f"{of_audit[key]} {key}" in said for key in VERDICTS)
+    assert all(f"{of_all[key]} {key}" in said for key in printed_data.VERDICTS)
     assert said.endswith("Those reproduced are 1 computed numbers and 1 claims in words.")
-    table = {row["kind"]: row for row in verdicts.kinds_table(audited).rows}
+    table = {row["kind"]: row for row in verdicts.kinds_table(found).rows}
     over = table["input, taken over"]
     assert (over["input"], over["contradicted"], table["arithmetic on printed numbers"]["identity"]) == (1, 1, 1)
     assert sum(row["all"] for row in table.values()) == len(found)

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.compare.commands.comparing import study
-from rollbench.compare.commands.comparing.study import code_of, parse_levels
+from rollbench.compare.commands import compare as study
+from rollbench.compare.commands.compare import code_of, parse_levels
+from rollbench.compare.commands.mesh_study import run_mesh_study
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.models import comparison
 from rollbench.compare.models.ladder import DEEP, UNSEEN
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import total
+from rollbench.compare.models.uncertainty import total
 from rollbench.compare.reference import computing, jobs
 from rollbench.compare.reference.estimate import reference_of
 from rollbench.compare.reference.levels import LEVELS, STUDIED
@@ -25,7 +26,6 @@ from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.results.compared import levels_text
 from rollbench.compare.results.comparison import unconverged
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.mesh_study.command import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies
 
 
@@ -193,7 +193,7 @@ def test_levels_of_the_command_line() -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rollbench.compare.commands.reporting.report import compute_references
+    from rollbench.compare.report.report import compute_references
 
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))

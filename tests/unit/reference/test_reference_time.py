@@ -9,17 +9,10 @@ from tests.assembly_ways import OURS, VECTOR, WAYS, assembly_costs, meshes
 
 from rollbench.compare.models import comparison, ladder, study
 from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.sections import reference_mesh as reference_mesh
+from rollbench.compare.sections import reference_time
 from rollbench.compare.sections.reference import LABELS as NAMES
-from rollbench.compare.wings.bench.sections import reference_time
-from rollbench.compare.wings.bench.sections.reference_time import (
-    FLOOR,
-    Largest,
-    TimePoint,
-    time_figures,
-    time_panel,
-    time_table,
-)
-from rollbench.compare.wings.mesh_study import section as reference_mesh
+from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, time_figures, time_panel, time_table
 from rollbench.reports import content, figures
 
 STUDY = study.Study()

@@ -4,8 +4,8 @@ import json
 from dataclasses import asdict, replace
 
 from rollbench.compare.reference import expected, store
-from rollbench.compare.wings.bench.costs.kept import SET_UP_COSTS, Costs, SetUp, Way, load_costs
-from rollbench.compare.wings.bench.sections.reference_time import cost_tables
+from rollbench.compare.sections.reference_time import cost_tables
+from rollbench.compare.studies.run_times.kept import SET_UP_COSTS, Costs, SetUp, Way, load_costs
 
 JOB = SetUp(
     "a screw", 1, 64, {"nut": {"all": 3.0, "elimination": 2.0, "dense": 1.0}, "meshes": {"all": 1.0, "meshing": 0.5}}

@@ -6,19 +6,20 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.compare.commands.comparing.compare_output import older_times, table
+from rollbench.compare.cases.lin.pages.reconstruction import _times
+from rollbench.compare.commands.compare_output import older_times, table
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import store
 from rollbench.compare.reference.measured import Measured, here, most_of, one_run
 from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.report import overview
 from rollbench.compare.results.compared import Beside
-from rollbench.compare.sources.lin.sections.reconstruction import _times
-from rollbench.compare.wings.bench.costs import kept as kept_times
-from rollbench.compare.wings.bench.costs.cold import Cold, ColdLevel
-from rollbench.compare.wings.bench.sections import overview, reference_time
-from rollbench.compare.wings.mesh_study import section as mesh_section
-from rollbench.compare.wings.mesh_study.table import closing, level_rows
+from rollbench.compare.sections import reference_mesh as mesh_section
+from rollbench.compare.sections import reference_time
+from rollbench.compare.studies.mesh_study.table import closing, level_rows
+from rollbench.compare.studies.run_times import kept as kept_times
+from rollbench.compare.studies.run_times.cold import Cold, ColdLevel
 
 OLD, OTHER = Measured("0.7.0", "", "a machine"), Measured("0.9.0", "abc", "a machine")
 KEPT = kept_times.Kept(

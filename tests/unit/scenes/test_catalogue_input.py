@@ -11,7 +11,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import loading, registry
-from rollbench.compare.scenes import catalogue, from_keys, keys, kinds, scene_file
+from rollbench.compare.scenes import catalogue, from_keys, keys, kind_table, scene_file
 from rollbench.compare.scenes.like import double_nut_like, scene_like
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.friction.whole.circuit import circuits
@@ -74,7 +74,7 @@ def test_a_material_may_have_any_name_with_both_of_its_values() -> None:
     one = 'youngs_modulus = "210 GPa"'
     assert "any other name with youngs_modulus and poissons_ratio" in refused((both, f'name = "my steel"\n{one}')).allowed
     assert refused((both, f'name = ["my steel"]\n{both}')).key == "material.name"
-    schema = kinds.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
+    schema = kind_table.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
     assert {"type": "string"} in schema["anyOf"], "editors take it too"
 
 

@@ -9,9 +9,10 @@ from tests.shipped_texts import axis_names
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables, schema
+from rollbench.compare.scenes import kind_table as table
+from rollbench.compare.scenes.friction_kinds import screw_balls
+from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.template import template
-from rollbench.compare.wings.friction.kinds import screw_balls, table
-from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()

@@ -8,15 +8,14 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
+from rollbench.compare import data
 from rollbench.compare.errors import InputError
-from rollbench.compare.registration import ROOT
 from rollbench.compare.scenes import catalogue, names, scene_file
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.compare.scenes.kinds import json_schema
+from rollbench.compare.scenes.kind_table import KINDS, json_schema
+from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.compare.scenes.template import template
-from rollbench.compare.wings.friction.kinds.table import KINDS
-from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
@@ -67,7 +66,7 @@ def test_a_new_scene_names_the_schema(tmp_path, words, command):
 
 def test_shipped_schema_is_the_printed_one():
     """To renew it: rollbench schema > compare/scene.schema.json."""
-    assert json.loads((ROOT / "scene.schema.json").read_text(encoding="utf-8")) == json.loads(json.dumps(json_schema()))
+    assert json.loads(data.place("scene.schema.json").read_text(encoding="utf-8")) == json.loads(json.dumps(json_schema()))
 
 
 def test_one_schema_for_all_kinds():

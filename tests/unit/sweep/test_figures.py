@@ -1,8 +1,8 @@
 """Figures of a sweep: what stands on their axes."""
 
-from rollbench.compare.wings.sweep.figures import figures, of_summary
-from rollbench.compare.wings.sweep.keys import read_vary
-from rollbench.compare.wings.sweep.section import short, stored
+from rollbench.compare.sections.tolerances import short, stored
+from rollbench.compare.studies.sweep.figures import figures, of_summary
+from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import draw, drawing
 

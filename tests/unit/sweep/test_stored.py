@@ -3,10 +3,10 @@
 import pytest
 
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.sweep import section as tolerances
-from rollbench.compare.wings.sweep.keys import read_vary
-from rollbench.compare.wings.sweep.outputs import MAIN
-from rollbench.compare.wings.sweep.sample import solve_sample
+from rollbench.compare.sections import tolerances as tolerances
+from rollbench.compare.studies.sweep.keys import read_vary
+from rollbench.compare.studies.sweep.outputs import MAIN
+from rollbench.compare.studies.sweep.sample import solve_sample
 
 FOUND = tolerances.stored()
 KEYS = read_vary(FOUND["vary"])

@@ -1,0 +1,92 @@
+"""What a comparison is uncertain by: parts, their words, and whose choices speak for a scene."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rollbench.compare.models import uncertainty
+from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.uncertainty import (
+    QUANTITIES,
+    Choices,
+    Total,
+    input_parts,
+    input_uncertainty,
+    read,
+    save,
+    second_order,
+    spoken_for,
+    total,
+)
+from rollbench.compare.quantities import as_json
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.meshes.parts import Material
+
+pytestmark = pytest.mark.xdist_group("u_val")
+
+STUDY = Study()
+KNOWN = {"lin-case1": Choices("lin-case1", 1.5, "lands", 1.2), "lin-case3": Choices("lin-case3", 2.5, "held face", 2.4)}
+WHOLE = Total(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there is one", 1.2, True)
+
+
+def test_parts_add_by_squares_and_the_largest_are_named() -> None:
+    assert WHOLE.percent == pytest.approx(np.sqrt(0.3**2 + 2.5**2 + 0.4**2 + 1.2**2))
+    assert WHOLE.text == (
+        "uncertain by 2.82 % in all: discretisation 0.30 %; modelling choices 2.50 %, most held face; inputs 0.40 %, most "
+        "angle; large displacements 1.20 %"
+    )
+    assert "0.12 to 0.19 % larger" in WHOLE.beside
+    less = replace(WHOLE, choices=None, inputs=None, by_experience=True, shared=False)
+    assert less.percent == pytest.approx(np.hypot(0.3, 1.2))
+    assert "by experience with other scenes; modelling choices not known; inputs not known; large" in less.text
+    assert less.beside == ""
+    assert as_json(less)["modelling_dominated_by"] is None
+
+
+def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
+    scene = STUDY.scene("lin-case2")
+    mine = replace(scene, name="mine")
+    assert spoken_for(scene, KNOWN) == KNOWN["lin-case1"]
+    assert spoken_for(mine, KNOWN) == KNOWN["lin-case3"]
+    assert spoken_for(mine, {}) is None
+    soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
+    assert spoken_for(soft, KNOWN) is None
+    save(tmp_path, KNOWN)
+    assert read(tmp_path) == KNOWN
+
+
+def test_the_total_of_a_preloaded_scene() -> None:
+    scene, found = STUDY.scene("lin-case3"), STUDY.reference("lin-case3")
+    whole = total(scene, found)
+    assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
+    assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
+    parts = input_parts(STUDY, scene, QUANTITIES[0])
+    assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0])[0].max()))
+    assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
+    assert 0.0 < whole.percent < 15.0
+
+
+@pytest.mark.parametrize(("bar", "percent"), [(True, 2.0), (False, 0.0)])
+def test_discretisation_s_part_is_its_largest_bar_over_the_mean_load(bar: bool, percent: float) -> None:
+    found = SimpleNamespace(uncertainty=np.array([[1.0, 4.0]]), mean=200.0, parts=SimpleNamespace(bar=bar))
+    assert uncertainty_percent(found) == pytest.approx(percent, abs=1e-12)
+
+
+def test_large_displacements_take_more_of_a_heavier_contact() -> None:
+    """By the larger semi-axis, so that a load that is eight times as large loses sixteen times as much, its mean eight."""
+    scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
+    worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
+    mean = found.load[found.load > 0.0].mean()
+    assert second_order(scene, found) == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
+    eight = replace(found, load=8.0 * found.load)
+    assert second_order(scene, eight) == pytest.approx(2.0 * second_order(scene, found), rel=1e-6)
+    assert second_order(scene, replace(found, load=0.0 * found.load)) == 0.0
+
+
+def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:
+    scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
+    monkeypatch.setattr(uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
+    assert total(scene, found).inputs is None
