@@ -11,19 +11,18 @@ from rollbench.compare.scenes.friction_kinds import bearings, linear, screw_ball
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallKeys, BearingPairKeys
 from rollbench.compare.scenes.friction_kinds.linear import LinearChainKeys, LinearPairKeys
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairKeys, ScrewRunKeys
-from rollbench.compare.scenes.friction_kinds.written import tables
 from rollbench.compare.scenes.keys import without_null
 from rollbench.compare.scenes.kinds import Kind
 from rollbench.compare.scenes.names import AXIS, KINDS
 from rollbench.compare.scenes.schema import SceneKeys
 
 TABLE = {
-    "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record, tables),
-    "bearing pair": Kind(BearingPairKeys, bearings.pair_faults, bearings.pair_record, tables),
-    "linear pair": Kind(LinearPairKeys, linear.faults, linear.record, tables),
-    "linear chain": Kind(LinearChainKeys, linear.faults, linear.record, tables),
-    "screw pair": Kind(ScrewPairKeys, screw_balls.faults, screw_balls.pair_record, tables),
-    "screw run": Kind(ScrewRunKeys, screw_balls.faults, screw_balls.run_record, tables),
+    "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record),
+    "bearing pair": Kind(BearingPairKeys, bearings.pair_faults, bearings.pair_record),
+    "linear pair": Kind(LinearPairKeys, linear.faults, linear.record),
+    "linear chain": Kind(LinearChainKeys, linear.faults, linear.record),
+    "screw pair": Kind(ScrewPairKeys, screw_balls.faults, screw_balls.pair_record),
+    "screw run": Kind(ScrewRunKeys, screw_balls.faults, screw_balls.run_record),
 }
 
 

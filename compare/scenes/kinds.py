@@ -31,9 +31,9 @@ class KindScene:
 
     def to_toml(self) -> str:
         """Text of a scene file that is read as this scene."""
-        from rollbench.compare.scenes.kind_table import kind_named  # which has all kinds
+        from rollbench.compare.scenes.friction_kinds.written import tables
 
-        return to_toml(kind_named(self.kind).tables(self))
+        return to_toml(tables(self))
 
 
 Head = tuple[str, str, str, tuple[str, ...]]
@@ -46,9 +46,8 @@ def head_of(keys: KindKeys, name: str) -> Head:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scene: its keys, what they may not describe, the record of faultless ones, tables of a record."""
+    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]
     record: Callable[[Any, str], KindScene]
-    tables: Callable[[Any], dict[str, Any]]

@@ -10,7 +10,7 @@ import pytest
 import scipy.sparse as sp
 from tests.keyed_records import built, changed, default, example, keyed_records, names, other
 
-from rollbench.compare.reference.store import UNSAID, bodies_key, key_of
+from rollbench.compare.reference.store import KEY, UNSAID, bodies_key, files_of, key_of, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import Status
 from rollbench.meshes import canonical as module
@@ -112,6 +112,17 @@ def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     scene = catalogue.scene("lin-case3-offset")
     value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
     assert key_of(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != key_of(scene, "", {}, (0, 3))
+
+
+def test_every_shipped_run_is_found_by_todays_key() -> None:
+    """None is renamed or lost, of any level."""
+    store, found = shipped_store(), 0
+    for name in catalogue.scene_names():
+        for path in store.glob(f"{name}-level[1-9]-{KEY}.json"):
+            level = int(path.stem.removeprefix(f"{name}-level")[0])
+            assert path in files_of(store, catalogue.shipped(name), level), path.name
+            found += 1
+    assert found > 60
 
 
 def test_equal_numbers_have_one_text() -> None:

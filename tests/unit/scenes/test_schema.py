@@ -12,7 +12,8 @@ from rollbench.compare import data
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, names, scene_file
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.compare.scenes.kind_table import KINDS, json_schema
+from rollbench.compare.scenes.kind_table import TABLE as KINDS
+from rollbench.compare.scenes.kind_table import json_schema
 from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.compare.scenes.template import template
