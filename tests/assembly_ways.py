@@ -1,4 +1,4 @@
-"""What the assembly of `hifi.elements.assembly` and its `CurvedMap` buy today: the same stiffness by scikit-fem's own
+"""What the assembly of `hifi.elements.forms` and its `CurvedMap` buy today: the same stiffness by scikit-fem's own
 means, timed.
 
 The meshes are of the kinds and sizes of level 1: hexahedra of a patch, tetrahedra of a body, all curved.
@@ -16,8 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Basis, BilinearForm, ElementVector, Mesh, MeshTet1
 
-from rollbench.hifi.elements.assembly import CurvedMap, assemble, cells, rule
-from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.forms import CurvedMap, assemble, cells, elasticity, rule
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.fem import mesh_of, moved, points_of, second_order, tensor_grid
 

@@ -16,9 +16,8 @@ from rollbench.lowfi.statics.supports import contradiction, rigid_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, Specimens, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
-from rollbench.meshes.partition import MERGE, beam_nodes, contact_stations
 from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene, UnfitKey
-from rollbench.meshes.section import BeamSection, screw_section
+from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_stations, screw_section
 from rollbench.meshes.surface import ALL, principal_curvatures, printed_radii
 
 #: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.

@@ -5,7 +5,7 @@ the rest is equilibrium. Held at its low end it has the complementary energy
 
     f . G f / 2 + f . D^T F + F . H F / 2
 
-beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.ends`, Saint-Venant's
+beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.bodies`, Saint-Venant's
 contraction under tension and bending and the warping under shear among them. The beam has the wrench F = S q from the
 motions q of its nodes. As F is the derivative of the energy by the jump d = D f + H F that the stretch adds at its cut, the
 beam with these jumps answers loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.compliance.bodies import end_response
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.kernel.beam import element_constants, force_of
 from rollbench.lowfi.statics.problem import Problem
@@ -35,8 +35,8 @@ from rollbench.lowfi.statics.shaft import Shaft, rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.partition import MERGE, contact_stations
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import MERGE, contact_stations
 
 Ints = NDArray[np.int64]
 

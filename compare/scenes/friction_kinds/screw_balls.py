@@ -19,8 +19,7 @@ from rollbench.compare.scenes.quantity import Quantity, key
 from rollbench.compare.scenes.schema import TimeKeys
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
-from rollbench.lowfi.friction.screw.pair import Pair
-from rollbench.lowfi.friction.screw.run import Run
+from rollbench.lowfi.friction.screw.run import Pair, Run
 from rollbench.meshes.parts import Motion, Time
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.lowfi.rollers.roller_slices import slice_contacts, tapered
+from rollbench.lowfi.rollers import slice_contacts, tapered
 from rollbench.lowfi.statics.result import SetResult
 from rollbench.lowfi.statics.validity import contact_warnings, rotation_warning, tilted
 from rollbench.lowfi.warned import Warned

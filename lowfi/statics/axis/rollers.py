@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.rollers.roller_slices import middles
+from rollbench.lowfi.rollers import middles
 from rollbench.lowfi.statics.axis.system import RollerSet
 from rollbench.lowfi.statics.kernel_types import RollerContacts
 from rollbench.meshes.arrays import Array

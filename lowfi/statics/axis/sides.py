@@ -18,9 +18,9 @@ from rollbench.lowfi.statics.selection import all_clear, motions_in_section
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollingSet
 from rollbench.meshes.errors import Specimen
-from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.section import contact_stations
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:

@@ -9,7 +9,7 @@ from tests.helpers import relative
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
-from rollbench.lowfi.rollers.line_contact import LineLaw
+from rollbench.lowfi.rollers import LineLaw
 from rollbench.lowfi.statics.axis import sides
 from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, moved_flanks, tapered

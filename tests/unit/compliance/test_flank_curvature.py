@@ -7,10 +7,19 @@ import pytest
 from scipy.special import ive
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.flank import NARROW, at_size, curvatures, half_space, size_slope
+from rollbench.lowfi.compliance.beyond_hertz import (
+    NARROW,
+    at_size,
+    curvatures,
+    expansion,
+    half_space,
+    legendre_compliance,
+    own_compliance,
+    own_slope,
+    size_slope,
+)
 from rollbench.lowfi.compliance.groove import equal_loads, flank_normals, normal_load, own_motion
 from rollbench.lowfi.compliance.parts import flank_of, geometry_only
-from rollbench.lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 
 pytestmark = pytest.mark.xdist_group("flank")
 

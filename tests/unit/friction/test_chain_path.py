@@ -9,7 +9,7 @@ from tests.friction_oracles import dense
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import balanced_loads
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
-from rollbench.lowfi.friction.linear.kernel import equations, newton, path
+from rollbench.lowfi.friction.linear.kernel import equations, motion
 from rollbench.lowfi.friction.linear.kernel_types import ChainPoint, Smoothing, Work
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
@@ -76,20 +76,20 @@ def test_jacobian_of_the_coupled_equations():
 
 
 def test_path_begins_without_friction_between_balls_and_ends_with_all_of_it():
-    assert path.stage(0.0, CREEP)[:2] == (path.FIRST, 0.0)
-    assert path.stage(1.0, CREEP)[:2] == (pytest.approx(CREEP), 1.0)
+    assert motion.stage(0.0, CREEP)[:2] == (motion.FIRST, 0.0)
+    assert motion.stage(1.0, CREEP)[:2] == (pytest.approx(CREEP), 1.0)
     for count in (5, 4):
         balls, n = random_chain(count, 0), 4 * count
         point = random_point(balls, np.random.default_rng(2))
         K, g = np.empty((n, equations.WIDTH)), np.empty(n)
         equations.assemble(balls.problem, point, Smoothing(0.1, 0.0, 1e-3, 1e-2), K, g)
-        assert equations.solve_banded(K, np.empty((n, equations.FILLED)), g, g.copy()) == path.convex_sign(point)
+        assert equations.solve_banded(K, np.empty((n, equations.FILLED)), g, g.copy()) == motion.convex_sign(point)
 
 
 def follow(chain, monkeypatch=None):
     """Forces at the path's end over the friction bound, and how often s turned on the way."""
     count = chain.count
-    n, slopes, tangent = 4 * count, [], path._tangent
+    n, slopes, tangent = 4 * count, [], motion._tangent
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     work = Work(np.empty((n, equations.WIDTH)), np.empty((n, equations.FILLED)), np.empty(n), np.empty(n), np.zeros(n))
     equations.rebuild(chain.problem, point)
@@ -100,11 +100,11 @@ def follow(chain, monkeypatch=None):
         return sign
 
     if monkeypatch is not None:
-        monkeypatch.setattr(path, "_tangent", record)
-    _, good = path.trace(chain.problem, point, CREEP, work, 5000)
+        monkeypatch.setattr(motion, "_tangent", record)
+    _, good = motion.trace(chain.problem, point, CREEP, work, 5000)
     assert good
     equations.reopen(point, CREEP)
-    _, left = newton.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
+    _, left = equations.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
     assert left <= 1e-9
     return np.maximum(point.z, 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
 
@@ -113,8 +113,8 @@ def test_path_goes_round_folds_and_does_not_depend_on_its_steps(monkeypatch):
     chain = random_chain(5, 11)
     found, turns = follow(chain, monkeypatch)
     assert turns >= 2
-    monkeypatch.setattr(path, "LENGTH", 0.01)
-    monkeypatch.setattr(path, "_cap", lambda tau: 0.1 / np.abs(tau).max())
+    monkeypatch.setattr(motion, "LENGTH", 0.01)
+    monkeypatch.setattr(motion, "_cap", lambda tau: 0.1 / np.abs(tau).max())
     finer, _ = follow(chain)
     np.testing.assert_allclose(finer, found, atol=1e-8)
     np.testing.assert_allclose(solve_linear_chain(chain).ball_force / chain.scale, found, atol=1e-8)

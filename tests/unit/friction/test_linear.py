@@ -10,8 +10,8 @@ from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatc
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact import rings
-from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
-from rollbench.lowfi.friction.linear import analytic
+from rollbench.lowfi.friction.contact.laws import contacts, dissipation
+from rollbench.lowfi.friction.linear import bearing as analytic
 from rollbench.lowfi.friction.linear.bearing import (
     balanced_loads,
     deviations,
@@ -21,9 +21,8 @@ from rollbench.lowfi.friction.linear.bearing import (
     mated_top,
     semi_axes,
 )
-from rollbench.lowfi.friction.linear.chain import contact_shape, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
-from rollbench.lowfi.friction.linear.pair import pair_formulas
 
 BEARING = source_cases.linear().bearing
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.bearing.rotary import (
+from rollbench.lowfi.friction.bearing import (
     AXIAL,
     INNER,
     RADIAL,
@@ -20,8 +20,8 @@ from rollbench.lowfi.friction.bearing.rotary import (
     solve_ball_as_printed,
     sweep,
 )
-from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
 from rollbench.lowfi.friction.contact.kernel.motion import lock
+from rollbench.lowfi.friction.contact.laws import contacts, dissipation
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.screw.motion import source_law
 

@@ -7,13 +7,11 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi.friction.contact.kernel import band
-from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
-from rollbench.lowfi.friction.screw.coupled import solve_joint, system_of
+from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain, solve_joint, system_of
 from rollbench.lowfi.friction.screw.groove import ScrewGroove, groove_arrays
-from rollbench.lowfi.friction.screw.kernel import contacts, joint
+from rollbench.lowfi.friction.screw.kernel import balance, joint
 from rollbench.lowfi.friction.screw.kernel_types import JointMatrix, Place
-from rollbench.lowfi.friction.screw.load import settle_load
-from rollbench.lowfi.friction.screw.motion import hold_screw
+from rollbench.lowfi.friction.screw.motion import hold_screw, settle_load
 from rollbench.lowfi.jit import SCREW, kernels
 
 
@@ -80,8 +78,8 @@ def test_maps_of_the_kernels_are_those_of_the_groove(screw: ScrewGroove) -> None
     levers = np.array([screw.radius, screw.ball_radius, screw.ball_radius, screw.ball_radius])
     x = q * levers / arrays.speed
     for i in range(4):
-        contacts.contact_map(arrays, normals[i, 0], normals[i, 2], rows)
-        assert contacts.seen(arrays, i, rows, x) == pytest.approx(drives[i] + maps[i] @ q, rel=1e-12, abs=1e-14)
+        balance.contact_map(arrays, normals[i, 0], normals[i, 2], rows)
+        assert balance.seen(arrays, i, rows, x) == pytest.approx(drives[i] + maps[i] @ q, rel=1e-12, abs=1e-14)
 
 
 @pytest.mark.parametrize(("n", "half", "columns"), [(1, 1, 1), (7, 2, 1), (40, 9, 1), (42, 12, 3)])

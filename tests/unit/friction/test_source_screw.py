@@ -6,16 +6,22 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
-from rollbench.lowfi.friction.as_source import run as source_run
+from rollbench.lowfi.friction.as_source import screw as source_run
 from rollbench.lowfi.friction.as_source import screw as source_screw
 from rollbench.lowfi.friction.as_source.chain import solve_by_root
-from rollbench.lowfi.friction.as_source.loads import Places, contact_forces, first_place, loads_by_root
-from rollbench.lowfi.friction.as_source.run import simulate_by_root
-from rollbench.lowfi.friction.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
-from rollbench.lowfi.friction.screw.load import settle_load
-from rollbench.lowfi.friction.screw.motion import source_law
-from rollbench.lowfi.friction.screw.pair import solve_pair
-from rollbench.lowfi.friction.screw.run import Run, equal_steps, run_cell
+from rollbench.lowfi.friction.as_source.screw import (
+    Places,
+    contact_forces,
+    first_place,
+    loads_by_root,
+    rolling,
+    screw_balls,
+    screw_pair_by_root,
+    simulate_by_root,
+    state_of,
+)
+from rollbench.lowfi.friction.screw.motion import settle_load, source_law
+from rollbench.lowfi.friction.screw.run import Run, equal_steps, run_cell, solve_pair
 
 TWO = np.radians(2.0)
 

@@ -20,9 +20,9 @@ from rollbench.compare.cases.lin.extremes import (
     screw_pairs,
 )
 from rollbench.lowfi.friction.as_source.chain import SourceMotion
-from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, shaken
+from rollbench.lowfi.friction.as_source.screw import from_linear_starts, from_pair_starts, shaken
 from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation
-from rollbench.lowfi.friction.screw.pair import solve_pair
+from rollbench.lowfi.friction.screw.run import solve_pair
 
 pytestmark = pytest.mark.xdist_group("ways of the source")
 

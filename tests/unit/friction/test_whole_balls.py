@@ -10,11 +10,11 @@ from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_3_6
-from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.contact.kernel import motion as kernel
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.whole import balls
+from rollbench.lowfi.friction.whole import circuit
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
 from rollbench.lowfi.statics.problem import drawn_hertz
@@ -157,8 +157,8 @@ def test_a_ring_that_is_full_of_balls_is_refused(count, monkeypatch):
 
     def with_clearance(angle):
         pair = SimpleNamespace(spacing=2.0 * np.pi / count - angle, closing=1.0)
-        monkeypatch.setattr(balls, "grooves_of", lambda *_: SimpleNamespace(pair=pair))
-        return balls.balls_of(scene, Friction(0.1, 0.1), Motion(10.0), drawn)
+        monkeypatch.setattr(circuit, "grooves_of", lambda *_: SimpleNamespace(pair=pair))
+        return circuit.balls_of(scene, Friction(0.1, 0.1), Motion(10.0), drawn)
 
     assert with_clearance(1e-6).radius.size == count
     with pytest.raises(ValueError, match="without any clearance"):

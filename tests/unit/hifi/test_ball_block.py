@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import block_diag
 from tests.helpers import relative
 
-from rollbench.hifi.contact.compliance import BallBlock, coupled, plain, uncoupled
+from rollbench.hifi.contact.balls import BallBlock, coupled, plain, uncoupled
 
 pytestmark = pytest.mark.xdist_group("ball of blocks")
 

@@ -7,11 +7,18 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.shaft import cell
+from rollbench.hifi.shaft import section as cell
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube, uniform_cantilever
-from rollbench.hifi.shaft.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned
-from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import Stretch, mount, without_cuts
+from rollbench.hifi.shaft.section import (
+    HALF_TURN,
+    at_high,
+    at_low,
+    cut_flexibility,
+    groove_azimuth,
+    helical_stiffness,
+    turned,
+)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 

@@ -8,8 +8,8 @@ import pytest
 import scipy.sparse as sp
 from tests.fe_meshes import cube, freedoms, stiffness
 
-from rollbench.hifi.linear_algebra import dissection
-from rollbench.hifi.linear_algebra.dissection import supernodes
+from rollbench.hifi import linear_algebra
+from rollbench.hifi.linear_algebra import supernodes
 
 
 def grid(n: int) -> sp.csc_matrix:
@@ -42,7 +42,7 @@ def filled(K: sp.csc_matrix, order: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("leaf", [1, 6, 32])
 @pytest.mark.parametrize("matrix", [grid(5), body(), apart()], ids=["grid", "body", "apart"])
 def test_the_supernodes_hold_the_factor_and_little_more(matrix, leaf, monkeypatch):
-    monkeypatch.setattr(dissection, "LEAF", leaf)
+    monkeypatch.setattr(linear_algebra, "LEAF", leaf)
     nodes = supernodes(matrix)
     n = matrix.shape[0]
     np.testing.assert_array_equal(np.sort(nodes.order), np.arange(n))
@@ -79,7 +79,7 @@ def test_the_elimination_tree_is_that_of_a_dense_factor():
         factor = filled(sp.csc_matrix(graph + sp.identity(60)), np.arange(60))
         below = [np.flatnonzero(column[k + 1 :]) for k, column in enumerate(factor.T)]
         expected = [k + 1 + int(rows[0]) if rows.size else 60 for k, rows in enumerate(below)]
-        assert dissection._elimination_tree(graph).tolist() == expected
+        assert linear_algebra._elimination_tree(graph).tolist() == expected
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")

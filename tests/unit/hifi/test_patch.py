@@ -13,9 +13,8 @@ from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places
 
 from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, of_order
 from rollbench.hifi.bodies.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements import forms
+from rollbench.hifi.elements.forms import elasticity, mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import mesh_of, points_of
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
@@ -117,7 +116,7 @@ def test_patch_of_any_element(kind):
     points, ties = points_of(body), [sp.identity(nodes.size, format="csr") for nodes in (held, contact)]
     mesh = PatchMesh(body, points, contact, None, np.zeros(contact.size, dtype=bool), held, *ties, points[held])
     c = condense_patch(mesh, normals, 1.0, NU)
-    K = assembly.assemble(elasticity(1.0, NU), body).toarray()
+    K = forms.assemble(elasticity(1.0, NU), body).toarray()
     o, i = freedoms(held), freedoms(np.setdiff1d(np.arange(len(points)), held))
     P = np.zeros((len(K), contact.size))
     P[3 * contact + 1, np.arange(contact.size)], P[3 * contact + 2, np.arange(contact.size)] = 0.6, 0.8
@@ -199,7 +198,7 @@ def test_assembled_body(kind):
     body = of_order(whole, kind)
     _, c = in_the_cube()
     R = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    bare = assembly.assemble(elasticity(1.0, NU), body).toarray()
+    bare = forms.assemble(elasticity(1.0, NU), body).toarray()
     dof, turn = freedoms(nodes), np.kron(np.eye(len(nodes)), R)
     bare[np.ix_(dof, dof)] += turn @ c.S @ turn.T
     assert len(bare) == whole.doflocs.size

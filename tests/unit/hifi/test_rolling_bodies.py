@@ -10,15 +10,20 @@ import pytest
 from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.rolling import bodies, static_patches, verification
-from rollbench.hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
+from rollbench.hifi.rolling import bodies, verification
+from rollbench.hifi.rolling.balls import (
+    NEARLY_RIGID,
+    Choices,
+    kernel_of,
+    prepare_bodies,
+    run_from_rest,
+    solve_rolling,
+    touching,
+)
+from rollbench.hifi.rolling.bodies import Curve, beside, free_answer, half_space_answer, tractions
 from rollbench.hifi.rolling.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
-from rollbench.hifi.rolling.patch import grid, hertz_patch, influence, seen_radii
-from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
+from rollbench.hifi.rolling.patch import NORMAL, TANGENTS, Regular, grid, hertz_patch, influence, monomials, seen_radii
 from rollbench.hifi.rolling.scenes import along_radius
-from rollbench.hifi.rolling.static_patches import Curve
-from rollbench.hifi.rolling.transient import run_from_rest
 from rollbench.hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference, two_balls
 from rollbench.meshes.fem import points_of
 
@@ -36,7 +41,7 @@ def coarse_pieces():
     """Pieces of bodies around the static reference's patches of cells more than half as large again."""
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("CUTS", (3, 3, 3)), ("GROOVE_SIZES", (0.35, 1.8)), ("BALL_SIZES", (0.2, 0.4))):
-            patch.setattr(static_patches, name, value)
+            patch.setattr(bodies, name, value)
         yield
 
 

@@ -9,7 +9,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.condensation.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, make
 from rollbench.meshes.cache import Cache, key_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.solid import dimensions

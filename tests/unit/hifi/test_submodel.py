@@ -8,11 +8,20 @@ import pytest
 from tests.helpers import relative
 from tests.patch_meshes import flat, holed_cube, socket
 
-from rollbench.hifi.bodies import submodel
-from rollbench.hifi.bodies.coarse import Socket, assemble, contact_pressures, freedoms, patch_modes
+from rollbench.hifi.bodies import coarse
+from rollbench.hifi.bodies.coarse import (
+    Piece,
+    Socket,
+    assemble,
+    coarse_compliance,
+    contact_pressures,
+    fine_compliance,
+    freedoms,
+    own_compliance,
+    patch_modes,
+)
 from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, hat_rows
-from rollbench.hifi.bodies.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
-from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import moved, points_of
 
@@ -97,7 +106,7 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     found = both()
     corners = [int(np.abs(points_of(piece.mesh) - x).sum(axis=1).argmin()) for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])]
     other = freedoms(np.array(corners))[[0, 1, 2, 4, 5, 8]]
-    monkeypatch.setattr(submodel, "isostatic", lambda *_: other)
+    monkeypatch.setattr(coarse, "isostatic", lambda *_: other)
     for again, before in zip(both(), found, strict=True):
         assert relative(again, before) < 1e-8
 
@@ -105,7 +114,7 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
 def test_own_compliance_of_like_pieces_is_the_patch_s_up_to_the_modes_left_out(monkeypatch):
     """Where the submodel is the coarse body itself A_own is A, the nearer the more modes are taken out; under pressures of
     contacts a dozen are enough."""
-    monkeypatch.setattr(submodel, "REALISATIONS", 1)
+    monkeypatch.setattr(coarse, "REALISATIONS", 1)
     piece = holed("floor")
     fine, A = fine_compliance(piece, *patch(), E, NU), condensed().A
     p = contact_pressures(condensed())
@@ -178,7 +187,7 @@ def test_own_compliance_averages_the_coarse_piece_over_its_meshes():
 
     V = np.array([[1.0], [2.0]])
     found = own_compliance(10.0 * np.eye(2), V, response)
-    assert asked == pytest.approx([1.0 + submodel.STEP * n for n in range(submodel.REALISATIONS)])
+    assert asked == pytest.approx([1.0 + coarse.STEP * n for n in range(coarse.REALISATIONS)])
     np.testing.assert_allclose(found, 10.0 * np.eye(2) - np.mean(asked) * V @ V.T, rtol=1e-12)
 
 

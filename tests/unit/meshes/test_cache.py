@@ -16,7 +16,7 @@ import pytest
 import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
-from rollbench.hifi.condensation.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, make
 from rollbench.meshes import cache as module
 from rollbench.meshes.cache import Cache, default_root, key_of
 from rollbench.meshes.private import private_folder

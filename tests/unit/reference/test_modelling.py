@@ -13,7 +13,7 @@ from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.reference.store import save
 from rollbench.compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation.responses import nut_transform
+from rollbench.hifi.condensation import nut_transform
 from rollbench.meshes import parts, solid
 
 CASE1 = catalogue.scene("lin-case1")

@@ -11,10 +11,9 @@ from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_p
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import solve, whole
 from rollbench.compare.studies.friction.kind_solvers import solve_kind
-from rollbench.lowfi.friction.bearing import pairs
+from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
-from rollbench.lowfi.friction.screw.run import Run, summarise
+from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, Run, solve_pair, summarise
 from rollbench.lowfi.friction.screw.travel import simulate
 
 THETA = {"a": 2.0, "b": 3.0}
@@ -56,9 +55,9 @@ def test_shipped_cases_are_these_numbers():
         close(plain(np.radians(theta)), pair)
         close(inferred(np.radians(theta)), replace(pair, oversize=1.7e-6, coupling="none"))
     close(lin_3_4_4(), Run(screw, 37, 2.0, (1500.0,), "z", 2.0, 200, 1.7e-6, np.radians(3.0)))
-    close(four_point(), pairs.BearingCase(ring, 9, (pairs.BallRow(0.0, pairs.ALL),), 3000.0, tilt=True))
-    two = pairs.BallRow(-6e-3, pairs.OTHER), pairs.BallRow(6e-3, pairs.DIAGONAL)
-    close(double_row(), pairs.BearingCase(small, 9, two, 3000.0, tilt=True))
+    close(four_point(), bearing.BearingCase(ring, 9, (bearing.BallRow(0.0, bearing.ALL),), 3000.0, tilt=True))
+    two = bearing.BallRow(-6e-3, bearing.OTHER), bearing.BallRow(6e-3, bearing.DIAGONAL)
+    close(double_row(), bearing.BearingCase(small, 9, two, 3000.0, tilt=True))
 
 
 def test_which_part_turns_and_a_return_tube_is_a_length():
@@ -72,10 +71,10 @@ def test_which_part_turns_and_a_return_tube_is_a_length():
 
 def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turned_round():
     rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
-    assert [r.contacts for r in rows] == [pairs.DIAGONAL, pairs.OTHER]
+    assert [r.contacts for r in rows] == [bearing.DIAGONAL, bearing.OTHER]
     preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
     assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
-    tight, free = (pairs.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
+    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
     assert tight > 1.01 * free
 
 
@@ -174,12 +173,12 @@ def test_run_without_contact_says_nothing_of_where_and_without_friction_there_ar
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
     ball = four_point(count=1)
-    assert "ry" in pairs.free_motion(ball, angle)
-    assert pairs.free_motion(replace(ball, tilt=False), angle) == ""
+    assert "ry" in bearing.free_motion(ball, angle)
+    assert bearing.free_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
-    assert pairs.free_motion(replace(ball, arm=through), angle) == ""
-    assert "ry" in pairs.free_motion(replace(ball, arm=1.001 * through), angle)
-    assert pairs.free_motion(four_point(), angle) == pairs.free_motion(double_row(), angle) == ""
+    assert bearing.free_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in bearing.free_motion(replace(ball, arm=1.001 * through), angle)
+    assert bearing.free_motion(four_point(), angle) == bearing.free_motion(double_row(), angle) == ""
 
 
 @pytest.mark.parametrize("tilt", [True, False])
@@ -191,7 +190,7 @@ def test_bearing_scene_is_the_library_s(tilt):
     answer = solve_kind(scene)
     found = answer.data
     assert answer.converged
-    curves = [pairs.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
+    curves = [bearing.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
         assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()

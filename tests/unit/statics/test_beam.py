@@ -7,13 +7,12 @@ from tests.helpers import STEEL, dense, relative, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
-from rollbench.lowfi.as_source.static import element_stiffness
+from rollbench.lowfi.as_source import element_stiffness
 from rollbench.lowfi.statics.kernel import banded, beam, newton
 from rollbench.lowfi.statics.kernel_types import BeamArrays
 from rollbench.lowfi.statics.shape import motions_at, pivots, rigid_transport, shape_polynomials
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.partition import beam_nodes, contact_stations, fixed_partition
-from rollbench.meshes.section import tube_section
+from rollbench.meshes.section import beam_nodes, contact_stations, fixed_partition, tube_section
 
 SECTION = tube_section(30e-3, 8e-3, STEEL)
 STIFFNESSES = np.array([SECTION.EA, SECTION.EI, SECTION.GJ, SECTION.kGA])

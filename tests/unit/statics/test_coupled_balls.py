@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.helpers import relative
 
-from rollbench.lowfi.compliance import modes as compliance_modes
+from rollbench.lowfi.compliance import bodies as compliance_modes
 from rollbench.lowfi.statics.kernel import elastic as kernels
 from rollbench.lowfi.statics.kernel_types import BallRows, Bodies
 

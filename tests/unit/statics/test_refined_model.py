@@ -15,7 +15,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import bodies_path, load, shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.compliance.bodies import Condensed
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.condensed import load_condensed
@@ -100,8 +100,7 @@ def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_the_file_says_along_the_normals_is_taken_over() -> None:
-    from rollbench.lowfi.compliance.bodies import whole_body
-    from rollbench.lowfi.compliance.imported import directions, normal_rows
+    from rollbench.lowfi.compliance.bodies import directions, normal_rows, whole_body
 
     scene = catalogue.scene("lin-case1")
     layout = ball_layout(scene)

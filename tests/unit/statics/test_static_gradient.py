@@ -7,12 +7,12 @@ import pytest
 from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source.static import element_stiffness
+from rollbench.lowfi.as_source import element_stiffness
 from rollbench.lowfi.statics.kernel import newton
 from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.lowfi.statics.shape import shape_polynomials
-from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import SIDES, BallErrors
+from rollbench.meshes.section import contact_stations
 
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
 CASES = {
