@@ -21,7 +21,7 @@ from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.text.printing import OutputLost, writing
 from rollbench.meshes import kept
-from rollbench.meshes.threads import one_thread
+from rollbench.meshes.processes import one_thread
 
 #: Longest wait [s] after an interrupt for threads that tidy up.
 TIDYING = 2.0

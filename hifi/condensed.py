@@ -16,13 +16,13 @@ from scipy.linalg import block_diag
 
 from rollbench.hifi.bodies.grid_wave import mean_approaches, resolved_forces, unit_hertz
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements.forms import mean_weights
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import directions
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest
 
 if TYPE_CHECKING:
-    from rollbench.hifi.condensation.responses import NutResponse, ScrewResponse
+    from rollbench.hifi.condensation import NutResponse, ScrewResponse
     from rollbench.hifi.setup import Setup
 
 

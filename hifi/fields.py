@@ -17,18 +17,15 @@ from skfem import Mesh, condense
 
 from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, of_order
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, field
-from rollbench.hifi.condensation.responses import ball_compliance, nut_transform, screw_transform, with_modes
-from rollbench.hifi.condensation.sides import condense_side, side_of
-from rollbench.hifi.contact.balls import solve_balls
-from rollbench.hifi.contact.compliance import BallBlock, uncoupled
+from rollbench.hifi.condensation import ball_compliance, condense_side, nut_transform, screw_transform, side_of, with_modes
+from rollbench.hifi.contact.balls import BallBlock, solve_balls, uncoupled
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.forms import hooke
-from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.hifi.linear_algebra.solvers import factor
-from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.elements import forms
+from rollbench.hifi.elements.forms import hooke, mean_weights
+from rollbench.hifi.linear_algebra import factor
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
+    ball_place,
     body_kind,
     mesh_parts,
     patch_mesh,
@@ -87,7 +84,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     points to the nodes overshoots by a fifth below a contact with three cells across it; this by a twentieth.)
     """
     nodes = mesh.elem.doflocs.T
-    basis = assembly.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
+    basis = forms.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
     slope = np.stack([basis.interpolate(component).grad for component in u.T])  # du_i/dx_j
     stress = hooke(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
     at_nodes = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)

@@ -1,7 +1,7 @@
 """The 3D elastic-contact reference of a ball screw or bearing: the contact of all balls of a prepared geometry.
 
 Contact is unilateral and frictionless on matching grids of ball and groove, the balls' rigid motions free. Pressures are
-hats on the grid (`hifi.elements.pressures`), and what may not be negative is the mean of the gap over each hat. Gaps are
+hats on the grid (`hifi.elements.forms`), and what may not be negative is the mean of the gap over each hat. Gaps are
 exact distances from the ball's centre; directions and gaps follow the motion of ball and groove to convergence.
 """
 
@@ -16,20 +16,23 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.hifi.contact.balls import ContactResult, State, solve_balls
-from rollbench.hifi.contact_kinematics import (
+from rollbench.hifi.coupling import (
+    PlacedSet,
     along_track,
+    compliance_of,
     directions_matrix,
     expected_touch,
+    modal_motion,
+    mounted_screw,
     node_arms,
     over_hats,
     relative_motion,
     rigid_rows,
     wave_gaps,
 )
-from rollbench.hifi.coupling import PlacedSet, compliance_of, modal_motion, mounted_screw
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.beam import Frame
 from rollbench.hifi.shaft.mounting import Mounted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

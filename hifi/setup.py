@@ -16,22 +16,25 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.hifi.condensation.responses import (
+from rollbench.hifi.condensation import (
     BallResponse,
     NutResponse,
     ScrewResponse,
+    SidePatches,
     ball_compliance,
+    condense_side,
+    congruent,
     nut_response,
     screw_response,
+    side_of,
+    turned,
 )
-from rollbench.hifi.condensation.side_by_side import Job, Made, make
-from rollbench.hifi.condensation.sides import SidePatches, condense_side, congruent, side_of, turned
 from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
-from rollbench.hifi.shaft.cell import Homogenised, homogenise, lengths, meshed_shaft
-from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
+from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, lengths, meshed_shaft
+from rollbench.hifi.side_by_side import Job, Made, make
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout

@@ -16,11 +16,10 @@ import numpy as np
 
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.meshing.expected import closing
+from rollbench.hifi.meshing.settings import closing
 from rollbench.hifi.reference import ROUNDS, Case, ReferenceResult, reporting
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.beam import ShaftSection, tube
-from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.beam import Frame, ShaftSection, tube
 from rollbench.hifi.shaft.mounting import Carried, Mounted, mount_all
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed
+from rollbench.meshes.fem import Meshed, Quality, mended
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.quality import Quality, mended
 from rollbench.meshes.shell import BEND, POOREST, Shell, best_of, fill, graded
 from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
 

@@ -15,7 +15,7 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.fem import Meshed, kind_of, mesh_of, moved, named, points_of, tensor_grid
-from rollbench.meshes.gmsh_session import session
+from rollbench.meshes.shell import session
 
 
 @dataclass(frozen=True)

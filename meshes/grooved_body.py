@@ -17,7 +17,7 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, nodes_on, points_of
+from rollbench.meshes.fem import Meshed, Quality, arc_deviation, mended, nodes_on, points_of
 from rollbench.meshes.groove import (
     BodySpec,
     Groove,
@@ -33,7 +33,6 @@ from rollbench.meshes.groove import (
 )
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES
-from rollbench.meshes.quality import Quality, arc_deviation, mended
 from rollbench.meshes.shell import (
     BEND,
     EXACT,

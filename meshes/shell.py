@@ -2,13 +2,19 @@
 
 Curves are divided once, gmsh triangulates the plane faces between them and fills the closed surface with tetrahedra, and
 the midpoints of the edges on the surface are put onto it. Units inside: mm (gmsh), metres outside.
+
+gmsh for a while: it has one state for a process, which is begun quietly and ended whatever happens.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import product
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,25 +23,73 @@ from skfem import Mesh, MeshTet1
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import moved, second_order, with_faces
-from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.sockets import SocketMesh
 
+#: Signals that gmsh resets to what the system does on them.
+RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
+
+
+@contextmanager
+def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
+    """gmsh with options by name; one that runs already takes them too, and goes on running afterwards.
+
+    What this process does on signals stays as it was: gmsh would let TERM end it before it has tidied up, HUP in spite of
+    nohup, and a pipe that nobody reads without a word. Only the main thread can see to that. Raises ImportError where
+    gmsh, or a library of the system that it needs, is missing.
+    """
+    gmsh = _gmsh()
+    started = not gmsh.isInitialized()
+    if started:
+        numbers = [getattr(signal, name) for name in RESET if hasattr(signal, name)]
+        before = {number: signal.getsignal(number) for number in numbers}
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        if threading.current_thread() is threading.main_thread():
+            for number, handler in before.items():
+                if handler is not None:  # else it is not Python's
+                    signal.signal(number, handler)
+    try:
+        for name, value in ({"General.Terminal": 0} | dict(options)).items():
+            gmsh.option.setNumber(name, value)
+        yield gmsh
+    finally:
+        if started:
+            gmsh.finalize()
+
+
+def _gmsh() -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        raise ImportError(
+            f"gmsh cannot be loaded ({error}); install rollbench[hifi] and the system libraries libGLU and libX11"
+        ) from error
+    return gmsh
+
+
 Placing = Callable[[Array], Array]
+
 #: Nodes along a side of a face and their plane coordinates ``(n, 2)`` [m].
 Side = tuple[Index, Array]
+
 Body = TypeVar("Body")
+
 MM = 1e3
 
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
 GROWTH = (0.18, 2.9)
+
 #: Longest edges on curved faces over their radius: flanks; lands, bores and outsides.
 BEND = (1.2, 1.1)
+
 #: Longest edges of the smooth surface behind a groove over the wall's thickness.
 WALL = 1.6
+
 #: How fast edges grow away from the surface.
 INWARD = 0.5
+
 #: Cubes in which gmsh's questions for sizes are answered at once, along x, y and z, on faces and in volumes.
 FACE_BLOCK, VOLUME_BLOCK = (12, 12, 1), (4, 4, 4)
+
 #: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
 OPTIONS = {
     "General.NumThreads": 1,
@@ -51,13 +105,17 @@ OPTIONS = {
     "Mesh.Optimize": 1,
     "Mesh.OptimizeThreshold": 0.5,
 }
+
 #: Sine of an angle from which a triangle is sound.
 SLENDER = 0.3
+
 #: What is tried in turn: gmsh's algorithms for faces (6 frontal, 5 Delaunay) and volume (1 Delaunay, 4 frontal), share of
 #: the element sizes.
 ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))
+
 #: Flanks as near as this [m] to where they should be are without fault; else the nearest of all attempts is taken.
 EXACT = 1e-9
+
 #: So are meshes without a cell of a smaller scaled Jacobian.
 POOREST = 0.005
 

@@ -15,8 +15,8 @@ import numpy as np
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.roots import brentq
 
 #: Socket where nothing is near: half width in gamma [rad]; depth and half length along the track over the ball's radius
 #: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).

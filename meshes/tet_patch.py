@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.gmsh_session import session
-from rollbench.meshes.shell import MM
+from rollbench.meshes.shell import MM, session
 from rollbench.meshes.sockets import SocketMesh
 
 #: gmsh's Delaunay tetrahedra are that much larger than regular ones of the edge asked for (cube root of mean volumes).

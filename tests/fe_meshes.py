@@ -9,11 +9,9 @@ import numpy as np
 from skfem import Basis, ElementVector, Functional, LinearForm
 from skfem.helpers import dot, eye, sym_grad, trace
 
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.assembly import CurvedMap, rule
-from rollbench.hifi.elements.forms import elasticity, share
-from rollbench.meshes.fem import _SKFEM, MESHES, mesh_of
-from rollbench.meshes.quality import scaled_jacobians
+from rollbench.hifi.elements import forms
+from rollbench.hifi.elements.forms import CurvedMap, elasticity, rule, share
+from rollbench.meshes.fem import _SKFEM, MESHES, mesh_of, scaled_jacobians
 
 KINDS = ["P1", "P2", "Q1", "Q2"]
 #: Nodes of the elements on the unit cell, in gmsh's order.
@@ -110,7 +108,7 @@ def stiffness(points, cells, kind, young, poisson):
     """Stiffness matrix (3n, 3n), numbered like the points, all of which must have a cell."""
     mesh, number = mesh_of(points, cells, kind)
     order = freedoms(number)
-    return assembly.assemble(elasticity(young, poisson), mesh)[order][:, order].tocsc()
+    return forms.assemble(elasticity(young, poisson), mesh)[order][:, order].tocsc()
 
 
 def strain_stress(points, cells, kind, u, young, poisson, at=None):
@@ -142,7 +140,7 @@ def volume(points, cells, kind):
 def nodal_areas(points, cells, kind, faces):
     """Consistent nodal areas (n,) of faces (k, corners or more)."""
     mesh, number = mesh_of(points, cells, kind, {"own": faces})
-    return renumbered(number, assembly.nodal_areas(mesh, "own"))
+    return renumbered(number, forms.nodal_areas(mesh, "own"))
 
 
 def jacobians(points, cells, kind):

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ellipe
 
-from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.contact.laws import Contacts
 from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw import motion
-from rollbench.lowfi.friction.screw.coupled import PATIENCE, solve_joint
+from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_joint
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.motion import Cell, bare_cell, screw_rows, settle_load
 from rollbench.meshes.arrays import Array
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from tests.helpers import small_screw
 
 from rollbench.lowfi.friction.screw.groove import contact_spacing, pair_geometry
-from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.circuit import balls_of
 from rollbench.lowfi.friction.whole.losses import ball_path
 from rollbench.lowfi.friction.whole.run import Setting
 from rollbench.lowfi.statics.nominal import beam_loads

@@ -16,9 +16,16 @@ from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.condensation.responses import nut_response
-from rollbench.hifi.meshing.fit import patch_lines, socket_size
-from rollbench.hifi.meshing.part_meshes import Sockets, carrier_mesh, patch_mesh, patch_normals, sockets_of
+from rollbench.hifi.condensation import nut_response
+from rollbench.hifi.meshing.part_meshes import (
+    Sockets,
+    carrier_mesh,
+    patch_lines,
+    patch_mesh,
+    patch_normals,
+    socket_size,
+    sockets_of,
+)
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap

@@ -8,7 +8,7 @@ from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import small_screw
 
 from rollbench.hifi.bodies.patch import Lines, build_patch, build_tet_patch, condense_patch, graded, growing
-from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.meshing.part_meshes import ball_place
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points

@@ -22,33 +22,31 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.run_times.kept import SET_UP_COSTS, today
 from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.compare.system import machine
-from rollbench.hifi import setup
+from rollbench.hifi import condensation, linear_algebra, setup
 from rollbench.hifi.bodies import patch
-from rollbench.hifi.condensation import sides
-from rollbench.hifi.condensation.sides import condense_side, side_of, turned
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.linear_algebra import fronts, solvers
+from rollbench.hifi.condensation import condense_side, side_of, turned
+from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.shaft import cell
-from rollbench.hifi.shaft.helical_section import helical_stiffness
+from rollbench.hifi.shaft import section as cell
+from rollbench.hifi.shaft.section import helical_stiffness
 from rollbench.meshes import ball_body, grooved_body
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.processes import one_thread
 from rollbench.meshes.solid import dimensions
-from rollbench.meshes.threads import one_thread
 
 #: What a stage spends its time on: names of functions and the modules that call them; the dense algebra is a part of the
 #: elimination.
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
-    "assembly": ("assemble", (assembly, cell, patch)),
-    "elimination": ("gram", (solvers,)),
-    "dense": ("_eliminate", (fronts,)),
+    "assembly": ("assemble", (forms, cell, patch)),
+    "elimination": ("gram", (linear_algebra,)),
+    "dense": ("_eliminate", (linear_algebra,)),
 }
 #: Jobs whose stages are measured: scene and level.
 JOBS = (("new screw", 1), ("unseen-40x10", 1))
@@ -115,7 +113,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     the mean load]."""
     scene = scene_of(name)
     choices, wanted, raw, A_s, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
-    kept, finished = sides.own_compliance, setup._as_the_section
+    kept, finished = condensation.own_compliance, setup._as_the_section
 
     def watched(*given: Any) -> Array:
         A_s.append(kept(*given))
@@ -123,10 +121,10 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         return A_s[-1]
 
     begun: list[float] = []
-    fine = sides.fine_compliance
+    fine = condensation.fine_compliance
     with pytest.MonkeyPatch.context() as put:
-        put.setattr(sides, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
-        put.setattr(sides, "own_compliance", watched)  # of groove and ball of one side after the other
+        put.setattr(condensation, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
+        put.setattr(condensation, "own_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_as_the_section", lambda *given: raw.append(given) or finished(*given))
         base = setup.prepare(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).load

@@ -28,7 +28,7 @@ from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import each_case, solvable
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.threads import held_to_one_thread
+from rollbench.meshes.processes import held_to_one_thread
 
 if TYPE_CHECKING:
     from rollbench.compare.models.registry import Options

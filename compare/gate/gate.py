@@ -20,14 +20,14 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source.static import best_start
+from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.contacts import drawn_hertz, nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Errors, Ingredients, Load, Scene, Support
-from rollbench.meshes.roots import brentq
 from rollbench.meshes.section import screw_section
 
 

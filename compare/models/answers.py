@@ -18,11 +18,21 @@ from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_
 from rollbench.compare.models.loading import LiftOff, Preload, preload
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
+from rollbench.lowfi.rating.contacts import (
+    Contact,
+    Ratings,
+    RollerContact,
+    StaticSafety,
+    Truncation,
+    ratings,
+    roller_safety,
+    static_safety,
+    truncation,
+    worst_contact,
+    worst_roller,
+)
 from rollbench.lowfi.rating.life import Life, life, rating
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
-from rollbench.lowfi.rating.roller_contacts import RollerContact, roller_safety, worst_roller
-from rollbench.lowfi.rating.static import Ratings, ratings
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned

@@ -8,9 +8,8 @@ from typing import Any
 
 from rollbench.compare.models.registry import Options
 from rollbench.compare.quantities import number
-from rollbench.lowfi.friction.whole.settings import ONE_TURN
-from rollbench.lowfi.friction.whole.settled import torque_of
-from rollbench.lowfi.friction.whole.torque import ScrewTorque
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, ScrewTorque, will_compile
+from rollbench.lowfi.jit import CONTACT, cached
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
@@ -49,7 +48,16 @@ def percent(share: float) -> float | None:
     return number(100.0 * share)
 
 
-_kept_torque = kept(ScrewTorque)(torque_of)
+@kept(ScrewTorque)
+def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
+    """Sums of `lowfi.friction.whole.state.friction_state`, read of a known scene without what computes them.
+
+    Raises ValueError as that does, and where a kernel would have to be compiled first."""
+    if will_compile(scene, friction) and not cached(CONTACT):
+        raise ValueError("kernels are not compiled yet; rollbench friction SCENE does it, once")
+    from rollbench.lowfi.friction.whole.state import friction_state
+
+    return friction_state(scene, result, friction, drive, member).torque
 
 
 def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:

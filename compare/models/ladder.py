@@ -16,7 +16,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.scenes.catalogue import with_role
-from rollbench.lowfi.compliance.imported import PARTS, Condensed
+from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.result import StaticResult

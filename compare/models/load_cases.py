@@ -23,8 +23,7 @@ from rollbench.compare.models.loading import axial_of
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
-from rollbench.lowfi.rating.life import Life, life, over_cases
+from rollbench.lowfi.rating.life import EquivalentLife, Life, equivalent_life, life, over_cases
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array

@@ -16,7 +16,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.bodies import Condensed
     from rollbench.lowfi.statics.result import AxisResult, StaticResult
 
 
@@ -46,7 +46,7 @@ def _lin(scene: Scene, options: Options) -> StaticResult:
 
 def read_condensed(scene: Scene, options: Options) -> Condensed:
     """Bodies of the file that the options name. Raises InputError where there is none that fits the scene."""
-    from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.bodies import Condensed
 
     if options.condensed is None:
         advice = "rollbench condense makes one: `condensed=FILE`"
@@ -84,7 +84,7 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
 
 
 def _source(scene: Scene, options: Options) -> StaticResult:
-    from rollbench.lowfi.as_source.static import solve_source_result
+    from rollbench.lowfi.as_source import solve_source_result
 
     if scene.ingredients.screw == "rigid":
         advice = "the source's equations are those of a beam: use lin"

@@ -29,8 +29,8 @@ from rollbench.compare.system import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
-from rollbench.meshes.memory import peak_MB
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.processes import peak_MB
 
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import Settings
@@ -173,8 +173,8 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
     Patches grow by a step; where ``left`` steps would leave them shorter than the contacts reach along the groove, as its
     lead sets these askew, they are at once as long as those need.
     """
-    from rollbench.hifi.meshing.expected import hertz_units
-    from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
+    from rollbench.hifi.meshing.part_meshes import patch_lines, reach_along, socket_size
+    from rollbench.hifi.meshing.settings import hertz_units
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Half widths [m] of the contact zone."""

@@ -22,7 +22,7 @@ from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.system import cores
 from rollbench.compare.watch import reader_gone
 from rollbench.meshes.condensed import CondensedBodies
-from rollbench.meshes.memory import reset_peak
+from rollbench.meshes.processes import reset_peak
 
 Step = Callable[[str], None]
 #: Least time [s] that other processes must take over to be started: each imports and compiles for itself.

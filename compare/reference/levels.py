@@ -16,11 +16,11 @@ def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
     return {name: tuple(value) if isinstance(value, list) else value for name, value in keys.items()}
 
 
-#: Settings (`hifi.meshing.fit.Settings`) by level, coarse to fine; lengths in m. b_over_h counts second-order cells, so
-#: there are twice as many nodes. From level to level cells at the contact are refined by 4/3; cells and sockets of the
-#: submodels that say what a contact answers by itself, coarse bodies and balls, which only carry loads from contact to
-#: contact, and those that say what the shaft's cut ends do by 1.15 to 1.2; the growth of patches' cells, modes and balls'
-#: modes with them. The plane mesh of the shaft's section is the same on all: within 0.04 % in bending
+#: Settings (`hifi.meshing.part_meshes.Settings`) by level, coarse to fine; lengths in m. b_over_h counts second-order
+#: cells, so there are twice as many nodes. From level to level cells at the contact are refined by 4/3; cells and sockets
+#: of the submodels that say what a contact answers by itself, coarse bodies and balls, which only carry loads from contact
+#: to contact, and those that say what the shaft's cut ends do by 1.15 to 1.2; the growth of patches' cells, modes and
+#: balls' modes with them. The plane mesh of the shaft's section is the same on all: within 0.04 % in bending
 #: (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {int(level): _settings(keys) for level, keys in _TABLES["level"].items()}
 #: Settings by which single choices of the finest level are refined alone (`compare.reference.variants`).

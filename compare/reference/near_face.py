@@ -1,6 +1,6 @@
 """What a mesh level leaves out of a contact's compliance beside a free face of the nut, and what its load is wrong by.
 
-A contact's own compliance is that of a finely meshed piece of its body (`hifi.bodies.submodel`), far from any face. Beside
+A contact's own compliance is that of a finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Beside
 a free face a lip gives way besides, as the cells of the level's body have it, which are too stiff: nuts of six balls,
 solved alone with ever finer bodies, say by how much (``near_face.json``, written by ``tests/near_face.py``). In terms of
 1 / (E r) the missing compliance is the same for balls and leads of all sizes within a quarter, and depends on the distance
@@ -80,7 +80,7 @@ def read(store: Path) -> Lip:
 
 def too_large(scene: Scene, load: Array, level: int) -> Array:
     """What contact loads ``(n, 4)`` [N] of a level are too large by at most beside free faces of the nut ``(n, 4)`` [N]."""
-    from rollbench.hifi.meshing.expected import hertz_units
+    from rollbench.hifi.meshing.settings import hertz_units
 
     out = np.zeros_like(load)
     if scene.solid.nut != "elastic" or scene.track.lead == 0.0:

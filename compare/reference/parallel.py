@@ -20,8 +20,7 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.threads import one_thread
-from rollbench.meshes.workers import local
+from rollbench.meshes.processes import local, one_thread
 
 #: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]

@@ -20,7 +20,7 @@ from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.hifi.meshing.expected import ExpectedContacts
+    from rollbench.hifi.meshing.settings import ExpectedContacts, Settings
 
 #: What the 3D reference solves: one set, or several on one shaft.
 Solvable = Scene | Assembly
@@ -72,7 +72,7 @@ def _bodies(case: Solvable) -> list[Scene]:
 def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
     """Contacts to expect of each set; of one of several that carries nothing as of a tenth of the mean contact load of the
     others. Raises Refusal where none can be expected."""
-    from rollbench.hifi.meshing.expected import carrying, expected_by_set, expected_contacts
+    from rollbench.hifi.meshing.settings import carrying, expected_by_set, expected_contacts
 
     try:
         if isinstance(case, Scene):
@@ -91,7 +91,7 @@ def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Sides of a scene that may touch, by `hifi.meshing.expected`, and those opposite. Raises Refusal where that finds no
+    """Sides of a scene that may touch, by `hifi.meshing.settings`, and those opposite. Raises Refusal where that finds no
     equilibrium."""
     return _pressed(_expected(scene, ()))
 

@@ -19,7 +19,7 @@ Change = Callable[[Scene], Scene]
 #: the mesh; "scene": another boundary condition, which is the scene's own to state.
 Kind = Literal["modelling", "numerical", "scene"]
 #: Bound on the axial-torsional coupling of a grooved shaft (twist by an axial force over the geometric mean of both
-#: flexibilities, `hifi.shaft.cell.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
+#: flexibilities, `hifi.shaft.section.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
 #: tests/unit/meshes/test_solid.py.
 COUPLING = 0.02
 

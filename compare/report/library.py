@@ -10,7 +10,7 @@ from rollbench.compare.api.calls import LOG
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.meshes.threads import held_to_one_thread
+from rollbench.meshes.processes import held_to_one_thread
 
 
 @held_to_one_thread()

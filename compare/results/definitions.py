@@ -28,12 +28,9 @@ from rollbench.compare.results.data import (
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.torque import LoadTorque
-from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
-from rollbench.lowfi.rating.equivalent import EquivalentLife
-from rollbench.lowfi.rating.life import Life
+from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
+from rollbench.lowfi.rating.life import EquivalentLife, Life
 from rollbench.lowfi.rating.rigidity import Rigidities
-from rollbench.lowfi.rating.roller_contacts import RollerContact
-from rollbench.lowfi.rating.static import Ratings
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
 from rollbench.meshes.one_arc import Clearance
 from rollbench.meshes.quantity import Stated, stated_in

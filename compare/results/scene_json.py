@@ -14,8 +14,8 @@ from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, number
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.lowfi.rating.contacts import RACES, race_pressures
 from rollbench.lowfi.rating.life import Life
-from rollbench.lowfi.rating.roller_contacts import RACES, race_pressures
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent

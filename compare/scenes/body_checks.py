@@ -12,7 +12,7 @@ from rollbench.lowfi.statics.problem import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
-from rollbench.meshes.near import close_pairs
+from rollbench.meshes.numerics import close_pairs
 from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
 from rollbench.meshes.section import volume_ratio
 from rollbench.meshes.solid import groove_depths

@@ -148,7 +148,7 @@ def touching_angle(radius: float, lead: float, ball: float) -> float:
 
     chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
     """
-    from rollbench.meshes.roots import brentq
+    from rollbench.meshes.numerics import brentq
 
     def gap(angle: float) -> float:
         return hypot(2.0 * radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball

@@ -9,9 +9,9 @@ from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.compare.scenes.from_keys import ball_total, centres_apart
 from rollbench.compare.scenes.keys import GrooveKeys
 from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
-from rollbench.meshes.partition import MERGE
 from rollbench.meshes.parts import Time
 from rollbench.meshes.ranges import MAX_BALLS
+from rollbench.meshes.section import MERGE
 
 #: Part of a ball diameter by which a diameter may differ from twice the radius beside it.
 SAME = 1e-9

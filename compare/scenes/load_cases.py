@@ -11,8 +11,8 @@ from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.compare.scenes.fault import Fault, mm, refuse
 from rollbench.compare.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.partition import MERGE
 from rollbench.meshes.parts import Errors, Motion, Scene, Support
+from rollbench.meshes.section import MERGE
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.axis_schema import AxisKeys

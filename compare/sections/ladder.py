@@ -12,7 +12,7 @@ from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from rollbench.compare.models.model_form import SHARE
 from rollbench.compare.models.study import Study
-from rollbench.lowfi.compliance.imported import PARTS
+from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.loads import mean_load

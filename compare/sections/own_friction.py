@@ -13,8 +13,8 @@ from rollbench.compare.studies.friction.output import lines_of, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
 from rollbench.compare.studies.friction.whole import drag_torques, status_of
 from rollbench.lowfi.friction.whole.losses import CAUSES
-from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Motion, Scene, Time
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text

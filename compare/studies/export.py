@@ -65,8 +65,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     if part in BODIES:
         return _whole(scene, part, level)
     from rollbench.hifi.bodies.coarse import of_order
-    from rollbench.hifi.meshing.fit import ball_place
-    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts, patch_mesh
+    from rollbench.hifi.meshing.part_meshes import ball_place, body_kind, mesh_parts, patch_mesh
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
@@ -133,8 +132,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 def _whole(scene: Scene, part: str, level: int) -> Mesh:
     """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
     from rollbench.hifi.bodies.coarse import of_order
-    from rollbench.hifi.meshing.fit import socket_size
-    from rollbench.hifi.meshing.part_meshes import body_kind, sockets_of
+    from rollbench.hifi.meshing.part_meshes import body_kind, socket_size, sockets_of
     from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
     from rollbench.meshes.groove import BodySpec
     from rollbench.meshes.groove_map import GrooveMap

@@ -15,7 +15,7 @@ from rollbench.compare.results.scene_json import discretisation_percent, rollers
 from rollbench.compare.text.entries import block, load_error
 from rollbench.compare.text.printing import Column, text_width
 from rollbench.compare.text.tables import listed, plain
-from rollbench.lowfi.rating.roller_contacts import RACES
+from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
 from rollbench.lowfi.statics.tangent import Tangent

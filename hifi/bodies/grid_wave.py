@@ -19,9 +19,9 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
 
 from rollbench.hifi.bodies.patch import CondensedPatch
-from rollbench.hifi.contact.compliance import picked_factor
+from rollbench.hifi.contact.balls import picked_factor
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements.forms import mean_weights
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import directions
 from rollbench.meshes.groove_map import GrooveMap

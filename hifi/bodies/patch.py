@@ -3,7 +3,7 @@
 27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
 
 With the freedoms of the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each spread
-by a pressure hat (`hifi.elements.pressures`): mean displacements over the hats along the normals u_c = A f + H q, reaction
+by a pressure hat (`hifi.elements.forms`): mean displacements over the hats along the normals u_c = A f + H q, reaction
 on the socket r = S q - H^T f.
 """
 
@@ -18,10 +18,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
-from rollbench.hifi.elements.assembly import CurvedMap, assemble
-from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.elements.pressures import contact_weights, mean_weights
-from rollbench.hifi.linear_algebra.solvers import compliance, factor
+from rollbench.hifi.elements.forms import CurvedMap, assemble, contact_weights, elasticity, mean_weights
+from rollbench.hifi.linear_algebra import compliance, factor
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import Meshed, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from rollbench.meshes.sockets import SocketMesh
@@ -48,7 +46,7 @@ class PatchMesh(Meshed):
     nodes of the contact zone ``(c,)``, the shape
     of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
     nodes ``(interface nodes, socket nodes)``; weights W ``(c, c)`` [m2] of pressures' hats (rows) at displacements
-    (columns), see `hifi.elements.pressures.contact_weights`; points of the socket's nodes ``(k, 3)`` [m]."""
+    (columns), see `hifi.elements.forms.contact_weights`; points of the socket's nodes ``(k, 3)`` [m]."""
 
     mesh: Mesh
     xi: Array

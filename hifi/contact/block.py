@@ -23,12 +23,10 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import solve_balls
-from rollbench.hifi.contact.compliance import uncoupled
+from rollbench.hifi.contact.balls import solve_balls, uncoupled
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.assembly import assemble, nodal_areas
-from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.hifi.elements.forms import assemble, elasticity, nodal_areas
+from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
 from rollbench.meshes.fem import freedoms_on, nodes_on
@@ -98,7 +96,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         young, poisson: [Pa, -].
 
     Raises:
-        hifi.linear_algebra.solvers.FactorError: the mesh does not hold together.
+        hifi.linear_algebra.FactorError: the mesh does not hold together.
     """
     start = perf_counter()
     matrix = sp.csr_array(assemble(elasticity(young, poisson), mesh.mesh))

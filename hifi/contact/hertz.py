@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.numerics import brentq
 
 #: Thinnest ellipse the quadrature is meant for, b/a.
 THINNEST = 1e-3

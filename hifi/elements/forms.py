@@ -1,16 +1,47 @@
-"""The weak forms of the 3D reference. scikit-fem's `form.assemble(basis)` evaluates them as they stand.
+"""The weak forms of the 3D reference, their fast evaluation, and contact pressures as hats.
 
 Displacements u, virtual ones v [m]; small strains; isotropic elasticity of constant Young's modulus and Poisson's ratio.
+
+scikit-fem could evaluate the forms itself, in three to four times the time by six scalar forms, in twenty to forty as the
+form stands (the report's table "reference-assembly" measures both).
+
+A form of the kind int c_ikjl u_i,k v_j,l dV is probed with unit gradients for its tensor c; scikit-fem's Basis gives the
+gradients of the shape functions, one matrix product for each cell their integrals, and these are scattered node by node.
+`form.assemble(basis)` of the vector space at the points of `rule` is the same matrix, and the test of this module.
+
+The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces make the law of a contact wavy. Pressures that
+are bilinear between all nodes of the contact's grid, hats phat_k on the faces' halves, give nodal forces f = W^T p and
+weighted gaps W g with W_ki = int phat_k N_i dA over the contact zone, N_i the displacements' own traces.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
-from skfem import BilinearForm, LinearForm
+import numpy as np
+import scipy.sparse as sp
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementHex1,
+    ElementHex2,
+    ElementQuad1,
+    ElementTetP1,
+    ElementTetP2,
+    ElementTriP1,
+    FacetBasis,
+    LinearForm,
+    Mesh,
+)
+from skfem.element import DiscreteField
 from skfem.helpers import ddot, sym_grad
+from skfem.mapping import MappingIsoparametric
 from skfem.models.elasticity import lame_parameters, linear_stress
+from skfem.quadrature import get_quadrature
+
+from rollbench.meshes.arrays import Array, Index
 
 Stress = Callable[[Any], Any]
 
@@ -41,3 +72,251 @@ def share(axis: int | None = None) -> Any:
         return v if axis is None else w.x[axis] * v
 
     return LinearForm(weight)
+
+
+CHUNK_BYTES = 32e6
+
+"""Memory of one chunk of element matrices [bytes]."""
+
+_DEGREE = {ElementTetP1: 1, ElementHex1: 3, ElementHex2: 5}
+
+#: Degree of the quadrature on faces, by their number of corners.
+_FACE_DEGREE = {3: 5, 4: 7}
+
+
+class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
+    """scikit-fem's isoparametric map without Newton's method on faces, and without repetition: an assembly takes a fifth to
+    a third less.
+
+    Where a point of a face lies in its cell is known from their corners. scikit-fem looks for it by Newton's method to an
+    absolute 1e-12, which is below round-off in cells of 10 um 16 mm from the origin. Faces are mapped as parts of their
+    cells. What was last asked for is kept.
+    """
+
+    def __init__(self, mesh: Mesh) -> None:
+        """Map of a mesh's own element."""
+        super().__init__(mesh, mesh.elem(), mesh.bndelem)
+        self._kept: dict[str, tuple[Any, Any, Any]] = {}
+
+    def _once(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
+        """What ``compute`` gives, or gave for the same points X in the same cells or faces ``entities`` before."""
+        known = self._kept.get(name)
+        if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
+            known = self._kept[name] = (X, entities, compute())
+        return known[2]
+
+    def _shapes(self, X: Array) -> tuple[Array, Array]:
+        """Shape functions ``(n, ...)`` and reference gradients ``(n, 3, ...)`` at X."""
+
+        def compute() -> tuple[Array, Array]:
+            functions = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
+            return np.array([value for value, _ in functions]), np.array([slope for _, slope in functions])
+
+        found: tuple[Array, Array] = self._once("shapes", X, None, compute)
+        return found
+
+    def _sum(self, i: int, table: Array, tind: Any) -> Array:
+        """Component i of the nodes of the cells tind times a table ``(n, q)`` or ``(n, cells, q)``: ``(cells, q)``."""
+        nodes = self.mesh.dofs.element_dofs
+        x = self.mesh.doflocs[i, nodes if tind is None else nodes[:, tind]]
+        return np.asarray(x.T @ table if table.ndim == 2 else np.einsum("nc,ncq->cq", x, table))
+
+    def Fmap(self, i: int, X: Array, tind: Any = None) -> Array:
+        """Component i of the places of X."""
+        return self._sum(i, self._shapes(X)[0], tind)
+
+    def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
+        """Entry (i, j) of the Jacobian at X."""
+
+        def compute() -> list[list[Array]]:
+            slopes = self._shapes(X)[1]
+            return [[self._sum(row, slopes[:, column], tind) for column in range(3)] for row in range(3)]
+
+        return np.asarray(self._once("J", X, tind, compute)[i][j])
+
+    def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
+        """Determinants of the Jacobians at X in the cells tind."""
+        return np.asarray(self._once("detDF", X, tind, partial(super().detDF, X, tind, J)))
+
+    def invDF(self, X: Array, tind: Any = None) -> Array:
+        """Inverse Jacobians at X in the cells tind."""
+        return np.asarray(self._once("invDF", X, tind, partial(super().invDF, X, tind)))
+
+    def _corners(self, find: Any) -> Array:
+        """Corners of the reference cell that are those of the faces find ``(3, k, f)``, or ``(3, k, 1)`` where all lie
+        alike in their first cells."""
+        faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
+        corner = (cells_ == faces_[:, None]).argmax(axis=1)
+        return np.asarray(self.mesh.refdom.p[:, corner[:, :1] if (corner == corner[:, :1]).all() else corner])
+
+    def _places(self, X: Array, find: Any) -> Array:
+        """Places ``(3, f, q)``, or ``(3, q)`` where all lie alike, in their cells of points X of the faces find."""
+
+        def compute() -> Array:
+            corners = self._corners(find)
+            flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
+            shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
+            places = np.einsum("kq,dkf->dfq", shapes, corners)
+            return np.asarray(places[:, 0] if corners.shape[2] == 1 else places)
+
+        return np.asarray(self._once("places", X, find, compute))
+
+    def G(self, X: Array, find: Any = None) -> Array:
+        """Points of the faces find at X."""
+        x: Array = self.F(self._places(X, find), self.mesh.f2t[0, find])
+        self._kept["faces"] = (x, find, X)
+        return x
+
+    def invF(self, x: Array, tind: Any = None) -> Array:
+        """Places of points x of faces, as they came from `G`, in their first cells tind."""
+        known, find, X = self._kept.get("faces", (None, None, None))
+        if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
+            raise ValueError("only points of faces have a place in a cell, in the face's first one")
+        return self._places(X, find)
+
+    def detDG(self, X: Array, find: Any = None) -> Array:
+        """Area of the faces find at X over that of the reference face."""
+        tind, corners = self.mesh.f2t[0, find], self._corners(find)
+        sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
+        u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._places(X, find), tind), sides)
+        return np.asarray(np.linalg.norm(np.cross(u, v, axis=0), axis=0))
+
+
+def rule(mesh: Mesh) -> tuple[Array, Array]:
+    """Quadrature points ``(3, q)`` and positive weights ``(q,)`` of a stiffness on the mesh's own element.
+
+    It passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
+    integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has one below 0.)
+    """
+    if mesh.elem is not ElementTetP2:
+        points, weights = get_quadrature(mesh.elem.refdom, _DEGREE[mesh.elem])
+        return np.asarray(points), np.asarray(weights)
+    near = np.array([0.3281633025163817, 0.1080472498984286])  # barycentric: three alike, and the rest
+    bary = np.repeat(near, 4)[:, None] + np.tile(np.eye(4), (2, 1)) * np.repeat(1.0 - 4.0 * near, 4)[:, None]
+    return bary[:, 1:].T.copy(), np.repeat([0.1362178425370874, 0.1137821574629126], 4) / 6.0
+
+
+def cells(mesh: Mesh, **options: Any) -> Basis:
+    """Scalar space on the mesh's own element, at the points of `rule`. options: of `skfem.Basis`."""
+    defaults = {"quadrature": rule(mesh), "mapping": CurvedMap(mesh), "dofs": mesh.dofs, "disable_doflocs": True}
+    return Basis(mesh, mesh.elem(), **{**defaults, **options})
+
+
+def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
+    """A space (scalar on the mesh's own element unless given) on a named boundary. options: of `skfem.FacetBasis`."""
+    defaults = {"quadrature": get_quadrature(mesh.brefdom, _FACE_DEGREE[len(mesh.facets)]), "disable_doflocs": True}
+    defaults |= {"mapping": CurvedMap(mesh)} if "mapping" not in options else {}
+    defaults |= {"dofs": mesh.dofs} if element is None else {}
+    return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**defaults, **options})
+
+
+def products(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
+    """int v_i u_j dA of the functions of two scalar spaces on the same faces, (rows i, columns j)."""
+    left, right = (np.stack([np.asarray(phi[0]) for phi in space.basis], axis=1) for space in (v, u))  # (face, function, q)
+    local = (left * v.dx[:, None]) @ right.transpose(0, 2, 1)
+    rows, columns = (space.element_dofs.T.astype(np.int64) for space in (v, u))
+    at = (np.repeat(rows, right.shape[1], axis=1).ravel(), np.tile(columns, left.shape[1]).ravel())
+    return sp.csr_array((local.ravel(), at), (v.N, u.N))
+
+
+def nodal_areas(mesh: Mesh, name: str) -> Array:
+    """Consistent nodal areas [m2] of a boundary, ``(n,)``: integrals of the shape functions over its curved faces.
+
+    Their sum is the area. Corner areas of flat 6-node triangles vanish: such nodes carry no contact pressure.
+    """
+    return np.asarray(share().assemble(faces(mesh, name)))
+
+
+def tensor(form: Any) -> Array:
+    """c[i, k, j, l] of a form c_ikjl u_i,k v_j,l. Raises ValueError for one that depends on more than gradients."""
+    unknown = np.full((3, 1, 1), np.nan)
+    unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
+    values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
+    if not np.isfinite(values).all():
+        raise ValueError("the form depends on displacements, not on their gradients alone: assemble it with scikit-fem")
+    return values
+
+
+def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
+    """Sparse matrix ``(3n, 3n)`` of a form in the gradients alone, of constant coefficients; sorted indices.
+
+    mapping: of the cells (None: `CurvedMap`). Freedoms are 3 * node + component of `mesh.doflocs`. Raises ValueError for
+    cells turned inside out at a quadrature point and for other forms.
+    """
+    c = tensor(form).transpose(0, 2, 1, 3).reshape(9, 9)
+    nodes = np.asarray(mesh.dofs.element_dofs.T)
+    count, n = mesh.doflocs.shape[1], nodes.shape[1]
+    graph = _graph(nodes, count)
+    blocks = np.zeros((9, graph.nnz))
+    points, mapping = rule(mesh), mapping or CurvedMap(mesh)
+    step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
+    for first in range(0, len(nodes), step):
+        chunk = np.arange(first, min(first + step, len(nodes)))
+        basis = cells(mesh, quadrature=points, elements=chunk, mapping=mapping)
+        volume = basis.mapping.detDF(basis.X, basis.tind)
+        if not np.all(volume > 0.0):
+            bad = first + int(volume.min(axis=1).argmin())
+            raise ValueError(f"cell {bad} of {len(nodes)} is turned inside out (det J {volume.min():.3g} m3)")
+        slopes = np.stack([phi[0].grad for phi in basis.basis], axis=2) * np.sqrt(basis.dx)[:, None]  # (k, cell, a, q)
+        product = slopes[:, None] @ slopes.swapaxes(2, 3)  # int N_a,k N_b,l
+        cell_nodes = nodes[chunk]
+        at = np.asarray(graph[np.repeat(cell_nodes, n, axis=1).ravel(), np.tile(cell_nodes, n).ravel()]).ravel()
+        for block, added in zip(blocks, c @ product.reshape(9, -1), strict=True):
+            np.add.at(block, at, added)
+    blocks = blocks.T.reshape(-1, 3, 3)
+    rows = sp.bsr_array((blocks, graph.indices, graph.indptr), shape=(3 * count, 3 * count)).tocsr()
+    return sp.csc_array((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned
+
+
+def _graph(nodes: Index, count: int) -> sp.csr_array:
+    """Graph of nodes that share a cell, its entries numbered row by row in ascending columns."""
+    n = nodes.shape[1]
+    incidence = sp.csr_array(
+        (np.ones(nodes.size, dtype=np.int32), nodes.ravel(), np.arange(0, nodes.size + 1, n)), shape=(len(nodes), count)
+    )
+    graph = (incidence.T @ incidence).tocsr()
+    graph.sort_indices()
+    graph.data = np.arange(graph.nnz)
+    return graph
+
+
+class ElementHexHats(ElementHex2):  # type: ignore[misc]
+    """Hats on the eight halves of a hexahedron, one for each node of ElementHex2: trilinear on every half."""
+
+    maxdeg = 3
+
+    def lbasis(self, X: Array, i: int) -> tuple[Array, Array]:
+        """Value and reference gradient of hat i at X."""
+        away = np.asarray(X) - self.doflocs[i].reshape((3,) + (1,) * (np.ndim(X) - 1))
+        value = np.maximum(1.0 - 2.0 * np.abs(away), 0.0)
+        slope = np.where(value > 0.0, -2.0 * np.sign(away), 0.0)
+        gradient = [np.prod([slope[k] if k == axis else value[k] for k in range(3)], axis=0) for axis in range(3)]
+        return np.prod(value, axis=0), np.array(gradient)
+
+
+def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
+    """Gauss's rule of that degree on each of the four quarters of the unit square."""
+    points, weights = get_quadrature(refdom, degree)
+    shifts = [(i, j) for i in (0.0, 0.5) for j in (0.0, 0.5)]
+    return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
+
+
+def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
+    """W ``(c, c)`` [m2] on the boundary "contact" of a patch, rows and columns in the order of its nodes ``contact``.
+
+    W 1 are the areas of the hats, 1^T W those of the displacements' functions, both over the contact zone. 27-node
+    hexahedra: hats are bilinear on the halves of faces. First-order tetrahedra, which stand for the source's mesh, keep
+    nodal forces: W is diagonal (the hats' consistent mass would make so coarse a contact stiffer still).
+    """
+    if mesh.elem is not ElementHex2:
+        return sp.csr_array(sp.diags_array(share().assemble(faces(mesh, "contact"))[contact]))
+    rule = halves(mesh.brefdom, 7)
+    u = faces(mesh, "contact", quadrature=rule)
+    p = faces(mesh, "contact", element=ElementHexHats(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
+    W = products(u, p)
+    return sp.csr_array(W[contact][:, contact])
+
+
+def mean_weights(weights: sp.csr_array) -> sp.csr_array:
+    """Weights with rows of sum one: means over hats instead of integrals."""
+    return sp.csr_array(sp.diags_array(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)

@@ -1,12 +1,38 @@
-"""Mesh choices of the 3D reference, and the sizes of contacts that they follow; no finite elements are imported."""
+"""Mesh choices of the 3D reference, and the sizes of contacts that they follow; no finite elements are imported.
+
+What the contacts of a scene will be like, by a rigid nut, a beam and Hertz springs: for the mesh only.
+
+The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), nuts are
+rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the
+contact angle follows the motion: with the vector d from the groove's to the ball's centre, the approach is
+|d| + r_ball - r_groove. The energy of a convex function of |d| is convex, so that damped Newton steps find its minimum.
+
+This sees forces, moments, oversize, groove errors, and prescribed displacements. It leaves out the bodies' compliance, so
+that the largest contact comes out some per cent too large and loads by prescribed displacements more.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
 
+from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, Thrust
+from rollbench.meshes.errors import specimen
 from rollbench.meshes.fields import keyed, usual
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
+from rollbench.meshes.one_arc import sides_of_arc
+from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
+from rollbench.meshes.solid import dimensions
 
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
@@ -50,3 +76,260 @@ def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
     """Lengths [m] rounded up, so that like scenes share their patches."""
     a, b = (max(1.0, float(np.ceil(x / ROUNDING - 1e-9))) * ROUNDING for x in lengths)
     return a, b
+
+
+#: Newton steps at most, and the imbalance over the largest force at which they end.
+STEPS, BALANCED = 200, 1e-6
+
+#: Stiffness that keeps open balls and unheld screws in place, and that of supports, over that of a loaded contact.
+SOFT, HELD = 1e-7, 1e4
+
+#: Share of the largest load that the former may carry: more, and nothing else holds the screw.
+CARRIED = 1e-2
+
+#: Contacts that carry less than this share of the largest load do not count towards the mean.
+LOADED = 0.05
+
+#: Gaps below this share of the largest approach count as nearly closed.
+NEAR = 0.2
+
+
+@dataclass(frozen=True)
+class ExpectedContacts:
+    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad] (nominal where open), semi-axes across and along the groove
+    ``(n, 4)`` [m], how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
+    towards the edge, and gaps ``(n, 4)`` [m], negative where ball and groove are pressed together."""
+
+    load: Array
+    angle: Array
+    across: Array
+    along: Array
+    shift: Array
+    gap: Array
+
+    def semi(self) -> tuple[float, float]:
+        """Semi-axes (a, b) [m] of a typical contact: the mean over the balls of the larger contact of each."""
+        largest = self.load.max(axis=1)
+        ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
+        if not ball.size:
+            return float(self.across.max()), float(self.along.max())
+        side = self.load[ball].argmax(axis=1)
+        scale = np.cbrt(float(largest[ball].mean()) / largest[ball])
+        return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
+
+    def reach(self) -> tuple[float, float]:
+        """How far contacts reach from their nominal middle across and along the groove [m], the farthest of all."""
+        return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
+
+    def sides(self) -> tuple[int, ...]:
+        """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
+        return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))
+
+
+@dataclass(frozen=True)
+class _Model:
+    """Stiffness of the shaft's stations, of its housings and of what holds them, loads on them; A: change of all vectors
+    from groove to ball centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which
+    ball and groove touch ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) ``(n, 4)``, zero on sides that cannot touch; a
+    typical stiffness [N/m]; soft springs that K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch
+    radius of rotations)."""
+
+    K: sp.csc_array
+    P: Array
+    A: sp.csr_array
+    arms: Array
+    touch: Array
+    constant: Array
+    stiffness: float
+    soft: Array
+    arm: Array
+
+
+@dataclass(frozen=True)
+class _Set:
+    """A set on the shaft: its scene, sides ``(4,)`` that can touch, shift of its nut [m], number of the nut's housing."""
+
+    scene: Scene
+    sides: tuple[bool, ...]
+    offset: float = 0.0
+    housing: int | None = None
+
+
+@lru_cache(maxsize=64)
+def expected_contacts(scene: Scene) -> ExpectedContacts:
+    """Expected contacts of a scene.
+
+    Raises ValueError where the model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
+    """
+    return _expected((_Set(scene, _sides(scene, "both")),), Frame.of(scene))[0]
+
+
+@lru_cache(maxsize=64)
+def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
+    """Expected contacts of each set of balls. A preload by force is taken as the shift that closes the set to it, all else
+    rigid. Raises ValueError as `expected_contacts`."""
+    frame, sets = Frame.of(assembly), []
+    for s in assembly.sets:
+        if isinstance(s.parts, Scene):
+            away = -1.0 if s.thrust == "+z" else 1.0
+            offset = s.offset + (away * closing(s.parts, s.preload) if s.preload else 0.0)
+            sets.append(_Set(s.parts, _sides(s.parts, s.thrust), offset, frame.number(s.housing)))
+    return _expected(tuple(sets), frame)
+
+
+def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
+    """Contacts of a set that carries nothing, as if those sides that are nearest to its balls carried a ``load`` [N]."""
+    nearest = int(idle.gap.min(axis=0).argmin())
+    on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
+    across, along = (
+        np.where(on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_units(scene)]), 0.0)
+        for name in ("semi_x", "semi_y")
+    )
+    return replace(idle, load=np.where(on, load, 0.0), across=across, along=along, gap=np.where(on, -1.0, np.inf))
+
+
+def closing(scene: Scene, force: float) -> float:
+    """Shift [m] of the nut that closes all balls to an axial ``force`` [N], all else rigid."""
+    sin, units = float(np.sin(scene.track.contact_angle)), hertz_units(scene)
+    return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
+
+
+def _sides(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
+    """Sides ``(4,)`` that can touch: of grooves of one arc one on either body."""
+    if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
+        return tuple(s in sides for s in range(4))
+    return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
+
+
+def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
+    model = _model(sets, frame)
+    load, vectors = _equilibrium(model)
+    gap = model.touch - np.linalg.norm(vectors, axis=2)
+    gap[model.constant == 0.0] = np.inf
+    signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
+    contacts = []
+    for s, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
+        units, beta = hertz_units(s.scene), s.scene.track.contact_angle
+        angle = np.where(F > 0.0, np.arctan2(v[..., 1] * signs[:, 1], v[..., 0] * signs[:, 0]), beta)
+        across, along = (np.cbrt(F) * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
+        contacts.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(s.scene), g))
+    return tuple(contacts)
+
+
+def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
+    """Hertz's contact under 1 N of each side: x across the groove, y along it, with the normal curvatures of its helix."""
+    m, units = GrooveMap.of(scene), []
+    for side, part in ((0, scene.screw), (2, scene.nut)):
+        units += [hertz(1.0, *m.relative_radii(side, m.beta), 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
+    return tuple(units)
+
+
+def _modulus(first: Material, second: Material) -> float:
+    """Contact modulus E* [Pa] of two bodies."""
+    return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
+
+
+def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
+    layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
+    first, n = sets[0].scene, sum(x.z.size for x in layouts)
+    rigid = any(s.scene.ingredients.screw == "rigid" or dimensions(s.scene).screw_held == "bore" for s in sets)
+    acted = frame.stations
+    nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
+    thread, e = next((s.scene for s in sets if s.scene.track.lead > 0.0), first), first.screw.material
+    mean = 0.5 * (thread.screw.outer_diameter / 2.0 + thread.track.pitch_radius - thread.balls.radius)  # of land and groove
+    section = round_section(mean, e.youngs_modulus, e.poissons_ratio)
+    shaft = 6 * len(nodes)
+    K = sp.lil_array((shaft + 6 * count,) * 2)
+    for k, (a, b) in enumerate(pairwise(nodes)):
+        K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)
+    for spring, stiff in frame.springs():
+        K[shaft:, shaft:] += spring.T @ stiff @ spring
+
+    def motion(body: int, z: float) -> sp.csr_array:
+        """Motion ``(6, size)`` of a station of the screw (body 0), or of a nut in a housing, by the freedoms."""
+        if body:
+            first, at = shaft + 6 * (body - 1), frame.housings[body - 1].at
+        else:
+            k = 0 if rigid else nodes.index(round(z, 9))
+            first, at = 6 * k, nodes[k]
+        out = sp.lil_array((6, K.shape[0]))
+        out[:, first : first + 6] = transport(z - at)
+        return out.tocsr()
+
+    wrenches = frame.wrenches()
+    share = sum(float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / frame.arm for *_, w in wrenches)
+    hertz_constants = [np.array([unit.approach for unit in hertz_units(s.scene)]) ** -1.5 for s in sets]
+    for s, constants in zip(sets, hertz_constants, strict=True):
+        constants[~np.array(s.sides)] = 0.0
+    constant = np.concatenate([np.tile(k, (x.z.size, 1)) for k, x in zip(hertz_constants, layouts, strict=True)])
+    stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
+    P, held = np.zeros(K.shape[0]), sp.csr_array(K.shape)
+    for body, at, wrench in wrenches:
+        P += motion(body, at).T @ wrench
+    for body, at, k, value in frame.holds():
+        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths[k] ** 2
+        held = held + spring * (row.T @ row)
+        P += spring * value * row.toarray()[0]
+    blocks, arms, touch = [], [], []
+    for s, layout in zip(sets, layouts, strict=True):
+        drawn, track = specimen(s.scene, layout), s.scene.track
+        for i, z in enumerate(layout.z.tolist()):
+            section_frame = np.stack([layout.radial[i], layout.binormal[i]])
+            arm = layout.centre[i] - np.array([0.0, 0.0, z])
+            turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
+            rows = -sp.csr_array(np.hstack([section_frame, section_frame @ turn]))
+            screw, nut = rows @ motion(0, z), sp.csr_array((4, K.shape[0]))
+            if s.housing is not None:
+                nut = sp.vstack([rows @ motion(1 + s.housing, z)] * 2)
+            blocks.append(sp.vstack([screw, screw, nut]))
+        inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile]
+        arms.append(-drawn.centre)
+        arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
+        touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
+    A = sp.hstack([sp.vstack(blocks), sp.kron(sp.eye_array(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
+    arm = np.concatenate([np.tile(frame.lengths, len(nodes) + count), np.ones(2 * n)])
+    soft = SOFT * stiffness * arm**2
+    K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
+    P = np.append(P, np.zeros(2 * n))
+    return _Model(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
+
+
+def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:
+    """Energy [J], loads and their slopes ``(n, 4)``, vectors ``(n, 4, 2)`` and their lengths at a state."""
+    vectors = model.arms + (model.A @ x).reshape(model.arms.shape)
+    length = np.linalg.norm(vectors, axis=2)
+    closed = np.maximum(length - model.touch, 0.0)
+    energy = 0.5 * x @ (model.K @ x) - model.P @ x + 0.4 * float((model.constant * closed**2.5).sum())
+    return energy, model.constant * closed**1.5, 1.5 * model.constant * np.sqrt(closed), vectors, length
+
+
+def _equilibrium(model: _Model) -> tuple[Array, Array]:
+    """Loads ``(n, 4)`` [N] and vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy."""
+    x = np.zeros(model.P.size)
+    energy, load, slope, vectors, length = _contact(model, x)
+    for step in range(STEPS):
+        unit = vectors / length[..., None]
+        wrong = model.P - model.K @ x - model.A.T @ (load[..., None] * unit).ravel()
+        scale = max(float(load.max()), 1e-3 * float(np.abs(model.P).max(initial=0.0)), 1e-9)
+        if float(np.abs(wrong).max()) < BALANCED * scale and step:
+            if float(np.abs(model.soft * x / model.arm).max()) > CARRIED * scale:
+                break
+            return load, vectors
+        # a stiffness of open contacts that dies out keeps the first steps short
+        normal = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))
+        turned = (load / length)[..., None, None] * np.eye(2)
+        blocks = turned + (normal - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
+        H = model.K + model.A.T @ sp.block_diag([sp.csr_array(b) for b in blocks.reshape(-1, 2, 2)], format="csr") @ model.A
+        move = spsolve(H.tocsc(), wrong)
+        descent, size = float(wrong @ move), 1.0
+        while size > 1e-9:
+            trial = _contact(model, x + size * move)
+            if trial[0] <= energy - 1e-4 * size * descent or abs(size * descent) < 1e-12 * abs(energy):
+                break
+            size *= 0.5
+        x = x + size * move
+        energy, load, slope, vectors, length = trial
+    raise ValueError(
+        "no equilibrium of the contacts is found with a rigid nut and Hertz springs, which size the patches: support the "
+        "screw against the motion that its loads drive"
+    )

@@ -1,31 +1,305 @@
-"""Kernels of finite bodies (`hifi.rolling.regular`) from finite elements: ball and groove.
+"""Kernels of finite bodies (`hifi.rolling.patch`) from finite elements: ball and groove.
 
-On rings and helices both are patches of the static reference in pieces of their bodies (`hifi.rolling.static_patches`); on
+On rings and helices both are patches of the static reference in pieces of their bodies (`hifi.rolling.bodies`); on
 straight tracks, which it has none of, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A body's answers to
 smooth tractions on its contact zone, in all three directions, less those of a half space whose zone has the same nodes
-(`hifi.rolling.answers`): what the grid does to the singular part is in both.
+(`hifi.rolling.bodies`): what the grid does to the singular part is in both.
+
+Groove and ball of the static reference around one contact, for loads along tangents too: patches in pieces of bodies.
+
+The patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring,
+nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one
+(`hifi.bodies.coarse.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
+(`hifi.rolling.contact_bodies.Zone`).
+
+Answers of meshed bodies to smooth tractions on their contact zone, in three directions, and those of a half space meshed
+alike.
+
+A body is free, its loads balanced by a rigid field of body forces, or held at its boundary "held"; the cut of a half
+space's block moves as Boussinesq's and Cerruti's point forces move it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial, wraps
 from time import process_time
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
+import scipy.sparse as sp
 
-from rollbench.hifi.bodies.submodel import piece_compliance
-from rollbench.hifi.condensation.side_by_side import Job, make
+from rollbench.hifi.bodies.coarse import Piece, isostatic, piece_compliance, rigid_loads
+from rollbench.hifi.bodies.patch import Lines, PatchMesh, build_patch, graded, growing
+from rollbench.hifi.condensation import BEYOND
+from rollbench.hifi.contact.block import boussinesq
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
-from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
-from rollbench.hifi.rolling.regular import Regular
-from rollbench.hifi.rolling.static_patches import Curve, cuts_of
-from rollbench.meshes.arrays import Array
+from rollbench.hifi.elements import forms
+from rollbench.hifi.elements.forms import contact_weights, elasticity, mean_weights
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.meshing.part_meshes import ball_place
+from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, half_space, whole_ball
+from rollbench.hifi.rolling.patch import Regular, monomials
+from rollbench.hifi.side_by_side import Job, make
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache
+from rollbench.meshes.fem import freedoms_on, moved, nodes_on, points_of
 from rollbench.meshes.fields import keyed, usual
+from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import build_body
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import SIDE_SIGNS
+from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
+
+#: Left flanks of screw or inner ring, and of nut or outer ring; right ones are these turned.
+INNER, OUTER = 0, 2
+
+#: Land beyond the pitch circle, wall behind the groove at most and solid core of a screw, over the ball's radius, the
+#: ball's radius and the pitch radius.
+LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
+
+#: Where the pieces of grooved bodies are held.
+ENDS = ("low end", "high end")
+
+#: Subdivisions of the sockets' edges; element sizes near and away from the socket over the ball's radius, of grooves and of
+#: balls: level 1 of the static reference (`compare.reference.levels`).
+CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Path of the balls' centres: radius [m] of its cylinder, and rise per angle [m/rad] (0: ring; < 0: left-hand)."""
+
+    radius: float
+    rise: float
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A patch in a piece of its body; ball's centre ``(3,)`` [m] in the patch's frame; rows ``(3, 3)``: along the track,
+    across it towards the bottom of the groove, into the body; boundaries of the patch's cells [m] in their order;
+    places of the contact's nodes in the zone's grid along the first two ``(c, 2)``."""
+
+    patch: PatchMesh
+    piece: Piece
+    centre: Array
+    axes: Array
+    cells: tuple[Array, Array, Array]
+    number: Index
+
+
+def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool) -> tuple[Cut, Cut]:
+    """Groove and ball at one contact.
+
+    ball, groove: radii [m]; angle: from the groove's bottom to the contact [rad]; zone: half lengths along and across the
+    track [m]; outer: whether the groove is the nut's or outer ring's. Raises ValueError where a socket
+    has no room, or a mesh cannot be built.
+    """
+    side = OUTER if outer else INNER
+    m = groove_map(curve, ball, groove, angle)
+    walls = max(curve.radius - WALL * ball, CORE * curve.radius), curve.radius + WALL * ball
+    lands = curve.radius - LAND * ball, curve.radius + LAND * ball
+    nothing = np.zeros(1)
+    alone = BallLayout(nothing, nothing, np.array([[curve.radius, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
+    need = (zone.half[1], zone.half[0])
+    size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
+    size = replace(size, cuts=CUTS)
+    lines, local = _lines(m, size, side, zone)
+    half = max(reach(m, size, (side,))) + BEYOND * ball
+    radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
+    near, away = (ball * share for share in GROOVE_SIZES)
+    body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
+    ball_socket, place = ball_place(m, size, side, local)
+    near, away = (ball * share for share in BALL_SIZES)
+    sphere = build_ball(m, (ball_socket,), near, away, CUTS)
+    grooved = build_patch(lines, local, partial(local_points, m, size, side), body.sockets[side])
+    round_ = build_patch(lines, local, place, sphere.sockets[side])
+    normal, axes = _axes(m, side)
+    x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
+    out = []
+    for patch, piece, centre, inward, depth in (
+        (grooved, Piece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS), np.array([m.R, 0.0, 0.0]), normal, size.depth),
+        (round_, Piece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
+    ):
+        number = _number(patch, axes, centre)
+        out.append(Cut(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
+    return out[0], out[1]
+
+
+def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
+    """The static reference's map of a track whose grooves are all alike."""
+    signs = np.array(SIDE_SIGNS)
+    to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
+    lead_angle = float(np.arctan2(curve.rise, curve.radius))
+    centres = -(groove - ball) * to_contact
+    return GrooveMap(curve.radius, curve.rise, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1)
+
+
+def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Lines, tuple[float, float]]:
+    """Element boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
+    along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
+    width = size.gamma * float(m.radius[side])
+    local = (zone.half[1] / width, zone.half[0] / along)
+    first = min(2.0 * h / n for h, n in zip(zone.half, zone.cells, strict=True)) / size.depth
+    across, forth = (graded(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
+    return Lines(across, growing(0.0, 1.0, first / zone.growth, zone.growth), forth), local
+
+
+def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
+    """Normal from ball to groove; rows along the groove where it is touched, and across it towards its bottom, right-handed
+    with the normal."""
+    radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
+    sx, sz = m.signs[side]
+    normal = sx * np.cos(m.beta) * radial + sz * np.sin(m.beta) * binormal
+    touched = m.R * radial + m.ball * normal
+    along = np.array([-touched[1], touched[0], m.rg])
+    along = (along - (along @ normal) * normal) / np.linalg.norm(along - (along @ normal) * normal)
+    across = np.cross(normal, along)
+    sign = np.sign(sx * (across @ radial))
+    return normal, sign * np.stack([along, across])
+
+
+def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
+    """Places of the contact's nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
+    assert patch.contact_shape is not None  # a grid
+    places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
+    at = (patch.points[patch.contact] - centre) @ axes.T
+    for k in range(2):
+        if (places[:, k] - places[:, k].mean()) @ at[:, k] < 0.0:
+            places[:, k] = places[:, k].max() - places[:, k]
+    return places
+
+
+def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
+    """Displacements ``(n, 3, m)`` [m/N] at points ``(n, 3)`` [m] under a unit force along x on the half space z > 0.
+
+    Johnson, Contact Mechanics (1985), (3.75); sources ``(m, 2)`` [m] lie on z = 0. The displacement is infinite there.
+    """
+    x, y = np.moveaxis(points[:, None, :2] - sources, 2, 0)
+    z = points[:, 2, None]
+    r = np.sqrt(x**2 + y**2 + z**2)
+    k, s = 1.0 - 2.0 * poisson, r * (r + z)
+    parts = [
+        1.0 / r + x**2 / r**3 + k * (1.0 / (r + z) - x**2 / (s * (r + z))),
+        x * y / r**3 - k * x * y / (s * (r + z)),
+        x * z / r**3 + k * x / s,
+    ]
+    return np.stack(parts, axis=1) / (4.0 * np.pi * shear)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a body's mesh has the contact's axes: a point of the normal through the contact's middle ``(3,)`` [m], and rows
+    along x, y and into the body ``(3, 3)``."""
+
+    centre: Array = field(default_factory=lambda: np.zeros(3))
+    axes: Array = field(default_factory=lambda: np.eye(3))
+
+
+def in_frame(body: ContactBody, frame: Frame) -> Array:
+    """Nodes of the contact zone along x and y ``(c, 2)`` [m]."""
+    return np.asarray(((points_of(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
+
+
+def tractions(
+    body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: Frame | None = None
+) -> sp.csr_array:
+    """Loads ``(3 k, 3 n)``: nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
+
+    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area. bends:
+    curvatures [1/m] along x and y of the surface that ball and groove share, positive towards the ball; frame: of the
+    mesh, the contact's own unless given.
+    """
+    frame = frame or Frame()
+    at = in_frame(body, frame)
+    c = len(at)
+    hats = contact_weights(body.mesh, body.contact)
+    root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
+    fit = np.linalg.pinv(root * monomials(at, zone.half, degree)) @ (root * mean_weights(hats).toarray())
+    tilt = -body.sense * at * np.array(bends)  # rise of the surface into the body, per length
+    frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
+    frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0
+    frames[:, :2, 2], frames[:, 2, :2] = tilt, -tilt
+    frames /= np.linalg.norm(frames, axis=2, keepdims=True)
+    k = len(fit)
+    nodal = np.einsum("kc,cdx->dkcx", fit, frames @ frame.axes).reshape(3 * k, 3 * c)
+    columns = (3 * body.contact[:, None] + np.arange(3)).ravel()
+    spread = sp.csr_array((np.ones(3 * c), (np.arange(3 * c), columns)), (3 * c, body.mesh.doflocs.size))
+    return sp.csr_array(sp.csr_array(nodal) @ spread)
+
+
+def free_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Answers ``(m, m)`` [m/N] of a free body, loads and motions freed of what moves it as a whole."""
+    K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
+    relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
+    F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
+    S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
+    return np.asarray(S @ F @ S.T)
+
+
+def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
+    """Answers ``(m, m)`` [m/N] of a body whose freedoms ``held`` stand."""
+    free = np.setdiff1d(np.arange(K.shape[0]), held)
+    return compliance(K[free][:, free], rows.tocsr()[:, free])
+
+
+def held_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Answers ``(m, m)`` [m/N] of a body held at its boundary "held"."""
+    return _held(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
+
+
+def half_space_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut
+    (`hifi.contact.block`)."""
+    K, cut = forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
+    by_cut = sp.csr_array(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
+    F, m = _held(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
+    out = F[:m, :m] + F[:m, m:]
+    return np.asarray(0.5 * (out + out.T))
+
+
+def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Motion ``(3 cut nodes, m)`` [m/N] of the cut under the loads ``rows`` on the zone's nodes."""
+    points = points_of(body.mesh)
+    cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]
+    shear = 0.5 * young / (1.0 + poisson)
+    along = cerruti(cut, sources, shear, poisson)
+    turned = cerruti(cut[:, [1, 0, 2]], sources[:, ::-1], shear, poisson)[:, [1, 0, 2]]
+    down = boussinesq(cut, sources, young, poisson)
+    out = np.zeros((3 * len(cut), rows.shape[0]))
+    for axis, motion in enumerate((along, turned, down)):
+        out += motion.reshape(3 * len(cut), -1) @ rows[:, 3 * body.contact + axis].toarray().T
+    return out
+
+
+def beside(
+    body: ContactBody,
+    zone: Zone,
+    size: float,
+    young: float,
+    poisson: float,
+    degree: int,
+    frame: Frame | None = None,
+    near: tuple[Array, Array, Array] | None = None,
+) -> Array:
+    """Answers ``(3 k, 3 k)`` [m/N] of a half space whose zone has its nodes where the body's are, seen along the normal.
+
+    A zone that is wider by a share e answers a linear traction by 2 e to 3 e less: what its shape does is then in both
+    answers, as far as the half space has it.
+    near: cells as in `hifi.rolling.contact_bodies.half_space`.
+    """
+    block = half_space(size, zone, near)
+    cells = np.array(zone.cells)
+    off = np.zeros((*(2 * cells + 1), 2))
+    off[tuple(body.number.T)] = in_frame(body, frame or Frame()) - np.array(zone.half) * (body.number / cells - 1.0)
+    points = points_of(block.mesh).copy()
+    points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
+    block = replace(block, mesh=moved(block.mesh, points))
+    return half_space_answer(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
 @keyed
@@ -45,9 +319,12 @@ class Sizes:
 
 
 P = ParamSpec("P")
+
 T = TypeVar("T")
+
 #: What bodies answered, by function and arguments, made here or by other processes; most that are kept.
 _KEPT: dict[tuple[object, ...], Any] = {}
+
 MOST = 32
 
 

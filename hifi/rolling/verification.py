@@ -10,20 +10,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rollbench.hifi.bodies.coarse import fine_compliance
 from rollbench.hifi.bodies.grid_wave import approaches
-from rollbench.hifi.bodies.submodel import fine_compliance
 from rollbench.hifi.contact.block import read_ellipse
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.hifi.rolling.answers import half_space_answer, tractions
+from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.rolling.balls import RollingResult, quadrature
-from rollbench.hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
+from rollbench.hifi.rolling.bodies import (
+    Curve,
+    Place,
+    Sizes,
+    ball_kernel,
+    contact_kernel,
+    cuts_of,
+    half_space_answer,
+    of_groove,
+    tractions,
+)
 from rollbench.hifi.rolling.contact_bodies import Zone, half_space
 from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, motion_rows
-from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, influence, press, seen_radii
-from rollbench.hifi.rolling.regular import Regular
-from rollbench.hifi.rolling.static_patches import Curve, cuts_of
+from rollbench.hifi.rolling.patch import Patch, Regular, grid, hertz_patch, influence, press, seen_radii
 from rollbench.meshes.arrays import Array
 
 #: Length over half width of the strip that stands for a cylinder.
@@ -277,7 +284,7 @@ def rubbing(
 def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
     """Mean displacements ``(3,)`` [m/N] over a zone of a half space by uniform tractions on it along x, y and inward.
 
-    By a block of ``size`` [m] as kernels have it beside a body (`hifi.rolling.answers.half_space_answer`), and in closed
+    By a block of ``size`` [m] as kernels have it beside a body (`hifi.rolling.bodies.half_space_answer`), and in closed
     form.
     """
     block = half_space(size, zone)

@@ -1,4 +1,7 @@
-"""The shaft beyond the 3D stretch: a Timoshenko beam of given section stiffnesses, independent of the low-order model's."""
+"""The shaft beyond the 3D stretch: a Timoshenko beam of given section stiffnesses, independent of the low-order model's.
+
+What holds and loads a shaft and the housings of its nuts.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ import numpy as np
 
 from rollbench.hifi.elements.rigid import transport
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Material
+from rollbench.meshes.axis import Assembly, Housing, Joint
+from rollbench.meshes.parts import FREEDOMS, Load, Material, Scene, Support
 
 
 @dataclass(frozen=True)
@@ -52,3 +56,67 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
     """Stiffness ``(12, 12)`` of a uniform shaft along z from the flexibility of its cantilever (equilibrium transport)."""
     end, T = np.linalg.inv(uniform_cantilever(length, section.per_length)), transport(length)
     return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Supports of a shaft and loads on it, the housings that can move, the springs between housings; arm [m]: makes lengths
+    of rotations."""
+
+    supports: tuple[Support, ...]
+    loads: tuple[Load, ...]
+    arm: float
+    housings: tuple[Housing, ...] = ()
+    joints: tuple[Joint, ...] = ()
+
+    @staticmethod
+    def of(described: Scene | Assembly) -> Frame:
+        """That of one set whose nut is held, or of several sets."""
+        if isinstance(described, Scene):
+            return Frame(described.supports, described.loads, described.track.pitch_radius)
+        arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))
+        moving = tuple(h for h in described.housings if not h.stands)
+        return Frame(described.supports, described.loads, arm, moving, described.joints)
+
+    def number(self, housing: str | None) -> int | None:
+        """Number of a housing by its name; None for one that stands, and for none."""
+        return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
+
+    @property
+    def stations(self) -> set[float]:
+        """Stations [m] of supports and loads."""
+        return {x.at for x in self.supports} | {x.at for x in self.loads}
+
+    def holds(self) -> list[tuple[int, float, int, float]]:
+        """Freedoms that are held: body (0: the shaft, then the housings), station [m], number of the freedom, value."""
+        bodies = [(0, x.at, x.fixed) for x in self.supports]
+        bodies += [(k, housing.at, housing.fixed) for k, housing in enumerate(self.housings, 1)]
+        return [(body, at, FREEDOMS.index(name), value) for body, at, fixed in bodies for name, value in fixed]
+
+    def wrenches(self) -> list[tuple[int, float, Array]]:
+        """Loads: body as of `holds`, station [m], force and moment ``(6,)`` [N, N m]."""
+        bodies = [(0, x) for x in self.loads] + [*enumerate(self.housings, 1)]
+        return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
+
+    @property
+    def lengths(self) -> Array:
+        """What makes lengths of the six motions of a body, ``(6,)``: 1, and the arm."""
+        return np.array([1.0] * 3 + [self.arm] * 3)
+
+    def springs(self) -> list[tuple[Array, Array]]:
+        """Rows ``(6, 6 h)`` by which the housings move the ends of each spring apart, and its stiffness ``(6, 6)``."""
+        out = []
+        for k, housing in enumerate(self.housings):
+            if housing.stiffness is not None:
+                rows = np.zeros((6, 6 * len(self.housings)))
+                rows[:, 6 * k : 6 * k + 6] = np.eye(6)
+                out.append((rows, np.array(housing.stiffness)))
+        for joint in self.joints:
+            rows = np.zeros((6, 6 * len(self.housings)))
+            for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
+                moving = self.number(name)
+                if moving is not None:
+                    columns = slice(6 * moving, 6 * moving + 6)
+                    rows[:, columns] = sign * transport(joint.at - self.housings[moving].at)
+            out.append((rows, np.array(joint.stiffness)))
+        return out

@@ -10,7 +10,7 @@ and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small 
 stretches add their L F_pp^-1 L^T; a nut on a housing has that for base, and no port.
 
 The stretch ends in flat rigid sections. Where a beam goes on, the real shaft does not end, and what such a cut does
-(`hifi.shaft.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end
+(`hifi.shaft.section`) is taken off: at the base, in series with all that hangs there, by B A B^T; at the upper end
 from the flexibility of that port.
 """
 
@@ -25,9 +25,8 @@ import numpy as np
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.shaft.beam import ShaftSection, beam_stiffness
-from rollbench.hifi.shaft.cut import at_high, at_low
-from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.beam import Frame, ShaftSection, beam_stiffness
+from rollbench.hifi.shaft.section import at_high, at_low
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Scene
@@ -99,8 +98,8 @@ class Mounted:
 def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
     """The stretch as a piece of a shaft that goes on, free of what its cut ends do.
 
-    cut: flexibility ``(6, 6)`` of one (`hifi.shaft.cut`); stations [m]: of supports and loads. An end beyond which there is
-    none is unchanged: it is the screw's own, free, or held flat as the scene says.
+    cut: flexibility ``(6, 6)`` of one (`hifi.shaft.section`); stations [m]: of supports and loads. An end beyond which
+    there is none is unchanged: it is the screw's own, free, or held flat as the scene says.
     """
     low, high = stretch.ends
     F = stretch.F.copy()

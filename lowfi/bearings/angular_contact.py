@@ -25,7 +25,7 @@ from rollbench.lowfi.hertz import (
     hertz_constants,
 )
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.numerics import brentq
 
 #: Conformities among which one is looked for.
 CONFORMITIES = (0.503, 0.65)

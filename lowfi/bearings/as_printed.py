@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.numerics import brentq
 
 #: Constant of 2.8 in N/mm^2 as the sheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
 LOAD_CONSTANT = 2.15e5

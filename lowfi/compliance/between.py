@@ -12,8 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face, turned
-from rollbench.lowfi.compliance.flank import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
 from rollbench.lowfi.compliance.parts import (
     BOTH,
@@ -196,7 +196,7 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float]:
-    """The fields of `lowfi.compliance.ends.EndResponse` of a screw that is held by its section."""
+    """The fields of `lowfi.compliance.bodies.EndResponse` of a screw that is held by its section."""
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)

@@ -3,6 +3,20 @@
 Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
 revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already holds.
 What only the geometry decides is kept; what computes it (`lowfi.compliance.between`) is imported where it is not known yet.
+
+A stretch of shaft between a beam's two ends: what its contacts and its high end do to one another beyond the beam.
+
+By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
+(`lowfi.compliance.tube`), held by the mean motions of its low end, answers contact forces with the high end free; loaded
+there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear force. By
+reciprocity a contact that presses inward moves the high end away.
+
+Compliance between contacts from a condensed 3D model, read from a file.
+
+The file knows motions along the nominal normals; the low-order bodies keep what lies across them. The screw's beam beyond
+the nut, its supports and loads stay those of the low-order model.
+
+Modes of negative compliance, which no body has.
 """
 
 from __future__ import annotations
@@ -10,12 +24,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
-from rollbench.lowfi.compliance.flank import at_size, size_slope
+from rollbench.lowfi.compliance.between import contact_frames
+from rollbench.lowfi.compliance.beyond_hertz import at_size, own_compliance, own_slope, size_slope, sphere_compliance
 from rollbench.lowfi.compliance.parts import (
     BOTH,
+    REFINED,
     Backend,
     flank_of,
     geometry_only,
@@ -26,12 +43,13 @@ from rollbench.lowfi.compliance.parts import (
     section_of,
     with_balls,
 )
-from rollbench.lowfi.compliance.sphere import own_compliance, own_slope, sphere_compliance
+from rollbench.lowfi.compliance.tube import clamped, motion_rows
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.kept import kept
 from rollbench.meshes.one_arc import NEAR, is_one_arc
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.solid import dimensions
 
 
@@ -167,8 +185,42 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
     return BallCompliance(alone, own_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across)))
 
 
+@dataclass(frozen=True)
+class EndResponse:
+    """Beyond the smooth body as a beam, by a wrench (forces [N], moments [N m]) on its high end at station high [m]:
+    contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes each); end
+    ``(6, 6)``, motions of that end."""
+
+    contacts: Array
+    end: Array
+    high: float
+
+
+def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
+    """Of the screw of a scene; None where its body is no stretch of a shaft: rigid, only a beam, or a ring on its bore.
+
+    Kept for all load cases of the same parts and balls: not to be written to.
+    """
+    if backend.screw != "kernel" or held_at(geometry_only(scene), True) != "section":
+        return None
+    parts, azimuths = with_balls(scene)
+    if np.array_equal(layout.azimuth, azimuths):
+        return _known(parts, backend)
+    from rollbench.lowfi.compliance.between import motions_by_end
+
+    return EndResponse(*motions_by_end(parts, layout, backend))
+
+
+@lru_cache(maxsize=8)
+@kept(EndResponse)
+def _known(scene: Scene, backend: Backend) -> EndResponse:
+    from rollbench.lowfi.compliance.between import motions_by_end
+
+    return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
+
+
 def forget() -> None:
-    """Clear the per-geometry caches, so that the next solve is timed with its set-up."""
+    """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
     from rollbench.lowfi.compliance.between import kept_near_face, of_sections, of_tube, smooth_compliance, whole_ring
 
     for memory in (
@@ -185,5 +237,166 @@ def forget() -> None:
         _own_flank,
         kept_near_face,
         _whole_body,
+        _known,
     ):
         memory.cache_clear()
+
+
+#: Bodies that a file holds, besides the balls.
+PARTS = ("screw", "nut")
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """Bodies of a condensed 3D model for one geometry; parts: those that are taken from it, with the laws of the contacts
+    on their grooves and the ball's share of these."""
+
+    bodies: CondensedBodies
+    parts: tuple[str, ...] = PARTS
+
+    @staticmethod
+    def read(path: Path, scene: Scene) -> Condensed:
+        """Read a file for a scene. Raises ValueError for a damaged one or one of other parts, OSError."""
+        bodies = load_condensed(path)
+        if bodies.geometry != geometry_digest(scene):
+            raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
+        return Condensed(bodies)
+
+    @property
+    def whole(self) -> bool:
+        """Whether both bodies are those of the file."""
+        return self.parts == PARTS
+
+    def sides_of(self, sides: list[int]) -> list[int]:
+        """Those of some sides whose contacts follow the file."""
+        return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
+
+    def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
+        """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
+        ball after ball, supports and beam included.
+
+        What the file does not know, across the normals and on other sides, follows what all contacts move along theirs
+        as in the low-order body, so that the result stays positive semidefinite: with A, B, D the blocks along, between
+        and across, A' for A gives B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
+        """
+        N, screw = layout.z.size, sides[0] < 2
+        geometry = geometry_only(scene)
+        if held_at(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
+            return total
+        x, axes = contact_frames(scene, layout, screw)
+        held = whole_body(scene, layout, screw, backend)
+        if screw and held_at(geometry, True) == "section":
+            section = grooved_section(geometry, True)
+            held = held + clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section)
+        known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
+        file_G = self.bodies.screw if screw else self.bodies.nut
+        if file_G.shape != (N * len(known),) * 2:
+            raise ValueError("the file of condensed bodies has another number of contacts")
+        rows = normal_rows(scene, N, known)
+        change = file_G - rows @ held @ rows.T
+        common = [s for s in sides if s in known]
+        if not common:
+            return total
+        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in common], axis=1).ravel()
+        along, across = directions(scene, N, sides, common)
+        A, B = along @ total @ along.T, along @ total @ across.T
+        follow = np.linalg.solve(A, B)
+        spread = along + follow @ across
+        return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
+
+    def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
+        """The ball from the file: what opposite contacts do to themselves and each other, and across."""
+        D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
+        closed = ball_compliance(scene, semi_axes, REFINED)
+        pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
+        alone = float(np.mean([0.5 * (D[a, a] + D[b, b]) + D[a, b] for a, b in pairs]))
+        across = closed.sign * closed.g**2
+        if len(pairs) == 2:
+            (a, b), (c, d) = pairs
+            across = 0.25 * float(D[a, c] + D[a, d] + D[b, c] + D[b, d])
+        return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
+
+    def describe(self) -> str:
+        """Words for the record."""
+        names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
+        level = self.bodies.level
+        bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
+        return f"{bodies} from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
+
+
+def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
+    """Motion along the nominal normals, ball after ball and side after side, from arrays that go side after side."""
+    beta = scene.track.contact_angle
+    out = np.zeros((N * len(sides), 4 * N))
+    for k, s in enumerate(sides):
+        direction = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
+        for i in range(N):
+            first = 2 * ((s % 2) * N + i)
+            out[i * len(sides) + k, first : first + 2] = direction
+    return out
+
+
+def directions(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
+    """Rows along the nominal normals of the ``known`` sides, and everything across them, on arrays that go ball after ball
+    and side after side, ``(N known, 2 N sides)`` and the rest."""
+    beta = scene.track.contact_angle
+    along: list[Array] = []
+    across: list[Array] = []
+    for i in range(N):
+        for k, s in enumerate(sides):
+            first = 2 * (i * len(sides) + k)
+            normal = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
+            for direction, rows in ((normal, along if s in known else across), (np.array([-normal[1], normal[0]]), across)):
+                row = np.zeros(2 * N * len(sides))
+                row[first : first + 2] = direction
+                rows.append(row)
+    return np.array(along), np.array(across)
+
+
+#: Largest compliance whose modes are all found at once, in time that grows as its cube; of a larger one only those wanted.
+WHOLE = 1000
+
+#: Of a larger one: vectors that a search for negative modes begins with, how often the inverse of what is positive by a
+#: shift is applied to them, and that shift over the mean on the diagonal.
+FEW, INVERSES, SHIFT = 16, 20, 3e-5
+
+
+def negative_part(G: Array) -> tuple[Array, float]:
+    """The part ``(n, n)`` of a symmetric G in modes of negative eigenvalues, and the least eigenvalue."""
+    values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest(G)
+    below = values < 0.0
+    return (vectors[:, below] * values[below]) @ vectors[:, below].T, float(values[0])
+
+
+def _smallest(G: Array) -> tuple[Array, Array]:
+    """Eigenvalues of G, of which those below zero are found, and vectors."""
+    from scipy.linalg import cho_factor, cho_solve
+
+    diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
+    while True:
+        shifted = G.copy()
+        shifted[diagonal, diagonal] += shift
+        try:
+            factor = cho_factor(shifted, lower=True, overwrite_a=True)  # raises ValueError where G is not finite
+            break
+        except np.linalg.LinAlgError:
+            shift *= 3.0
+    while count * INVERSES < len(G):
+        values, vectors = _ritz(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count)
+        if 2 * (values < 0.0).sum() < count:
+            return values, vectors
+        count *= 2
+    return np.linalg.eigh(G)
+
+
+def _ritz(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
+    """Eigenvalues and vectors of G within what an operator makes of some vectors when it is applied to them ``INVERSES``
+    times (a block Krylov space): those at the far end of the operator's spectrum are those of G."""
+    basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
+    for _ in range(INVERSES - 1):
+        applied = apply(basis[:, -count:])
+        for _ in range(2):  # once leaves round-off of what is taken away
+            applied -= basis @ (basis.T @ applied)
+        basis = np.hstack([basis, np.linalg.qr(applied)[0]])
+    values, turn = np.linalg.eigh(basis.T @ (G @ basis))
+    return values, basis @ turn

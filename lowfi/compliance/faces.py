@@ -25,8 +25,7 @@ from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 from scipy.special import k0e
 
-from rollbench.lowfi.compliance.cell import groove_line
-from rollbench.lowfi.compliance.flank import NARROW, Flank, half_space
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
 from rollbench.lowfi.compliance.groove import (
     every_harmonic,
@@ -37,7 +36,7 @@ from rollbench.lowfi.compliance.groove import (
     patch_shares,
     spline,
 )
-from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
+from rollbench.lowfi.compliance.tube import Tube, clamped, groove_line, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection

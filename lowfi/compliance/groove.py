@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.compliance.cell import groove_line
-from rollbench.lowfi.compliance.flank import NARROW, Flank
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
+from rollbench.lowfi.compliance.tube import groove_line
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
 
 #: Least share of a cylinder that counts as solid.

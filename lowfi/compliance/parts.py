@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from rollbench.lowfi.compliance.flank import Flank
+from rollbench.lowfi.compliance.beyond_hertz import Flank
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -156,8 +156,8 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
 @kept(BeamSection)
 def section_of(flank: Flank) -> BeamSection:
     """The same by the body's groove, kept for scenes whose other body differs."""
-    from rollbench.lowfi.compliance.cell import cell_section
     from rollbench.lowfi.compliance.groove import smooth_radius
+    from rollbench.lowfi.compliance.tube import cell_section
 
     if flank.map.rg == 0.0:
         return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)

@@ -1,12 +1,36 @@
-"""The worst contact of a load distribution by Hertz, its static safety, and where an ellipse leaves its groove."""
+"""The worst contact of a load distribution by Hertz, its static safety, and where an ellipse leaves its groove.
+
+The worst line contact of a row of tapered rollers, and its static safety.
+
+Basic static load ratings C0 of rings (ISO 76) and ball screws (ISO 3408-5), by the most heavily loaded contact.
+
+A contact's own rating Q_0 is the lesser of its two raceways'. Rings, as ISO 76 has it for all but self-aligning ball
+bearings: the force of a pole pressure of 4,200 MPa by Hertz, whose lasting dent in ball and raceway together is about 1e-4
+of the ball's diameter D. Screws, as ISO 3408-5 has it: the force of that dent itself by Palmgren's formula, lengths in mm,
+
+    1.3e-7 Q^2/D (1/D across)(1/D along) = 1e-4 D,  so  Q_0 = 27.74 D/sqrt(across along),                             (1)
+
+across and along the relative curvatures [1/mm] of ball and groove. Of Z balls, all loads along the axis even, or radial
+ones on half a circle without clearance (Stribeck's 5):
+
+    C_0a = Z Q_0 sin(alpha) cos(phi)  (screws; rings above 45 deg),   C_0r = Z Q_0 cos(alpha)/5  (rings up to 45 deg).  (2)
+
+Range: parts of hardened bearing steel; ISO 76's tables take E = 207 GPa and nu = 0.3, this the materials of the scene.
+"""
 
 from __future__ import annotations
 
+from math import cos
+
 import numpy as np
 
-from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, own_hertz
-from rollbench.lowfi.statics.validity import DENT_PRESSURE, groove_range
+from rollbench.lowfi.rating.life import is_thrust, rating, standard_of
+from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.lowfi.rollers import middles, roller_contacts, slice_contacts, tapered
+from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, nominal_hertz, own_hertz
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
@@ -14,6 +38,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Permanent indentation over the ball's diameter that the static rating of ball contacts allows (ISO 76).
 ALLOWED = 1e-4
+
 #: Constant of Palmgren's permanent deformation [m^3/N^2]: 1.3e-7 in mm and N.
 PALMGREN = 1.3e-19
 
@@ -172,3 +197,116 @@ def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Trun
         float(margin[i, s]),
         int((margin < 0.0).sum()),
     )
+
+
+#: Raceways of a roller, inner (cone) and outer (cup).
+RACES = ("inner", "outer")
+
+
+@record
+class RollerContact:
+    """Line contact of the highest pressure.
+
+    roller from 1; race: of `RACES`; force: the roller's load on either race [N]; place [m]: along the roller from its
+    middle, outwards, where line_load [N/m], half_width b [m] and pressure [Pa] are; other: the greatest pressure on the
+    other race of that roller [Pa]; middle: at the middle of the roller under its load evenly spread [Pa].
+    """
+
+    roller: int = quantity("roller", "roller of the highest pressure")
+    race: str = quantity("race", "its race: inner or outer")
+    force: float = quantity("force_N")
+    place: float = quantity("place_mm", "that place, from the roller's middle, positive to its large end")
+    line_load: float = quantity(
+        "line_load_N_mm",
+        "load per length q where the pressure is highest",
+        error="without what the ends of straight rollers add",
+    )
+    half_width: float = quantity(
+        "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
+    )
+    pressure: float = quantity("pressure_MPa", heading="peak pressure", form=".0f")
+    other: float = quantity(
+        "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
+    )
+    middle: float = quantity(
+        "middle_pressure_MPa",
+        "pressure at the roller's middle diameter if its load were spread evenly along it",
+        error="half that of the load",
+    )
+
+
+def race_pressures(row: RollerRow, line_loads: Array) -> Array:
+    """Greatest pressures ``(count, 2)`` [Pa] along every roller at inner and outer race; line_loads ``(count, slices)``
+    [N/m]."""
+    return np.asarray(slice_contacts(tapered(row), line_loads)[1].max(axis=1))
+
+
+def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
+    """The place of the highest pressure of a row, None without load; line_loads ``(count, slices)`` [N/m].
+
+    Equations and range: `lowfi.rollers.slice_contacts`. Under an even line load the place is the small end,
+    where the curvatures are greatest.
+    """
+    bearing = tapered(row)
+    half_width, pressure = slice_contacts(bearing, line_loads)
+    if not (pressure > 0.0).any():
+        return None
+    i, k, race = (int(x) for x in np.unravel_index(int(pressure.argmax()), pressure.shape))
+    force = float(line_loads[i].mean()) * row.length
+    return RollerContact(
+        roller=i + 1,
+        race=RACES[race],
+        force=force,
+        place=float(middles(row.length, row.slices)[k]),
+        line_load=float(line_loads[i, k]),
+        half_width=float(half_width[i, k, race]),
+        pressure=float(pressure[i, k, race]),
+        other=float(pressure[i, :, 1 - race].max()),
+        middle=float(roller_contacts(bearing, force).pressures[race]),
+    )
+
+
+def roller_safety(worst: RollerContact) -> StaticSafety:
+    """Static safety of a line contact of hardened bearing steel: ISO 76 rates those of roller bearings at the load of 4000
+    MPa, and pressure grows with the root of the load."""
+    return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
+
+
+#: Largest contact force over the mean radial share of a ball, radial load and no clearance (Stribeck; ISO 76).
+STRIBECK = 5.0
+
+
+def contact_rating(scene: Scene) -> float:
+    """Force Q_0 [N] that a contact of the scene is rated at, of one pair of opposite raceways."""
+    if scene.track.lead > 0.0:
+        dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
+        diameter = 2.0 * scene.balls.radius
+        return float(diameter * np.sqrt(ALLOWED / (PALMGREN * dent.max())))
+    of_one_newton = nominal_hertz(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
+    return float((DENT_PRESSURE / of_one_newton.max()) ** 3)
+
+
+def static_rating(scene: Scene) -> float:
+    """Basic static load rating C_0 [N] by (2): axial for a screw and a thrust bearing, radial for a ring up to 45 deg."""
+    ratings = scene.ball_count * contact_rating(scene)
+    if is_thrust(scene) or scene.track.lead > 0.0:
+        return ratings * slope_of(scene)
+    return ratings * cos(scene.track.contact_angle) / STRIBECK
+
+
+@record
+class Ratings:
+    """Basic load ratings as computed [N]: dynamic C, static C_0; axial or radial; whose formulas."""
+
+    dynamic: float = quantity("dynamic_N", "basic dynamic load rating C")
+    static: float = quantity("static_N", "basic static load rating C0")
+    axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
+    dynamic_standard: str = quantity("dynamic_standard", "whose formulas")
+    static_standard: str = quantity("static_standard", "whose formulas")
+
+
+def ratings(scene: Scene) -> Ratings:
+    """Both ratings of a scene. Raises ValueError as `lowfi.rating.life.contact_capacity`."""
+    axial = is_thrust(scene) or scene.track.lead > 0.0
+    static_standard = "ISO 3408-5" if scene.track.lead > 0.0 else "ISO 76"
+    return Ratings(rating(scene), static_rating(scene), axial, standard_of(scene), static_standard)

@@ -39,9 +39,9 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
-from rollbench.meshes.roots import brentq
 
 #: Share of the sum of contact loads below which an axial force is round-off: what searches leave of the balance.
 ROUND_OFF = 1e-9

@@ -39,7 +39,7 @@ from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import BeamSection
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.bodies import Condensed
 
 
 #: Formulation of a solution with elastic bodies.

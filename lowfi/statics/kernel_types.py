@@ -185,7 +185,7 @@ class AxisRollers(NamedTuple):
     row: Array
     #: Approach (M, 2, 6) by the motions of those rows.
     B: Array
-    #: Lost approach (M,) [m], width (M,) [m], g (M,) and S (M,) of `lowfi.rollers.line_contact.LineLaw` [m^2/N].
+    #: Lost approach (M,) [m], width (M,) [m], g (M,) and S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     drop: Array
     width: Array
     g: Array
@@ -235,7 +235,7 @@ class RollerContacts(NamedTuple):
     place: Array
     width: Array
     drop: Array
-    #: g (M,) and S (M,) of `lowfi.rollers.line_contact.LineLaw` [m^2/N].
+    #: g (M,) and S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     g: Array
     s: Array
 

@@ -21,9 +21,8 @@ from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResu
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
-from rollbench.meshes.partition import merge
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import screw_section, tube_section
+from rollbench.meshes.section import merge, screw_section, tube_section
 
 #: Statements that hold for every run of this model.
 #: Newton steps after which the axial model is given up.

@@ -13,9 +13,8 @@ from rollbench.lowfi.statics.shape import motion_matrices, principal, rigid_tran
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, Specimens
 from rollbench.meshes.helix import BallLayout, groove_radii, nominal_contact_points, nominal_groove_centres
-from rollbench.meshes.partition import MERGE, beam_nodes, contact_stations
 from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene
-from rollbench.meshes.section import BeamSection, screw_section
+from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_stations, screw_section
 
 #: Signs of the contact directions, shape (4, 2).
 SIGNS = np.array(SIDE_SIGNS)

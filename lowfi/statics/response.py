@@ -14,9 +14,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
-from rollbench.lowfi.compliance.ends import forget as forget_bodies
-from rollbench.lowfi.compliance.modes import negative_part
+from rollbench.lowfi.compliance.bodies import (
+    BallCompliance,
+    WholeBody,
+    ball_compliance,
+    body_compliance,
+    negative_part,
+    whole_body,
+)
+from rollbench.lowfi.compliance.bodies import forget as forget_bodies
 from rollbench.lowfi.compliance.parts import Backend, with_balls
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.contacts import nominal_hertz, oblique_term
@@ -35,7 +41,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.bodies import Condensed
 
 
 #: Largest number of balls whose responses are kept.

@@ -16,8 +16,8 @@ from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.one_arc import is_one_arc, sides_of_arc
-from rollbench.meshes.partition import MERGE, contact_stations
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.section import MERGE, contact_stations
 
 
 def all_sides(scene: Scene) -> Mask:

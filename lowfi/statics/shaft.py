@@ -29,7 +29,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.compliance.bodies import end_response
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.kernel.beam import add_element, element_constants, force_of
 from rollbench.lowfi.statics.kernel.matrices import factor_band, inverse_blocks, substitute_blocks
@@ -37,8 +37,8 @@ from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shape import pivots, principal, rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.partition import MERGE, contact_stations
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import MERGE, contact_stations
 
 #: Right-hand sides solved at a time.
 CHUNK = 512

@@ -31,7 +31,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene, Support
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.bodies import Condensed
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.near import close_pairs
+from rollbench.meshes.numerics import close_pairs
 from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.section import groove_section, nut_groove_range

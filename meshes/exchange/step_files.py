@@ -19,9 +19,9 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
-from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
+from rollbench.meshes.shell import session
 from rollbench.meshes.solid import dimensions
 
 #: Sections of a loft to a turn of the helix.

@@ -18,12 +18,11 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, sphere
-from rollbench.meshes.fem import Meshed, nodes_on
+from rollbench.meshes.fem import Meshed, Quality, mended, nodes_on
 from rollbench.meshes.groove import BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import FLANK, Surface
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.quality import Quality, mended
 from rollbench.meshes.shell import BEND, POOREST, WALL, Curve, Placing, Shell, Side, best_of, fill
 from rollbench.meshes.sockets import SocketSize, socket_points
 

@@ -21,11 +21,11 @@ from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.sample import solve_sample
 from rollbench.hifi.rolling.balls import Choices, solve_rolling, unit_patch
-from rollbench.lowfi.as_source.static import solve_source
-from rollbench.lowfi.friction.screw.pair import solve_pair
-from rollbench.lowfi.friction.whole.settings import ONE_TURN
+from rollbench.lowfi.as_source import solve_source
+from rollbench.lowfi.friction.screw.run import solve_pair
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.lowfi.random_errors.ensemble import solve_ensemble
+from rollbench.lowfi.friction.whole.torque import ONE_TURN
+from rollbench.lowfi.random_errors.chain import solve_ensemble
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import forget_nominal
 from rollbench.lowfi.statics.response import forget

@@ -23,7 +23,7 @@ from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.threads import one_thread
+from rollbench.meshes.processes import one_thread
 
 #: The force formulation with what the source's model takes for elastic: the shaft as a beam.
 BEAM = LADDER["lin"]

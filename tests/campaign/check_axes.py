@@ -15,15 +15,14 @@ import numpy as np
 from scipy.optimize import linprog
 from tests.campaign import check
 
-from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
+from rollbench.lowfi.rollers import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.meshes.section import screw_section, tube_section
+from rollbench.meshes.section import contact_stations, screw_section, tube_section
 
 #: Sides that a set has, by its thrust.
 SIDES_OF = {"both": (0, 1, 2, 3), "+z": (0, 3), "-z": (1, 2), "deep groove": (0, 3)}

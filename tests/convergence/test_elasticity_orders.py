@@ -6,9 +6,8 @@ from skfem import Functional, condense
 from skfem.helpers import ddot, sym_grad
 from tests.fe_meshes import boundary_faces, cube, force, space
 
-from rollbench.hifi.elements.assembly import assemble
-from rollbench.hifi.elements.forms import elasticity, hooke
-from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.hifi.elements.forms import assemble, elasticity, hooke
+from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.fem import freedoms_on, mesh_of, points_of
 
 E, NU = 2.5, 0.25  # lambda = mu = 1

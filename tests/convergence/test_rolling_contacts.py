@@ -9,7 +9,7 @@ from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.bodies import ball_kernel
 from rollbench.hifi.rolling.contact_bodies import Zone
 from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch
-from rollbench.lowfi.friction.contact.ellipse import contacts, friction
+from rollbench.lowfi.friction.contact.laws import contacts, friction
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)

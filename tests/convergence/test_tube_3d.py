@@ -9,9 +9,8 @@ from skfem import ElementVector
 from tests.fe_meshes import force
 from tests.helpers import relative
 
-from rollbench.hifi.elements.assembly import assemble, faces
-from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.linear_algebra.solvers import compliance
+from rollbench.hifi.elements.forms import assemble, elasticity, faces
+from rollbench.hifi.linear_algebra import compliance
 from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
 from rollbench.meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from rollbench.meshes.parts import Material

@@ -16,7 +16,7 @@ from tests.two_balls import SMALL, two_balls
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import cases, runs
 from rollbench.hifi import setup
-from rollbench.hifi.bodies import submodel
+from rollbench.hifi.bodies import coarse
 from rollbench.hifi.reference import solve_reference
 from rollbench.meshes.cache import Cache
 
@@ -40,7 +40,7 @@ BY_PROCESSOR = 1e-3
 def set_up():
     """Bodies, patches and shaft of two balls in a short nut, and its contact loads."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(submodel, "REALISATIONS", 1)
+        patch.setattr(coarse, "REALISATIONS", 1)
         body = setup.prepare(two_balls(), (0, 3), SMALL, cache=Cache(None))
     return means({"setup": body, "solved": solve_reference(body, body.scene)}, LEFT_OUT.search)
 

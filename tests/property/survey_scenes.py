@@ -7,7 +7,7 @@ import numpy as np
 
 from rollbench.compare.models.study import with_groove
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.expected import hertz_units
+from rollbench.hifi.meshing.settings import hertz_units
 from rollbench.meshes.parts import Load, Scene, Support
 
 CASE = catalogue.scene("lin-case1")

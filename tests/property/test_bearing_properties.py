@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
+from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
 from rollbench.lowfi.bearings.combined_load import combined
-from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
-from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing
+from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
 
 SEEDS = range(12)
 
@@ -36,7 +36,7 @@ def taper(rng: np.random.Generator, scale: float = 1.0) -> TaperedBearing:
 def any_set(seed: int, scale: float = 1.0) -> tuple[BearingSet, float]:
     """Two to five rows, balls or rollers, facing both ways, and a load of the size of their preload."""
     rng = np.random.default_rng(seed)
-    make = (lambda: BallRow(ball(rng, scale))) if seed % 2 else (lambda: RollerRow(taper(rng, scale)))
+    make = (lambda: BallRow(ball(rng, scale))) if seed % 2 else (lambda: TaperedRow(taper(rng, scale)))
     rows = [make() for _ in range(int(rng.integers(2, 6)))]
     directions = [1, -1, *(int(s) for s in rng.choice([1, -1], len(rows) - 2))]
     load = scale**2 * 10.0 ** rng.uniform(1.0, 4.0)

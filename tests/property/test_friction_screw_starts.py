@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import plain, table_3_6
-from rollbench.lowfi.friction.screw.coupled import Guess
-from rollbench.lowfi.friction.screw.pair import Pair, PairResult, solve_pair
+from rollbench.lowfi.friction.screw.chain import Guess
+from rollbench.lowfi.friction.screw.run import Pair, PairResult, solve_pair
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
 STATES = [*product((1.0, 50.0), (1.7e-6, 0.0)), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6), (2000.0, -1e-5)]

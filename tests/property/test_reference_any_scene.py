@@ -16,18 +16,16 @@ from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.levels import BALL
 from rollbench.compare.reference.tasks import Task, needed_sides, settings_of
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.bodies import submodel
-from rollbench.hifi.meshing.expected import expected_contacts
-from rollbench.hifi.meshing.fit import ball_place, patch_lines, socket_size
-from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
-from rollbench.hifi.meshing.settings import Settings, rounded
+from rollbench.hifi.bodies import coarse
+from rollbench.hifi.meshing.part_meshes import ball_place, mesh_parts, patch_lines, patch_mesh, patch_normals, socket_size
+from rollbench.hifi.meshing.settings import Settings, expected_contacts, rounded
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
+from rollbench.meshes.fem import measure
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
-from rollbench.meshes.quality import measure
 from rollbench.meshes.sockets import local_points
 from rollbench.meshes.solid import dimensions
 
@@ -87,7 +85,7 @@ def cache(tmp_path_factory):
 @pytest.mark.parametrize("name", NAMES)
 def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache, monkeypatch):
     """Cells are as coarse as that allows; one mesh of each submodel will do."""
-    monkeypatch.setattr(submodel, "REALISATIONS", 1)
+    monkeypatch.setattr(coarse, "REALISATIONS", 1)
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
     contacts = expected_contacts(scene)

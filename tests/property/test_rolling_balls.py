@@ -9,7 +9,7 @@ from tests.rolling_scenes import linear_pair, screw_pair
 from rollbench.hifi.rolling.balls import Choices, solve_rigid_rolling, solve_rolling, without_meetings
 from rollbench.hifi.rolling.kinematics import Track, meeting
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.pair import solve_pair
+from rollbench.lowfi.friction.linear.chain import solve_pair
 
 COARSE = Choices(shape=(10, 12))
 SCENES = {"linear": linear_pair(), "screw": screw_pair()}

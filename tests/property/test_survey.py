@@ -15,8 +15,8 @@ from rollbench.compare.studies.survey import run
 from rollbench.compare.studies.survey.draw import SCENES, SEED, scene_text
 from rollbench.compare.studies.survey.record import described, surveyed
 from rollbench.compare.studies.sweep import store
-from rollbench.hifi.meshing.expected import expected_contacts
-from rollbench.hifi.meshing.fit import socket_size
+from rollbench.hifi.meshing.part_meshes import socket_size
+from rollbench.hifi.meshing.settings import expected_contacts
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.solid import dimensions

@@ -12,18 +12,16 @@ import numpy as np
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
 from rollbench.compare.cases.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
-from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
-from rollbench.lowfi.friction.bearing.pairs import solve_bearing
-from rollbench.lowfi.friction.bearing.rotary import Bearing, solve_ball
+from rollbench.lowfi.friction.as_source.screw import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
+from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations
-from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.lowfi.friction.linear.chain import Chain, pair_state, prepare, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
-from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
+from rollbench.lowfi.friction.screw.run import Pair, solve_pair
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 

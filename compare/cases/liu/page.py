@@ -12,8 +12,8 @@ from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.finding_table import printed_table
+from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.lowfi.random_errors.chain import solve_chain
-from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

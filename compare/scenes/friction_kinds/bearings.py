@@ -14,8 +14,7 @@ from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
 from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
 from rollbench.compare.scenes.kinds import KindKeys, KindScene, head_of
-from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
-from rollbench.lowfi.friction.bearing.rotary import Bearing
+from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ranges import Quantity, Rate, Size

@@ -17,8 +17,7 @@ from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
 from rollbench.compare.scenes.kinds import KindScene, head_of
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
-from rollbench.lowfi.friction.screw.pair import Pair
-from rollbench.lowfi.friction.screw.run import Run
+from rollbench.lowfi.friction.screw.run import Pair, Run
 from rollbench.meshes.fields import usual
 from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import Azimuth, Quantity, Turns, Whole

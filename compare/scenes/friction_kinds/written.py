@@ -11,7 +11,7 @@ from rollbench.compare.scenes.friction_kinds.common import Theta
 from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene, LinearScene, Speed
 from rollbench.compare.scenes.friction_kinds.screw_balls import FREE, ScrewPairScene, ScrewRunScene
 from rollbench.compare.scenes.kinds import KindScene
-from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, BearingCase
+from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
 from rollbench.lowfi.friction.linear.bearing import deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.ranges import (

@@ -19,10 +19,9 @@ from rollbench.compare.studies.crosscheck.calculix import run_calculix
 from rollbench.compare.studies.crosscheck.data import read
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
 from rollbench.compare.writing import replace_file
-from rollbench.hifi.elements.assembly import assemble
-from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, write
 from rollbench.meshes.fem import mesh_of

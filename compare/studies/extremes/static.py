@@ -4,7 +4,7 @@ The scenes are extreme on purpose (100 t of load, a shaft a thousand times too s
 equations are solved, not whether the model holds there. Most are scenes that a file may describe; where one is not (a
 bore that leaves too thin a wall) that is said at the case.
 
-The source's starts are those of ``lowfi.as_source.static``: the nominal state; a good guess, the screw moved along its
+The source's starts are those of ``lowfi.as_source``: the nominal state; a good guess, the screw moved along its
 axis as if all balls shared the axial load (without an axial load that is the nominal state); ten load steps from there.
 """
 
@@ -23,7 +23,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import with_balls
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.lowfi.as_source.static import Start, solve_source
+from rollbench.lowfi.as_source import Start, solve_source
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build
@@ -35,8 +35,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
+from rollbench.meshes.processes import local
 from rollbench.meshes.section import volume_ratio
-from rollbench.meshes.workers import local
 from rollbench.reports.content import Cell
 
 ENERGY = "energy solver"

@@ -17,8 +17,8 @@ from rollbench.compare.studies.friction import output
 from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
 from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, status_of
 from rollbench.compare.text.printing import Column
-from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene

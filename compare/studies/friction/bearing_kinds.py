@@ -12,10 +12,9 @@ from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, B
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.screw_kinds import screw_warnings, sliding
 from rollbench.compare.text.printing import cell
-from rollbench.lowfi.friction.bearing import rotary
-from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion
-from rollbench.lowfi.friction.contact.ellipse import Contacts
-from rollbench.lowfi.friction.contact.laws import Regularised
+from rollbench.lowfi.friction import bearing
+from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, free_motion
+from rollbench.lowfi.friction.contact.laws import Contacts, Regularised
 from rollbench.lowfi.friction.contact.motion import (
     Motion,
     Problem,
@@ -55,13 +54,13 @@ def ball_row(load: Settled, at: Contacts, motion: Motion) -> dict[str, Any]:
     f = motion.friction
     return (
         {"index": 1}
-        | answer.load_row(rotary.SIDES, load.force, load.angle)
+        | answer.load_row(bearing.SIDES, load.force, load.angle)
         | {
-            "semi_axis_across_um": answer.by_side(rotary.SIDES, 1e6 * at.a),
-            "semi_axis_along_um": answer.by_side(rotary.SIDES, 1e6 * at.b),
+            "semi_axis_across_um": answer.by_side(bearing.SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.by_side(bearing.SIDES, 1e6 * at.b),
         }
         | answer.motion_row(np.append(motion.q, 0.0))
-        | answer.rubbing_row(rotary.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
+        | answer.rubbing_row(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
     )
 
 
@@ -69,7 +68,7 @@ def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
     """The loaded contacts of a ball for the terminal."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
-    for side in (s for s in rotary.SIDES if ball["load_N"][s] > 0.0):
+    for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
         row = {name: ball[name][side] for name in (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")}
         rows.append({"side": side, "slide": ball["sliding_mm_s"][side][1], "along": ball["friction_N"][side][1]} | row)
     return rows
@@ -93,15 +92,15 @@ CONTACT_COLUMNS = (
 def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
     b = scene.bearing
-    load = rotary.bearing_load(b, scene.force, scene.displacement)
+    load = bearing.bearing_load(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
-    at = rotary.ball_contacts(rough, load)
-    motion = ball_motion(scene, rotary.motion_problem(rough, load, at))
+    at = bearing.ball_contacts(rough, load)
+    motion = ball_motion(scene, bearing.motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = without_friction(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.screw_speed
+    ball, torque, speed = ball_row(load, at, motion), bearing.inner_torque(b, load, motion), b.screw_speed
     power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
     data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {

@@ -24,8 +24,7 @@ from rollbench.compare.studies.friction.answer import (
 )
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
-from rollbench.lowfi.friction.whole.heathcote import WIDE
-from rollbench.lowfi.friction.whole.losses import CAUSES
+from rollbench.lowfi.friction.whole.losses import CAUSES, WIDE
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.friction.whole.torque import ScrewTorque
 from rollbench.lowfi.rating.overall_friction import overall_warnings

@@ -13,11 +13,9 @@ from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.quantities import number
 from rollbench.compare.studies.friction.answer import Line
 from rollbench.compare.watch import bar
-from rollbench.lowfi.friction.screw.track import Track
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, History, StepError, resolved
-from rollbench.lowfi.friction.whole.balls import balls_of
-from rollbench.lowfi.friction.whole.run import Setting
-from rollbench.lowfi.friction.whole.travelling import AGAIN, in_motion
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, resolved
+from rollbench.lowfi.friction.whole.circuit import balls_of
+from rollbench.lowfi.friction.whole.run import AGAIN, Setting, in_motion
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
@@ -217,7 +215,7 @@ def torque_data(h: History) -> dict[str, Any]:
     }
 
 
-def ball_data(h: History, track: Track, k: int) -> dict[str, Any]:
+def ball_data(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
     """Histories of one ball: azimuth in the nut's frame, distance and force to the next ball of its circuit, loads."""
     ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
     number_of = int(h.setting.number[k])

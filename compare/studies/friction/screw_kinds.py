@@ -13,8 +13,7 @@ from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.run import judged, run_data, run_lines, stepped
 from rollbench.compare.text.printing import Column, cell
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
-from rollbench.lowfi.friction.screw.run import summarise
+from rollbench.lowfi.friction.screw.run import PairResult, solve_pair, summarise
 from rollbench.lowfi.friction.screw.travel import History
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.lowfi.warned import Warned

@@ -28,9 +28,9 @@ from rollbench.compare.studies.friction.band import (
     play_warning,
 )
 from rollbench.compare.studies.friction.run import Run, run_data, run_lines, run_table, solve_run
-from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
-from rollbench.lowfi.friction.whole.settings import ONE_TURN
+from rollbench.lowfi.friction.whole.losses import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState
+from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Friction, Scene, Support
 

@@ -13,15 +13,17 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.compare.scenes.kinds import KindScene
 from rollbench.hifi.rolling.balls import Choices, without_meetings
 from rollbench.hifi.rolling.kinematics import Rolling
-from rollbench.hifi.rolling.loads import Cell, cell_loads, solve_loaded
 from rollbench.hifi.rolling.scenes import (
+    Cell,
     Layout,
     Material,
+    cell_loads,
     hertz_constants,
     linear_layout,
     ring_layout,
     scene_of,
     screw_layout,
+    solve_loaded,
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS

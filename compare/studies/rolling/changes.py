@@ -18,10 +18,9 @@ from rollbench.compare.studies.rolling.body_sizes import LINEAR, SCENES, SHAPE, 
 from rollbench.compare.studies.rolling.cases import case_of
 from rollbench.compare.studies.rolling.rows import stored_rows
 from rollbench.compare.studies.rolling.runs import LEVELS, load
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, run_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import Rolling
-from rollbench.hifi.rolling.transient import run_from_rest
 
 #: Time [s], gap at the start [m] and steps (Lin 3.3.5 has ten).
 DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)

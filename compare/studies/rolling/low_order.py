@@ -11,9 +11,9 @@ from rollbench.compare.scenes.friction_kinds.linear import LinearScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.compare.scenes.kinds import KindScene
 from rollbench.compare.studies.friction.linear_kinds import linear_loads
-from rollbench.lowfi.friction.bearing.rotary import SIDES, solve_ball
+from rollbench.lowfi.friction.bearing import SIDES, solve_ball
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
-from rollbench.lowfi.friction.screw.pair import solve_pair
+from rollbench.lowfi.friction.screw.run import solve_pair
 
 
 def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:

@@ -29,11 +29,11 @@ import sys
 sys.path[:] = {path!r}
 from time import perf_counter, time
 from pathlib import Path
-from rollbench.meshes.threads import one_thread
+from rollbench.meshes.processes import one_thread
 one_thread()
 import json
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.memory import peak_MB
+from rollbench.meshes.processes import peak_MB
 from rollbench.compare.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
@@ -55,7 +55,7 @@ LEVEL_CHILD = """
 import sys
 sys.path[:] = {path!r}
 from time import time
-from rollbench.meshes.threads import one_thread
+from rollbench.meshes.processes import one_thread
 one_thread()
 import json
 from rollbench.compare.reference.computing import compute

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 
-from rollbench.meshes.threads import VARIABLES
+from rollbench.meshes.processes import VARIABLES
 
 
 @dataclass(frozen=True)

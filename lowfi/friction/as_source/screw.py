@@ -2,13 +2,29 @@
 
 Unknowns of a ball, as above Lin 3.71: place in the groove section (2), contact angles gamma (4), motion (4); of two
 that touch: the force between them. First the loads without friction and the screw's place, which then stays.
+
+The source's method for contact loads of balls in a ball screw without friction, kept for comparison: a root.
+
+Unknowns: place of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
+beam is rigid that is chapter 2's state (Lin 2.11-2.25), searched by the hybrid method.
+
+A whole ball screw in time by the source's method, kept for comparison: a root for every touching group (Lin 3.4.4).
+
+Each step: loads as a root, every ball's motion alone, then the groups of those that are within reach and close in
+(Lin 3.77); places move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.
+
+The source's root finding from several starts, rolling and at random about our solution: to count its failures.
+
+Every search yields what it found, None where the source finds no loads to begin with.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import root
 
 from rollbench.lowfi.friction.as_source.chain import (
@@ -21,18 +37,88 @@ from rollbench.lowfi.friction.as_source.chain import (
     balance,
     blocks,
     closing_in,
+    linear_balls,
+    linear_law,
     roots,
     solve_by_root,
 )
-from rollbench.lowfi.friction.as_source.loads import Places, contact_forces, loads_by_root
-from rollbench.lowfi.friction.contact.laws import Law
+from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.friction.contact.motion import HYBRID
 from rollbench.lowfi.friction.contact.rings import Settled
-from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.load import Cell
-from rollbench.lowfi.friction.screw.motion import contact_wrench, hold_screw, screw_contacts, source_law
-from rollbench.lowfi.friction.screw.pair import Pair, PairResult
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
+from rollbench.lowfi.friction.screw.motion import Cell, contact_wrench, hold_screw, screw_contacts, source_law
+from rollbench.lowfi.friction.screw.run import Pair, PairResult, Run, run_cell
 from rollbench.meshes.arrays import Array, Mask
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where N balls are: place (N, 2) along x3, z3 [m], contact angles gamma (N, 4) [rad], screw (m,) [m]."""
+
+    ball: Array
+    gamma: Array
+    screw: Array
+
+
+def contact_forces(cell: Cell, at: Places) -> tuple[Array, Array, Array]:
+    """Contact forces (N, 4) [N], misalignment n . t (N, 4) of groove and line of centres, normals (N, 4, 2).
+
+    Contact conditions of chapter 2: the groove's tangent at gamma is normal to the line of centres.
+    """
+    g, c, s = cell.groove, np.cos(at.gamma), np.sin(at.gamma)
+    screw = (cell.section @ at.screw + cell.offset)[:, None, :]
+    line = g.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
+    line = line + at.ball[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
+    normal, tangent = np.stack([SIGN_X * c, SIGN_Z * s], axis=-1), np.stack([-SIGN_X * s, SIGN_Z * c], axis=-1)
+    approach = np.sum(line * normal, axis=-1) - g.reach + cell.interference
+    return (np.maximum(approach, 0.0) / g.constants.C) ** 1.5, np.sum(line * tangent, axis=-1) / g.reach, normal
+
+
+def load_scale(cell: Cell) -> tuple[float, float]:
+    """Force [N] of a ball's share of the load and its approach [m]: what the equations are scaled by."""
+    share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
+    return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
+
+
+def first_place(cell: Cell) -> Places:
+    """Start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
+
+    The text's nominal state has no stiffness without preload; this is the start that ``rings.settle_cell`` takes.
+    """
+    total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
+    size += max(0.0, -float(np.min(cell.interference)))
+    screw = np.zeros(cell.force.size) if total == 0.0 else 4.0 * size * cell.force / total
+    return Places(0.5 * (cell.section @ screw + cell.offset), cell.angle.copy(), screw)
+
+
+def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
+    """Loads of a cell of N balls as a root of 6 N + m equations; from ``first_place`` where start is None.
+
+    left [N]: largest force out of balance; steps: calls; ``converged`` is False where no root is found.
+    """
+    n = cell.angle.shape[0]
+    scale, size = load_scale(cell)
+    at = first_place(cell) if start is None else start
+
+    def split(x: Array) -> Places:
+        return Places(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
+
+    def residual(x: Array) -> Array:
+        force, bent, normal = contact_forces(cell, split(x))
+        pull = force[..., None] * normal
+        on_screw = np.einsum("nim,ni->m", cell.section, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
+        return np.concatenate([((cell.push - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
+
+    x = np.concatenate([(at.ball / size).ravel(), at.gamma.ravel(), at.screw / size])
+    solution = root(residual, x, method="hybr", options=HYBRID)
+    places = split(solution.x)
+    force, _, _ = contact_forces(cell, places)
+    left = float(np.max(np.abs(solution.fun))) * scale
+    good = left <= ACCEPTED * (scale * n + float(force.sum()))
+    return Settled(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
 
 
 def neighbours(groove: ScrewGroove) -> Neighbours:
@@ -209,3 +295,163 @@ def screw_pair_by_root(
         None if touching is None else (touching.q, touching.ball_force),
     )
     return SourceScrew(load, load.force, load.angle, motion)
+
+
+@dataclass(frozen=True)
+class SourceRun:
+    """T steps, N balls; ball k pushes ball k + 1, the last one the first.
+
+    nut_angle (T,) [rad]; gap (T, N) [rad] at the end of each step, negative for overlap; ball_force (T, N) [N]; omega
+    (T, N) [rad/s]; groove_torque, ball_torque (T,) [N m]; status: of each step's motion, "failed" also where no loads
+    were found: then the speeds of the step before go on.
+    """
+
+    nut_angle: Array
+    gap: Array
+    ball_force: Array
+    omega: Array
+    groove_torque: Array
+    ball_torque: Array
+    status: tuple[str, ...]
+
+    @property
+    def failures(self) -> int:
+        """Steps without a root."""
+        return self.status.count("failed")
+
+    @property
+    def overlapping(self) -> int:
+        """Steps with a root whose neighbours in reach close in nevertheless or pull."""
+        return self.status.count("overlapping")
+
+    @property
+    def overlap(self) -> float:
+        """Largest overlap of neighbours [rad]."""
+        return max(0.0, -float(self.gap.min()))
+
+
+@dataclass
+class _Before:
+    """What the step before leaves: places, motions alone and in contact (N, 4), forces (N,)."""
+
+    at: Places
+    free: Array
+    q: Array
+    force: Array
+
+
+def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
+    """The first ``steps`` of a run (all where None) from evenly spread balls, under the source's sigmoid.
+
+    Starts of each search: the step before, rolling at first; the text names none. Raises ValueError for what the
+    comparison leaves out: balls in a return tube, loads coupled with friction.
+    """
+    if run.tube > 0.0 or run.coupling != "none":
+        raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
+    g, n, dt = run.groove, run.count, run.duration / run.steps
+    law = source_law(g, SHARPNESS)
+    azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
+    gap = np.full(n, run.ring / n - g.pair.spacing)
+    before: _Before | None = None
+    omega, rows, status = np.zeros(n), list[tuple[Array, Array, Array, float, float]](), list[str]()
+    for k in range(steps or run.steps):
+        azimuths, loaded = run.place(azimuth, g.speed * dt * k)
+        load = loads_by_root(run_cell(run, azimuths, loaded), None if before is None else before.at)
+        at = Places(load.ball, load.angle, load.inner)
+        motion, order = _step(run, load.force, load.angle, gap <= 0.0, law, before)
+        good = load.converged and motion.status != "failed"
+        force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
+        force[order[:-1]], q[order], free[order] = motion.ball_force, motion.q, motion.free
+        if good:
+            before, omega = _Before(at, free, q, force), q[:, 0] - g.screw_speed
+        gap = gap + dt * (np.roll(omega, -1) - omega)
+        speed = abs(g.speed)
+        rows.append((gap, force, omega, float(motion.groove_loss.sum()) / speed, float(motion.ball_loss.sum()) / speed))
+        status.append(motion.status if good else "failed")
+        azimuth = azimuth + dt * omega
+    gaps, forces, speeds, groove, ball = (np.array(c, dtype=float) for c in zip(*rows, strict=True))
+    nut_angle = np.array([g.speed * dt * k for k in range(len(rows))])
+    return SourceRun(nut_angle, gaps, forces, speeds, groove, ball, tuple(status))
+
+
+def _step(
+    run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _Before | None
+) -> tuple[SourceMotion, NDArray[np.intp]]:
+    """Motion of the balls and their order, which begins after a neighbour out of reach: the ring is cut there.
+
+    Raises RuntimeError where all neighbours touch.
+    """
+    if np.all(reach):
+        raise RuntimeError("every ball touches the next: the ring has no place to be cut")
+    order = np.roll(np.arange(run.count), -int(np.argmin(reach)) - 1)
+    balls = screw_balls(run.groove, force[order], angle[order])
+    near = reach[order[:-1]]
+    if before is None:
+        return solve_by_root(balls, law, near), order
+    free = before.free[order]
+    motion = solve_by_root(balls, law, near, free, (before.q[order], before.force[order[:-1]]))
+    return (motion if motion.status != "failed" else solve_by_root(balls, law, near, free)), order
+
+
+def shaken(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
+    """Motions (N, n), each unknown off by up to ``off`` of itself, at least of 1 % of the ball's largest surface speed.
+
+    units (n,): surface speed per unknown.
+    """
+    x = q * units
+    size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
+    return np.asarray((x + off * rng.uniform(-1.0, 1.0, q.shape) * size) / units)
+
+
+def from_linear_starts(
+    bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
+) -> Iterator[SourceMotion]:
+    """Balls of a linear bearing, all in reach: angles [rad], loads [N], (N, 4); forces at random up to doubled."""
+    apart, together = (solve_linear_chain(prepare(bearing, angles, loads, touching)) for touching in (False, True))
+    balls = linear_balls(bearing, angles, loads)
+    law = linear_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
+    reach, units = np.ones(balls.count - 1, dtype=bool), balls.pair.units
+    yield solve_by_root(balls, law, reach)
+    for _ in range(count):
+        free, near = (shaken(np.column_stack([r.velocity, r.rotation]), units, rng, off) for r in (apart, together))
+        force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
+        yield solve_by_root(balls, law, reach, free, (near, force))
+
+
+def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
+    """The source's law; at rest, where its reference is zero, with a spin of 1 rad/s."""
+    return source_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
+
+
+def from_pair_starts(
+    pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
+) -> Iterator[SourceMotion | None]:
+    """A pair of a screw with its loads; places as in our solution ``solved``."""
+    free, touching, units = state_of(solved, False), state_of(solved, True), neighbours(pair.groove).units
+    starts: list[tuple[SourceState | None, SourceState | None]] = [(None, None)]
+    for _ in range(count):
+        force = touching.ball_force * rng.uniform(0.0, 2.0, 1)
+        near = replace(touching, q=shaken(touching.q, units, rng, off), ball_force=force)
+        starts.append((replace(free, q=shaken(free.q, units, rng, off)), near))
+    for start in starts:
+        try:
+            yield screw_pair_by_root(pair, screw_sigmoid(pair.groove), *start).motion
+        except RuntimeError:
+            yield None
+
+
+def from_screw_starts(
+    chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
+) -> Iterator[SourceMotion]:
+    """An open chain of a screw at given loads; angle (N, 4) [rad]: its contact angles; solved: our solution.
+
+    Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in the
+    source's.
+    """
+    alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
+    balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)
+    reach, force = chain.slack[:-1] <= 0.0, solved.ball_force[:-1]
+    yield solve_by_root(balls, law, reach)
+    for _ in range(count):
+        free, near = (shaken(q, balls.pair.units, rng, off) for q in (alone.q, solved.q))
+        yield solve_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))

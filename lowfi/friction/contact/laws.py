@@ -1,4 +1,10 @@
-"""Friction laws behind one interface: Coulomb, Coulomb regularised, and the sigmoid of the source."""
+"""Friction laws behind one interface: Coulomb, Coulomb regularised, and the sigmoid of the source.
+
+Coulomb friction of elliptical Hertz contacts that slide and spin, in closed form.
+
+Each contact has its own axes: x along the semi-axis a, z along b, y the normal into the body whose motion relative to
+the other is (vx, vz, spin); its points move with (vx + spin z, vz - spin x). Friction acts on that body.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +12,145 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rollbench.lowfi.friction.contact.ellipse import Contacts, Friction, friction
+from rollbench.lowfi.hertz import complete_integrals
+from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contacts, each array (n,): semi-axes a >= b > 0 [m], normal force F >= 0 [N], friction coefficient mu >= 0."""
+
+    a: Array
+    b: Array
+    load: Array
+    mu: Array
+
+    @property
+    def strength(self) -> Array:
+        """mu F [N], shape (n,)."""
+        return np.asarray(self.mu * self.load)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction on the moving body: force (n, 2) along x, z [N], moment (n,) about y at the centre [N m], loss [W]."""
+
+    force: Array
+    moment: Array
+    loss: Array
+
+
+@dataclass(frozen=True)
+class Dissipation:
+    """Convex function of the motion whose negative gradient is the friction.
+
+    value (n,) [W]; gradient (n, 3) and hessian (n, 3, 3) by (vx, vz, spin); excess (n,): value less the loss [W], zero
+    without a regularising speed.
+    """
+
+    value: Array
+    gradient: Array
+    hessian: Array
+    excess: Array
+
+
+def contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
+    """Contacts from semi-axes [m], normal force [N] and friction coefficient, broadcast to one shape (n,).
+
+    Raises ValueError unless a >= b > 0, all finite, F >= 0 and mu >= 0. Friction is exact to 1e-10 of its size for
+    b/a >= 0.01 (measured against quadrature), to 1e-8 at 1e-3, to 1e-7 at 1e-4.
+    """
+    arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (a, b, load, mu)))
+    full = Contacts(*(np.array(v) for v in arrays))
+    if not all(np.all(np.isfinite(v)) for v in arrays):
+        raise ValueError("contacts need finite semi-axes, forces and friction coefficients")
+    if np.any(full.b <= 0.0) or np.any(full.a < full.b):
+        raise ValueError("semi-axes must satisfy a >= b > 0")
+    if np.any(full.load < 0.0) or np.any(full.mu < 0.0):
+        raise ValueError("normal force and friction coefficient must not be negative")
+    return full
+
+
+def about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
+    """Motion (n, 3) of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12)."""
+    s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
+    return np.stack([-s * z, s * x, s], axis=1)
+
+
+def dissipation(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
+    """mu int p sqrt(|v|^2 + speed^2) dA with first and second derivatives, in closed form.
+
+    motion (n, 3): vx, vz [m/s], spin [rad/s]; speed >= 0 [m/s] regularises: the value grows by at most mu F speed.
+    ``fast`` takes the compiled kernels. At rest without regularisation there is no gradient: zeros are returned.
+
+    >>> d = dissipation(contacts(1e-3, 1e-3, 10.0, 0.1), about_point(1.0, 0.0, 0.0))
+    >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
+    0.589048623
+    """
+    out = np.empty((at.a.shape[0], 11))
+    motion = np.ascontiguousarray(motion, dtype=float)
+    kernels(CONTACT, compiled=fast).dissipation_many(at.a, at.b, motion, float(speed), out)
+    out *= at.strength[:, None]
+    return Dissipation(
+        value=out[:, 0],
+        gradient=out[:, 1:4],
+        hessian=out[:, [5, 6, 8, 6, 7, 9, 8, 9, 10]].reshape(-1, 3, 3),
+        excess=speed * out[:, 4],
+    )
+
+
+def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
+    """Friction of contacts in the given motion (n, 3); arguments as in ``dissipation`` (Lin 3.16-3.18, any d).
+
+    The source's M_iO is taken about -y: it is minus this moment.
+    """
+    d = dissipation(at, motion, speed, fast)
+    return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
+
+
+def linear_factor(ratio: ArrayLike) -> Array:
+    """Slope k_f of the normalised force against c/a at c = d = 0 for b/a = ``ratio`` in (0, 1] (Lin 3.35).
+
+    Exact: k_f = (b/a)^2 R_D(0, 1, b^2/a^2) / 2, from 3 pi / 8 = 1.178 on a circle to 3/2 on a line.
+
+    >>> round(float(linear_factor(1.0)), 6)
+    1.178097
+    """
+    k = np.asarray(ratio, dtype=float)
+    return np.asarray(0.5 * k * k * complete_integrals(k)[2])
+
+
+def cubic_factor(ratio: ArrayLike) -> Array:
+    """g of the exact normalised force k_f t - g t^3, t = c/a, for -1 <= t <= 1 and d = 0, b/a = ``ratio`` < 1.
+
+    g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1)) / (6 (1 - r^2)) by r = b/a; valid for ratio <= 1 - 1e-6.
+    """
+    k = np.asarray(ratio, dtype=float)
+    _, along, across = complete_integrals(k)
+    return np.asarray(k * k * (across - along) / (6.0 * (1.0 - k * k)))
+
+
+def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Array:
+    """Largest error over 0 < |c/a| <= reach of factor c/a against the exact force, relative to the exact one.
+
+    reach <= 1; the source uses factor = 1.38 and reach = 0.5 (Lin 3.35, appendix G). The ratio of exact to linear is
+    k_f - g t^2, monotonous in t, so that the ends decide.
+    """
+    if not 0.0 < reach <= 1.0:
+        raise ValueError("reach must lie in (0, 1]: the force is a cubic inside the ellipse only")
+    start = linear_factor(ratio)
+    end = start - cubic_factor(ratio) * reach**2
+    return np.asarray(np.maximum(np.abs(np.asarray(factor) / start - 1.0), np.abs(np.asarray(factor) / end - 1.0)))
 
 
 class Law(Protocol):
     """Anything that gives the friction of contacts in a motion (n, 3)."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Friction on the moving bodies; see ``lowfi.friction.contact.ellipse`` for axes and signs."""
+        """Friction on the moving bodies; see ``lowfi.friction.contact.laws`` for axes and signs."""
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.ellipse import Contacts, Friction
-from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
+from rollbench.lowfi.friction.contact.laws import Contacts, Friction, Law, Sigmoid
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
 

@@ -21,8 +21,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
-from rollbench.meshes.roots import brentq
 from rollbench.meshes.surface import printed_radii
 
 Mode = Literal["right", "as printed"]

@@ -5,6 +5,8 @@ order and never overlap. Torques jump where a ball enters or leaves the loaded a
 between these events. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
 torque before and after it is seen, and is of second order (midpoint rule). "equal" is the source's: equal steps, loads and
 motions at their start, of first order, with the time of an event wrong by a part of a step.
+
+A closed track of balls: where on it they are, and when one reaches an end of its loaded arc.
 """
 
 from __future__ import annotations
@@ -18,18 +20,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import HelicalMotion
-from rollbench.lowfi.friction.screw.track import Track
 from rollbench.meshes.arrays import Array, Mask
 
+
+class ClosedTrack(NamedTuple):
+    """One closed track: start from 0, azimuth where its loaded arc begins, arc, whole length, distance of touching nominal
+    balls [rad], its balls."""
+
+    start: int
+    first: float
+    arc: float
+    ring: float
+    spacing: float
+    balls: slice
+
+    def along(self, azimuth: Array, turned: float = 0.0) -> Array:
+        """Places of its balls on the track, 0 to its length, from azimuths (N,) of all; turned: of the track [rad]."""
+        return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
+
+    def to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
+        """Time [s] until one of its balls passes an end of the loaded arc; rate (N,) of all on the track [rad/s]."""
+        along, rate = self.along(azimuth, turned), rate[self.balls]
+        forward = np.where(along < self.arc, self.arc, self.ring) - along
+        distance = np.where(rate > 0.0, forward, along - np.where(along > self.arc, self.arc, 0.0))
+        return float(np.divide(distance, np.abs(rate), out=np.full_like(rate, np.inf), where=rate != 0.0).min())
+
+
 Scheme = Literal["located", "equal"]
+
 #: Length of the pieces before and after an event, least length of a piece, as parts of a step; most pieces of a step.
 SHORT, TINY, PIECES = 1e-2, 1e-6, 100
+
 #: Gap [rad] up to which neighbours touch.
 CLOSED = 1e-10
+
 #: Rate of closing over the largest speed of a ball that no pair reaches.
 FASTEST = 10.0
+
 #: Names in a history of the torques of an instant's losses.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
+
 #: Steps to begin with: per ball diameter travelled, least and most.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
@@ -69,7 +99,7 @@ class Setting(Protocol):
         """Nominal grooves in motion."""
 
     @property
-    def tracks(self) -> Sequence[Track]:
+    def tracks(self) -> Sequence[ClosedTrack]:
         """The closed tracks; their balls in order."""
 
     @property
@@ -223,7 +253,7 @@ def groups(contact: Mask) -> Array:
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
-def _to_meeting(place: Place, tracks: Sequence[Track]) -> float:
+def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
     """Time [s] until neighbours meet that are apart."""
     least = np.inf
     for track in tracks:
@@ -333,11 +363,15 @@ def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Pl
 #: Orders of smooth motion and of jumps; factor of the change between levels where no order is seen, and the order below
 #: which Richardson's extrapolation has that factor too.
 SMOOTH, OF_JUMPS, UNCLEAR = 2.0, 1.0, 10.0
+
 LEAST = float(np.log2(1.0 + 1.0 / UNCLEAR))
+
 #: Safety factor on an extrapolated error.
 SAFETY = 1.25
+
 #: Most steps of a run.
 MOST = 20_000
+
 #: Change between levels, as a part of the mean torque, below which its ratios are round-off and tell no order.
 ROUND_OFF = 1e-9
 

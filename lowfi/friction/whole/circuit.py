@@ -1,22 +1,34 @@
-"""Circuits of the balls as angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing."""
+"""Circuits of the balls as angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing.
+
+Balls of a scene that push each other along their track: motions, ball-to-ball forces and losses at given contacts.
+
+All balls of a scene in their circuits: sizes, places, and the gaps between neighbours.
+"""
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.groove import contact_spacing
-from rollbench.lowfi.friction.screw.track import Track
-from rollbench.lowfi.friction.whole.losses import ball_path
-from rollbench.lowfi.friction.whole.settings import ONE_TURN
+from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
+from rollbench.lowfi.friction.screw.travel import ClosedTrack
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.losses import BallPath, ball_path, rubs_of, shares, turn_back
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Circulation, Scene
+from rollbench.meshes.errors import Drawn, draw_ball_radii
+from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
+from rollbench.meshes.parts import Circulation, Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
 CLOSE = 1e-9
+
 #: Distance between neighbours over the median distance from which on a gap lies between two circuits.
 APART = 1.5
 
@@ -37,7 +49,7 @@ class Circuit(NamedTuple):
     -1 in the return.
     """
 
-    track: Track
+    track: ClosedTrack
     azimuth: Array
     ball: NDArray[np.int64]
 
@@ -77,7 +89,7 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
             azimuth = np.append(group, back)
             ball = np.append(number, np.full(loop.returning, -1))
             balls = slice(count, count + ball.size)
-            out.append(Circuit(Track(start, begin, arcs[k], length, spacing, balls), azimuth, ball))
+            out.append(Circuit(ClosedTrack(start, begin, arcs[k], length, spacing, balls), azimuth, ball))
             count = balls.stop
     return tuple(out)
 
@@ -123,3 +135,146 @@ def travel(scene: Scene) -> Array:
     span = 0.0 if scene.time is None else scene.time.span(motion)
     turned = motion.speed * span * (-1.0 if motion.turns == "screw" else 1.0)
     return np.array([0.0, reduced_lead(scene.track) * turned])
+
+
+@dataclass(frozen=True, eq=False)
+class SceneGrooves(BallPath, Grooved):
+    """The nominal grooves of a scene in motion, one for a whole run: kernels keep arrays by it."""
+
+    mu: float
+    hertz: Constants = field(repr=False)
+
+    @property
+    def constants(self) -> Constants:
+        """Hertz constants of nominal contacts."""
+        return self.hertz
+
+
+def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
+    """Nominal grooves of a scene whose screw or nut turns."""
+    path, h = ball_path(scene, drive, scene.balls.radius), nominal_hertz(scene)
+    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=Constants(h.C, h.C_a, h.C_b))
+
+
+@dataclass(frozen=True)
+class SceneChain(AnyChain):
+    """Balls of their own sizes and coefficients; contacts: as friction sees them."""
+
+    at: StaticContacts
+    contacts: Rubs
+    between: float
+
+    @property
+    def rubs(self) -> Rubs:
+        """The contacts with their semi-axes and maps."""
+        return self.contacts
+
+    @property
+    def mu_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+        return self.between
+
+    def wrench(self, pull: Array) -> Array:
+        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces in the contacts' own axes (N, 4, 3)."""
+        turned = pull.copy()
+        turn_back(self.at, turned)
+        return super().wrench(turned)
+
+    def input_power(self, wrench: Array) -> float:
+        """Power [W] of screw and nut, from forces and moments about the axis in space."""
+        axial, moment = about_axis(self.at, wrench)
+        helical = moment + self.groove.ratio * axial
+        return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
+
+
+def chain_motion(
+    scene: Scene,
+    at: StaticContacts,
+    slack: Array,
+    friction: Friction,
+    drive: Drive,
+    grooves: SceneGrooves,
+    start: tuple[Array, Array] | None = None,
+    fast: bool = True,
+) -> ChainMotion:
+    """Motion of the balls of one closed track, in order, ball k + 1 at the larger azimuth, and the forces between them.
+
+    slack (N,): as in ``AnyChain``; start: motions (N, 4) [rad/s] and forces (N,) [N] to begin from. The contact of two
+    balls is that of nominal ones; their sizes count in the slack. Failure is data: see ``ChainMotion.converged``.
+    """
+    share, top = shares(friction)
+    rubs = rubs_of(scene, at, top * share, drive)
+    motion = solve_chain(
+        SceneChain(grooves, at.force, at.normals, slack, at, rubs, friction.between_balls), start, fast, True
+    )
+    for rows in (motion.seen, motion.pull):
+        turn_back(at, rows)
+    return motion
+
+
+#: Sum of gaps [rad] below which a closed track is full: forces between its balls are not determined.
+FULL = 1e-9
+
+
+@dataclass(frozen=True)
+class Balls:
+    """All N balls of a scene, circuit after circuit: radius (N,) [m], azimuth (N,) in the nut's frame [rad] at the start,
+    number (N,) in the scene or -1; tracks: of the circuits; spacing (N,): azimuth by which ball k + 1 of a circuit,
+    or its first one, is ahead of ball k where they touch [rad].
+    """
+
+    tracks: tuple[ClosedTrack, ...]
+    radius: Array
+    number: NDArray[np.int64]
+    azimuth: Array
+    spacing: Array
+    grooves: SceneGrooves
+
+    def gaps(self, azimuth: Array) -> Array:
+        """Gaps (N,) [rad] to the next ball of the circuit at azimuths (N,)."""
+        out = np.empty_like(azimuth)
+        for track in self.tracks:
+            balls = track.balls
+            out[balls] = np.diff(azimuth[balls], append=azimuth[balls.start] + track.ring)
+        return np.asarray(out - self.spacing)
+
+    def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Azimuths (N,) on the helix of start 1 folded into the circuits, and which balls are on a loaded arc."""
+        folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
+        for track in self.tracks:
+            along = track.along(azimuth)
+            folded[track.balls], loaded[track.balls] = track.first + along, along < track.arc
+        return folded, loaded
+
+    def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
+        """Places of all balls at azimuths ``folded`` (N,), as ``place`` gives them, where the nut has turned [rad]."""
+        track, starts = scene.track, np.empty(folded.size)
+        for loop in self.tracks:
+            starts[loop.balls] = loop.start
+        space = folded + turned + 2.0 * np.pi * starts / track.starts
+        return layout_at(track, space, scene.nut.position + reduced_lead(track) * (folded - track.phase))
+
+
+def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, member: int = 0) -> Balls:
+    """The balls of a scene in their circuits at the beginning.
+
+    Raises CircuitError for circuits that cannot be, ValueError where balls overlap or a circuit has no clearance.
+    """
+    tracks, azimuths, numbers = zip(*circuits(scene), strict=True)
+    azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
+    grooves = grooves_of(scene, friction, drive)
+    radius = np.where(number >= 0, drawn.ball_radius[np.maximum(number, 0)], 0.0)
+    rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
+    radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))
+    excess, pair = radius - scene.balls.radius, grooves.pair
+    spacing = np.empty_like(radius)
+    for members in (track.balls for track in tracks):
+        spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing
+    balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
+    gaps = balls.gaps(azimuth)
+    if gaps.min() < -FULL:
+        raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
+    for members in (track.balls for track in tracks):
+        if members.stop - members.start > 1 and gaps[members].sum() < FULL:
+            raise ValueError("a circuit without any clearance: forces between its balls are not determined")
+    return balls

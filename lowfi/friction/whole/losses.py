@@ -2,6 +2,18 @@
 
 The motion of each ball is that of least dissipation (``motion``); friction does not change the loads. The sums that
 follow from it, torques and efficiencies, are in ``screw_torque``.
+
+Heathcote slip: what the curvature of the contact across the groove adds to the losses of flat contact ellipses.
+
+Ball and groove meet in a surface of radius R_d across the groove, 1 / R_d = (1 / R_ball + 1 / R_groove) / 2. A ball that
+rolls with the angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by
+Omega x^2 / (2 R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and
+once without, both by quadrature over the ellipses, so that balls find the motion that makes the most of their contacts.
+
+What a static load distribution with geometric errors means for ball-to-ball contact (Lin 4.3.2).
+
+The source argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded
+ball moves with least dissipation at its static loads; how an unloaded one moves is a parameter.
 """
 
 from __future__ import annotations
@@ -14,17 +26,19 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.motion import STATUS
 from rollbench.lowfi.friction.screw.chain import Rubs
-from rollbench.lowfi.friction.screw.groove import HelicalMotion
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes, contact_spacing
 from rollbench.lowfi.friction.screw.motion import contact_wrench
-from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
 from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.helix import groove_radii, reduced_lead
+from rollbench.meshes.parts import Friction, Motion, Scene
 from rollbench.meshes.parts import Motion as Drive
 
 #: What a contact loses power by: sliding of its centre across the groove, along the path, spin about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
+
 #: Force out of balance, as a part of a ball's sum of mu F, beyond which its motion has failed.
 UNBALANCED = 1e-6
 
@@ -182,3 +196,159 @@ def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, driv
         if scene.track.lead == 0.0 and per_start > 1:
             closing[order[-1]] = path.radius * (by_ball.orbit[order[-1]] - by_ball.orbit[order[0]])
     return closing
+
+
+#: Points of the quadrature from the middle of a contact outwards and around it.
+OUTWARDS, ROUND = 10, 20
+
+#: Regularising speeds as parts of the sliding without curvature, Newton steps at each, halvings of a step.
+SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
+
+#: Part of the losses from which they are warned of.
+WIDE = 0.03
+
+
+def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
+    """Points x, z (k,) of the unit disc and weights (k,) under Hertz's pressure, which sum up to one."""
+    node, weight = np.polynomial.legendre.leggauss(outwards)
+    height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
+    radius = np.sqrt(1.0 - height**2)
+    turn = 2.0 * np.pi * (np.arange(around) + 0.5) / around
+    mass = np.repeat(3.0 * half * height**2 / around, around)
+    return np.outer(radius, np.cos(turn)).ravel(), np.outer(radius, np.sin(turn)).ravel(), mass
+
+
+def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float) -> tuple[Array, Array]:
+    """Sliding of the contacts' points as rows (N, 4, k, 2, 4) in a ball's motion and what the drives add (N, 4, k, 2).
+
+    curved: factor of the contacts' curvature, 0 for flat ellipses.
+    """
+    path = ball_path(scene, drive, scene.balls.radius)
+    maps, drives = path.maps(at.normals, at.ball_radius)
+    body = np.where(ON_SCREW, path.screw_speed, path.nut_speed)
+    rolling = np.einsum("nsi,ji->nsj", contact_axes(at.normals)[:, :, 0], path.turns)  # Omega = rolling @ q - body part
+    bend = 0.25 * curved * (1.0 / at.ball_radius[:, None] + 1.0 / groove_radii(scene))
+    x, z, _ = quadrature()
+    px = np.where(at.across, at.a, at.b)[..., None] * x
+    pz = np.where(at.across, at.b, at.a)[..., None] * z
+    lift = bend[..., None] * px**2
+    rows = np.stack(
+        [
+            maps[:, :, None, 0] + pz[..., None] * maps[:, :, None, 2],
+            maps[:, :, None, 1] - px[..., None] * maps[:, :, None, 2] + lift[..., None] * rolling[:, :, None],
+        ],
+        axis=3,
+    )
+    roll = -(body * rolling[..., 0])[..., None] * lift
+    added = np.stack(
+        [drives[..., None, 0] + pz * drives[..., None, 2], drives[..., None, 1] - px * drives[..., None, 2] + roll], axis=-1
+    )
+    return rows, added
+
+
+def least_power(rows: Array, added: Array, strength: Array, start: Array, slide: float) -> Array:
+    """Least power (N,) [W] over the motions of N balls, by Newton's method at falling regularising speeds.
+
+    strength (N, 4): mu F [N]; start (N, 4): motions to begin from; slide: a typical sliding speed [m/s].
+    """
+    loaded = (strength > 0.0).any(axis=0)
+    weight = (strength[:, loaded, None] * quadrature()[2]).reshape(len(strength), -1)
+    rows, added = rows[:, loaded].reshape(len(weight), -1, 4), added[:, loaded].reshape(*weight.shape, 2)
+    q = start.copy()
+
+    def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
+        v = (rows @ motion[..., None]).reshape(added.shape) + added
+        size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
+        return (weight * size).sum(axis=1), v, size
+
+    for eps in slide * np.array(SPEEDS):
+        total, v, size = value(q, eps)
+        for _ in range(STEPS):
+            w = weight / size
+            along = np.einsum("npci,npc->npi", rows.reshape(*v.shape, 4), v)
+            gradient = (w[:, None] @ along)[:, 0]
+            hessian = rows.swapaxes(1, 2) @ (np.repeat(w, 2, axis=1)[..., None] * rows)
+            hessian -= along.swapaxes(1, 2) @ ((w / size**2)[..., None] * along)
+            floor = 1e-10 * np.einsum("nii->n", hessian)
+            step = -np.linalg.solve(hessian + floor[:, None, None] * np.eye(4), gradient[..., None])[..., 0]
+            length = np.ones(q.shape[0])
+            for _ in range(HALVINGS):
+                worse = ~(value(q + length[:, None] * step, eps)[0] <= total)
+                if not worse.any():
+                    break
+                length = np.where(worse, 0.5 * length, length)
+            length[worse] = 0.0
+            before, q = total, q + length[:, None] * step
+            total, v, size = value(q, eps)
+            if float((before - total).max()) <= 1e-12 * float(before.max()):
+                break
+    return value(q, 0.0)[0]
+
+
+def heathcote(scene: Scene, at: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive) -> float:
+    """Part by which Heathcote slip raises the losses of all contacts at their loads; nan where nothing is lost.
+
+    Good to about 0.002 (quadrature and regularising speeds, the same with and without curvature).
+    """
+    balls = np.flatnonzero(np.isfinite(by_ball.orbit))
+    if balls.size == 0:
+        return float("nan")
+    pressed, share = at.subset(balls), shares(friction)[0]
+    strength = share * pressed.force
+    start = np.column_stack([by_ball.orbit, by_ball.rotation])[balls]
+    seen = np.nan_to_num(by_ball.motion[balls])
+    slide = float(np.sqrt(np.max(seen[..., 0] ** 2 + seen[..., 1] ** 2 + (pressed.a * seen[..., 2]) ** 2)))
+    if slide == 0.0:
+        return float("nan")
+    flat, curved = (
+        float(least_power(*surface_speeds(scene, pressed, drive, factor), strength, start, slide).sum())
+        for factor in (0.0, 1.0)
+    )
+    return curved / flat - 1.0
+
+
+#: Motion in which the onset is told.
+NUT = Motion(1.0, "nut")
+
+
+@dataclass(frozen=True)
+class Onset:
+    """How soon balls of a static state meet, N balls in order of azimuth.
+
+    orbit (N,): angular speed over the nut's; loaded (N,): sum of contact forces [N]; gap: between neighbours at even
+    spacing [rad]; meeting (N-1,): nut angle [rad] at which neighbours meet at these speeds (inf: never).
+    """
+
+    orbit: Array
+    loaded: Array
+    gap: float
+    meeting: Array
+    converged: bool
+
+    @property
+    def first(self) -> float:
+        """Nut angle [rad] at which the first neighbours meet."""
+        return float(self.meeting.min(initial=np.inf))
+
+
+def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0) -> Onset:
+    """Onset of ball-to-ball contact at static loads, nut at 1 rad/s; idle: orbit of unloaded balls over the nominal one.
+
+    idle = 0: they do not move, as the source assumes; 1: they roll along. Speeds are those of the moment: where balls
+    go as they roll, and how loads follow, is the matter of a run in time. They do not depend on the coefficient of friction
+    and are proportional to the nut's speed. Raises ValueError for several starts, loads that did not converge, and balls
+    that do not fit.
+    """
+    if scene.track.starts != 1:
+        raise ValueError("onset of contact needs a screw with a single start")
+    path, order = ball_path(scene, NUT, scene.balls.radius), np.argsort(result.azimuth)
+    balls = ball_friction(scene, contacts_of(scene, result), Friction(1.0, 1.0), NUT, fast=True)
+    loaded = result.load[order].sum(axis=1)
+    orbit = np.where(loaded > 0.0, balls.orbit[order], idle * path.nominal_orbit)
+    gap = float(np.min(np.diff(result.azimuth[order]))) - contact_spacing(path)
+    if gap < 0.0:
+        raise ValueError("the balls of the scene overlap")
+    closing = orbit[:-1] - orbit[1:]
+    meets = closing > 1e-9
+    meeting = np.where(meets, gap / np.where(meets, closing, 1.0), np.inf)
+    return Onset(orbit=orbit, loaded=loaded, gap=gap, meeting=meeting, converged=balls.converged)

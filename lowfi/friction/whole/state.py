@@ -7,13 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.friction.whole.balls import balls_of
-from rollbench.lowfi.friction.whole.chain import chain_motion
+from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of, spread
 from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, seats_of, second_states
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, from_motions
-from rollbench.lowfi.friction.whole.settings import feeds_back, will_compile
-from rollbench.lowfi.friction.whole.torque import ScrewTorque, sum_up
+from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_up, will_compile
 from rollbench.lowfi.jit import CONTACT, afterwards, cached, loaded
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array

@@ -6,11 +6,14 @@ helix, so that any state in balance obeys T Omega + F r Omega = P exactly, P tak
 contact loads by parts of the order of mu: with P at the loads without friction T = P / Omega - r F has an error of second
 order in mu, small in preloaded four-point contact, large in two-point contact; ``ball_feedback`` takes P at loads that know
 of friction.
+
+What a scene asks of friction stands here too: whether it feeds back, and whether kernels are compiled for so many balls.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,12 +21,12 @@ import numpy as np
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Motion as Drive
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Friction, Motion, Scene
 
 if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.contacts import StaticContacts
     from rollbench.lowfi.friction.whole.losses import BallFriction
+
 
 #: Axial load over the sum of contact forces below which it is round-off: no efficiency is made of it.
 ROUND_OFF = 1e-6
@@ -104,7 +107,7 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
+def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False) -> ScrewTorque:
     """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
     coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
@@ -142,3 +145,21 @@ def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
     arm = np.einsum("nsi,nij->nsj", at.ball_radius[:, None, None] * at.normals, turn) + at.layout.centre[:, None]
     return force[..., 2], moment[..., 2] + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
+
+
+#: Motion where the scene gives none: the screw turns once a second.
+ONE_TURN = Motion(2.0 * pi)
+
+#: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
+COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
+
+
+def feeds_back(scene: Scene, friction: Friction) -> bool:
+    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
+    return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
+
+
+def will_compile(scene: Scene, friction: Friction) -> bool:
+    """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
+    often = feeds_back(scene, friction) or friction.neighbours
+    return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

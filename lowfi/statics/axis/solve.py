@@ -58,10 +58,9 @@ from rollbench.lowfi.statics.static import Engine, pick_engine
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen
-from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.roots import brentq
-from rollbench.meshes.section import BeamSection
+from rollbench.meshes.section import BeamSection, contact_stations
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
-from rollbench.meshes.partition import MERGE, between, fixed_partition, merge
 from rollbench.meshes.parts import FREEDOMS, Scene
-from rollbench.meshes.section import BeamSection, screw_section, tube_section
+from rollbench.meshes.section import MERGE, BeamSection, between, fixed_partition, merge, screw_section, tube_section
 
 Ints = NDArray[np.int64]
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.rollers.roller_slices import slice_contacts, tapered
+from rollbench.lowfi.rollers import slice_contacts, tapered
 from rollbench.lowfi.statics.axis.held import APEX, crossed
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_force
-from rollbench.lowfi.rollers.roller_slices import middles, tapered
+from rollbench.lowfi.rollers import middles, tapered
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
@@ -27,9 +27,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import SIDES, Load, Scene
-from rollbench.meshes.section import BeamSection
+from rollbench.meshes.section import BeamSection, contact_stations
 
 Ints = NDArray[np.int64]
 #: Balls of a set: where they are, and their specimen of random errors.
@@ -269,7 +268,7 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
 
 def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
     """Slices of a row on the generators of the cup, along whose normal cone and cup approach; race and rib together give
-    the cone the same line of action (`lowfi.rollers.tapered_roller`)."""
+    the cone the same line of action (`lowfi.rollers`)."""
     n, bearing = structure.nodes.size, tapered(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
     outer = -1 if rolling.housing is None else structure.row[rolling.housing]

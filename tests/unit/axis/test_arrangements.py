@@ -10,7 +10,7 @@ from rollbench.compare.scenes.axis_file import preload_of_set
 from rollbench.compare.scenes.bearing_pairs import starting_torque as torque
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
-from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
+from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
 

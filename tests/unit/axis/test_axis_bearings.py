@@ -9,12 +9,12 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.bearings import angular_contact, combined_load
-from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
-from rollbench.lowfi.rollers.tapered_roller import RollerRow as ThrustRow
+from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
+from rollbench.lowfi.rollers import TaperedRow as ThrustRow
 from rollbench.lowfi.statics.axis import elastic, held, system
 from rollbench.lowfi.statics.axis.solve import RigidSets, solve_assembly
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes import helix, partition
+from rollbench.meshes import helix, section
 from rollbench.meshes.axis import Housing, RollingSet, Segment
 from rollbench.meshes.parts import Load, Support
 
@@ -157,7 +157,7 @@ def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():
 @pytest.mark.parametrize(("away", "model"), [(9e-6, "lin"), (-9e-6, "lin"), (9e-6, "lin-source-partition")])
 def test_a_support_near_a_contact_stays_where_it_is(away, model):
     scene = MODELS[model].scene(small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0)))
-    at = float(partition.contact_stations(scene, helix.ball_layout(scene))[3, 0]) + away
+    at = float(section.contact_stations(scene, helix.ball_layout(scene))[3, 0]) + away
     scene = replace(scene, supports=(*scene.supports, Support(at, (("ux", 0.0), ("uy", 0.0)))))
     alone = solve_static(scene, engine="compiled")
     assert relative(solved(one_set(scene)).sets[0].balls.load, alone.load) < 1e-12

@@ -5,7 +5,7 @@ from tests.axes import ROLLERS, double_nut
 from tests.helpers import relative
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.rollers.line_contact import LineLaw
+from rollbench.lowfi.rollers import LineLaw
 from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, tapered
 from rollbench.lowfi.statics.kernel import rollers

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from rollbench.lowfi.bearings import angular_contact
-from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.axis import BearingSet, arrangement, equilibrium, lift_off_force, preloaded
 
 ROW = angular_contact.BallRow(angular_contact.of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
 OTHER = angular_contact.BallRow(angular_contact.of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))

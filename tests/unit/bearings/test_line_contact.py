@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.rollers.line_contact import LineLaw, between_races, half_width, pressure
+from rollbench.lowfi.rollers import LineLaw, between_races, half_width, pressure
 
 YOUNG, POISSON = 207e9, 0.3
 MODULUS = contact_modulus(YOUNG, POISSON, YOUNG, POISSON)

@@ -8,12 +8,19 @@ from scipy.integrate import quad
 from scipy.special import beta, gamma
 
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.combined_load import azimuths, by_load_zone, combined, state_at
-from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load
-from rollbench.lowfi.bearings.sets import equilibrium, preloaded
+from rollbench.lowfi.bearings.axis import equilibrium, preloaded
+from rollbench.lowfi.bearings.combined_load import azimuths, by_load_zone, combined, load_zone, state_at, zone_of_load
 from rollbench.lowfi.hertz import contact_modulus
-from rollbench.lowfi.rollers.roller_slices import SlicedRow, approach_of, circular_crown, slice_state, sliced
-from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing, roller_contacts
+from rollbench.lowfi.rollers import (
+    SlicedRow,
+    TaperedBearing,
+    TaperedRow,
+    approach_of,
+    circular_crown,
+    roller_contacts,
+    slice_state,
+    sliced,
+)
 
 B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
 THRUST = 9e3
@@ -113,7 +120,7 @@ def test_contacts_are_hertz_lines():
 
 
 def test_row_under_thrust():
-    row = RollerRow(B)
+    row = TaperedRow(B)
     u = row.deflection(THRUST)
     assert row.load(u) == pytest.approx(THRUST, rel=1e-12)
     h = 1e-5 * u
@@ -125,9 +132,9 @@ def test_row_under_thrust():
 
 def test_direct_mounting_with_preload():
     """Two rows: nearly straight, so the stiffness doubles and stays within 2 % up to half the lift-off."""
-    pair = preloaded(RollerRow(B), (1, -1), 6e3)
+    pair = preloaded(TaperedRow(B), (1, -1), 6e3)
     k = [equilibrium(pair, f).stiffness for f in (0.0, 3e3, 6e3)]
-    row = RollerRow(B)
+    row = TaperedRow(B)
     assert k[0] == pytest.approx(2.0 * row.stiffness(row.deflection(6e3)), rel=1e-9)
     assert max(k) / min(k) < 1.02
 
@@ -158,7 +165,7 @@ def test_combined_stiffness_and_force_are_derivatives():
 
 def test_pure_thrust_is_the_row():
     s = combined(B, THRUST, 0.0)
-    assert s.axial == pytest.approx(RollerRow(B).deflection(THRUST), rel=1e-10)
+    assert s.axial == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-10)
     assert s.radial == pytest.approx(0.0, abs=1e-15)
     zone = by_load_zone(B, THRUST, 0.0)
     assert zone.axial == pytest.approx(s.axial, rel=1e-12)
@@ -176,7 +183,7 @@ def test_load_zone_integrals_meet_the_rollers(radial):
 
 def test_small_radial_load_by_first_order():
     """dF_r/d(delta_r) at pure thrust: sum over the rollers of k cos^2(alpha) cos^2(psi)."""
-    row = RollerRow(B)
+    row = TaperedRow(B)
     k = row.stiffness(row.deflection(THRUST)) / (B.rollers * np.sin(B.cup_angle) ** 2)
     assert combined(B, THRUST, 1.0).radial == pytest.approx(2.0 / (B.rollers * k * np.cos(B.cup_angle) ** 2), rel=1e-5)
 
@@ -209,9 +216,9 @@ def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
     assert s.force == pytest.approx(1100.0, rel=1e-12)
     assert approach_of(r, 1100.0) == pytest.approx(d, rel=1e-12)
     row = SlicedRow(B, slices)
-    assert row.deflection(THRUST) == pytest.approx(RollerRow(B).deflection(THRUST), rel=1e-12)
-    assert row.stiffness(1e-5) == pytest.approx(RollerRow(B).stiffness(1e-5), rel=1e-12)
-    assert row.load(1e-5) == pytest.approx(RollerRow(B).load(1e-5), rel=1e-12)
+    assert row.deflection(THRUST) == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-12)
+    assert row.stiffness(1e-5) == pytest.approx(TaperedRow(B).stiffness(1e-5), rel=1e-12)
+    assert row.load(1e-5) == pytest.approx(TaperedRow(B).load(1e-5), rel=1e-12)
 
 
 def test_a_roller_on_one_apex_is_loaded_evenly():
@@ -237,7 +244,7 @@ def test_strong_crown_leaves_the_ends_unloaded():
     loaded = r.places[s.line_loads > 0.0]
     assert loaded.max() == pytest.approx(np.sqrt(0.5 * d), abs=B.length / 400)
     assert d > approach_of(sliced(B, 400), 1100.0)
-    assert SlicedRow(B, 101, circular_crown(0.5)).stiffness(2e-5) < RollerRow(B).stiffness(2e-5)
+    assert SlicedRow(B, 101, circular_crown(0.5)).stiffness(2e-5) < TaperedRow(B).stiffness(2e-5)
 
 
 def test_slices_beside_the_source_s_formulas():

@@ -14,8 +14,7 @@ from rollbench.compare.report.verify import _stable, read
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.run import Sweep
 from rollbench.compare.studies.sweep.sample import solve_sample
-from rollbench.lowfi.rating.equivalent import equivalent_life
-from rollbench.lowfi.rating.life import life, over_cases
+from rollbench.lowfi.rating.life import equivalent_life, life, over_cases
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
 OPEN = """

@@ -6,7 +6,7 @@ import os
 import pytest
 from tests.processes import python
 
-from rollbench.meshes.threads import VARIABLES
+from rollbench.meshes.processes import VARIABLES
 
 UNSET = {name: value for name, value in os.environ.items() if name not in VARIABLES}
 COUNT = """

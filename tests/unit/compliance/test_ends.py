@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames
-from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.compliance.bodies import end_response
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, smooth_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.section import tube_section

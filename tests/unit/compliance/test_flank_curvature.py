@@ -7,10 +7,16 @@ import pytest
 from scipy.special import ive
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.flank import at_size, half_space
+from rollbench.lowfi.compliance.beyond_hertz import (
+    at_size,
+    expansion,
+    half_space,
+    legendre_compliance,
+    own_compliance,
+    own_slope,
+)
 from rollbench.lowfi.compliance.groove import equal_loads, normal_load, own_motion
 from rollbench.lowfi.compliance.parts import flank_of, geometry_only
-from rollbench.lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 
 pytestmark = pytest.mark.xdist_group("flank")
 

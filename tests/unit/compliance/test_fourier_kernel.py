@@ -11,10 +11,9 @@ from tests.helpers import relative
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames, smooth_compliance
-from rollbench.lowfi.compliance.flank import half_space
+from rollbench.lowfi.compliance.beyond_hertz import expansion, half_space
 from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, smooth_body
-from rollbench.lowfi.compliance.sphere import expansion
 from rollbench.lowfi.compliance.tube import (
     Points,
     Tube,

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.shaft.helical_section import helical_stiffness
-from rollbench.lowfi.compliance import cell
-from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
+from rollbench.hifi.shaft.section import helical_stiffness
+from rollbench.lowfi.compliance import tube
 from rollbench.lowfi.compliance.fourier import Body, tube_grid
 from rollbench.lowfi.compliance.groove import smooth_radius
 from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
+from rollbench.lowfi.compliance.tube import cell_grid, cell_section, groove_line, stiffness_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 
@@ -48,7 +48,7 @@ def test_plain_cell_is_exact(bore):
 @pytest.mark.parametrize("screw", [True, False], ids=["screw", "nut"])
 def test_refinement(screw):
     flank = flank_of(geometry_only(SCENE), screw)
-    meshes = [(4, 3, 4), cell.MESH, (16, 10, 16)]
+    meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
     found = [constants(cell_grid(flank.map, flank.land, flank.far, screw, mesh)) for mesh in meshes]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=4e-4)

@@ -11,8 +11,8 @@ from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space
 from rollbench.lowfi.compliance.bodies import forget
-from rollbench.lowfi.compliance.flank import NARROW, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, solved
 from rollbench.lowfi.compliance.groove import equal_loads, harmonics_to, own_motion
 from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body

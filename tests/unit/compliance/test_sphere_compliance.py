@@ -8,8 +8,14 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from scipy.special import eval_legendre
 
+from rollbench.lowfi.compliance.beyond_hertz import (
+    MEAN_LOG,
+    expansion,
+    legendre_compliance,
+    own_compliance,
+    sphere_compliance,
+)
 from rollbench.lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines
-from rollbench.lowfi.compliance.sphere import MEAN_LOG, expansion, legendre_compliance, own_compliance, sphere_compliance
 from rollbench.meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3

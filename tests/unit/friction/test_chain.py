@@ -7,10 +7,9 @@ import pytest
 from scipy.optimize import linprog
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.ellipse import contacts, friction
+from rollbench.lowfi.friction.contact.laws import contacts, friction
 from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations, diagonal_loads, directions, semi_axes
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.pair import maps, pair_state, solve_pair
+from rollbench.lowfi.friction.linear.chain import maps, pair_state, prepare, solve_linear_chain, solve_pair
 
 BEARING = source_cases.linear().bearing
 ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)

@@ -8,7 +8,7 @@ import pytest
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import balanced_loads
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
-from rollbench.lowfi.friction.linear.kernel import equations, newton, path
+from rollbench.lowfi.friction.linear.kernel import equations, motion
 from rollbench.lowfi.friction.linear.kernel_types import ChainPoint, Smoothing, Work
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
@@ -26,7 +26,7 @@ def random_chain(count, seed, mu_balls=0.5, bare=0.0):
 def follow(chain, monkeypatch=None):
     """Forces at the path's end over the friction bound, and how often s turned on the way."""
     count = chain.count
-    n, slopes, tangent = 4 * count, [], path._tangent
+    n, slopes, tangent = 4 * count, [], motion._tangent
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     work = Work(np.empty((n, equations.WIDTH)), np.empty((n, equations.FILLED)), np.empty(n), np.empty(n), np.zeros(n))
     equations.rebuild(chain.problem, point)
@@ -37,11 +37,11 @@ def follow(chain, monkeypatch=None):
         return sign
 
     if monkeypatch is not None:
-        monkeypatch.setattr(path, "_tangent", record)
-    _, good = path.trace(chain.problem, point, CREEP, work, 5000)
+        monkeypatch.setattr(motion, "_tangent", record)
+    _, good = motion.trace(chain.problem, point, CREEP, work, 5000)
     assert good
     equations.reopen(point, CREEP)
-    _, left = newton.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
+    _, left = equations.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
     assert left <= 1e-9
     return np.maximum(point.z, 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
 

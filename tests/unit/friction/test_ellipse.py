@@ -8,7 +8,10 @@ from scipy.integrate import quad_vec
 from scipy.special import ellipe
 from tests.friction_oracles import pure_spin_moment
 
-from rollbench.lowfi.friction.contact.ellipse import (
+from rollbench.lowfi.friction.contact.laws import (
+    Coulomb,
+    Regularised,
+    Sigmoid,
     about_point,
     contacts,
     cubic_factor,
@@ -17,7 +20,6 @@ from rollbench.lowfi.friction.contact.ellipse import (
     linear_error,
     linear_factor,
 )
-from rollbench.lowfi.friction.contact.laws import Coulomb, Regularised, Sigmoid
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 RATIOS = (1.0, 1.0 - 1e-9, 0.97, 0.6, 0.17, 1.0 / 30.0)

@@ -8,8 +8,7 @@ from scipy.optimize import minimize
 from tests.helpers import small_screw, solved
 
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, contact_axes
-from rollbench.lowfi.friction.whole.heathcote import heathcote, least_power, quadrature
-from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.whole.losses import ball_path, heathcote, least_power, quadrature
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.helix import groove_radii
 from rollbench.meshes.parts import Friction, Motion

@@ -9,8 +9,8 @@ from scipy.optimize import minimize
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction
 from rollbench.compare.studies.friction.whole import Choices
-from rollbench.lowfi.friction.as_source.linear import linear_balls
-from rollbench.lowfi.friction.contact.ellipse import dissipation
+from rollbench.lowfi.friction.as_source.chain import linear_balls
+from rollbench.lowfi.friction.contact.laws import dissipation
 from rollbench.lowfi.friction.linear.bearing import elastic_loads
 from rollbench.lowfi.friction.linear.chain import prepare, second_state, solve_linear_chain
 

@@ -9,8 +9,8 @@ from scipy.special import ellipe
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
-from rollbench.lowfi.friction.linear import analytic
+from rollbench.lowfi.friction.contact.laws import contacts, dissipation
+from rollbench.lowfi.friction.linear import bearing
 from rollbench.lowfi.friction.linear.bearing import (
     balanced_loads,
     deviations,
@@ -19,9 +19,8 @@ from rollbench.lowfi.friction.linear.bearing import (
     elastic_loads,
     mated_top,
 )
-from rollbench.lowfi.friction.linear.chain import contact_shape, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
-from rollbench.lowfi.friction.linear.pair import pair_formulas
 
 BEARING = source_cases.linear().bearing
 
@@ -101,7 +100,7 @@ def test_velocity_formula_against_brute_force(nominal):
     exact = 2.0 * x[0] - 1.0
     shift = shifts(bearing, turn, loads, k_f=1.4)
     assert deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
-    assert analytic.velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
+    assert bearing.velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
     assert mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
     rows, right = no_slip_matrix(angles)
     sliding, spin = rows @ x - right, directions(angles) @ x[1:]
@@ -135,11 +134,11 @@ def test_force_formula_against_brute_force(nominal):
 
     roll = 0.5 / np.cos(bearing.contact_angle)
     exact = fsolve(balance, np.array([0.5, roll, 1e-5, roll, 1e-5, 1e-3]), xtol=1e-13)[5]
-    epsilon = analytic.velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    epsilon = bearing.velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     assert exact > 0.0
-    force = analytic.ball_force(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
+    force = bearing.ball_force(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
     assert force == pytest.approx(exact, rel=3e-3)
-    assert analytic.ball_force(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
+    assert bearing.ball_force(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
 
 
 def test_rubbing_speed_and_loss():
@@ -148,14 +147,14 @@ def test_rubbing_speed_and_loss():
     omega = np.array([0.5 * bearing.speed / (bearing.ball_radius * np.cos(0.6)), 0.0, 0.0])
     z = np.array([0.0, 0.0, bearing.ball_radius])
     speed = np.linalg.norm(np.cross(omega, z) - np.cross(omega, -z))
-    assert analytic.sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
-    assert analytic.ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
+    assert bearing.sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
+    assert bearing.ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
     loads = diagonal_loads(100.0, np.array([0.2]))
     numerical = solve_linear_chain(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
-    assert analytic.spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
+    assert bearing.spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 
 def forces_on_ball(angles, loads):
@@ -183,7 +182,7 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     bottom = rng.uniform(-0.05, 0.05, (20, 2))
     turn = np.concatenate([bottom, mated_top(bottom)], axis=1)
     up, down = rng.uniform(1.0, 100.0, (2, 20))
-    np.testing.assert_allclose(analytic.velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
+    np.testing.assert_allclose(bearing.velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
     np.testing.assert_array_equal(deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0

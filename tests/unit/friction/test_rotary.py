@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.bearing.rotary import (
+from rollbench.lowfi.friction.bearing import (
     AXIAL,
     INNER,
     RADIAL,
@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.bearing.rotary import (
     motion_problem,
     solve_ball,
 )
-from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
+from rollbench.lowfi.friction.contact.laws import contacts, dissipation
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.screw.motion import source_law
 

@@ -11,15 +11,14 @@ from tests.helpers import SCREW_STATES as STATES
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi import jit
-from rollbench.lowfi.friction.bearing.rotary import solve_ball
+from rollbench.lowfi.friction.bearing import solve_ball
 from rollbench.lowfi.friction.contact.rings import cell_state
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.pair import pair_state
-from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
+from rollbench.lowfi.friction.linear.chain import pair_state
+from rollbench.lowfi.friction.linear.chain import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
-from rollbench.lowfi.friction.screw.load import load_arrays, settle_load
-from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
+from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, load_arrays, settle_load, source_law
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)

@@ -7,10 +7,9 @@ import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
-from rollbench.lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
-from rollbench.lowfi.friction.screw.load import settle_load
-from rollbench.lowfi.friction.screw.motion import feedback, hold_screw
-from rollbench.lowfi.friction.screw.pair import BOTH, Pair, solve_pair
+from rollbench.lowfi.friction.screw.chain import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
+from rollbench.lowfi.friction.screw.motion import feedback, hold_screw, settle_load
+from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
 FOLD = (0.0011870711354544847, 1.1600932507239492e-07, (2.7421699016943855, 0.6621765470335923), 0.06644672659308906)

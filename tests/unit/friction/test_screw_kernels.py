@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain
-from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.coupled import solve_joint
-from rollbench.lowfi.friction.screw.load import settle_load
-from rollbench.lowfi.friction.screw.motion import hold_screw
+from rollbench.lowfi.friction.screw.chain import Chain, solve_chain, solve_joint
+from rollbench.lowfi.friction.screw.motion import hold_screw, settle_load
 
 TWO = np.radians(2.0)
 SLACK = np.array([0.0, np.inf])

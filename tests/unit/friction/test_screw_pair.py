@@ -8,12 +8,11 @@ from scipy.optimize import minimize
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
-from rollbench.lowfi.friction.contact.ellipse import dissipation
+from rollbench.lowfi.friction.contact.laws import dissipation
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from rollbench.lowfi.friction.screw.load import settle_load
-from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts
-from rollbench.lowfi.friction.screw.pair import BOTH, implied_load, oversize_map, sliding_speed, solve_pair
+from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts, settle_load
+from rollbench.lowfi.friction.screw.run import BOTH, implied_load, oversize_map, sliding_speed, solve_pair
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)

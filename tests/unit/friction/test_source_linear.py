@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.as_source.chain import solve_by_root
-from rollbench.lowfi.friction.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
+from rollbench.lowfi.friction.as_source.chain import (
+    linear_balls,
+    linear_law,
+    linear_pair_by_root,
+    solve_by_root,
+    solve_linear_by_root,
+)
 from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.pair import pair_state, solve_pair
+from rollbench.lowfi.friction.linear.chain import pair_state, prepare, solve_linear_chain, solve_pair
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)

@@ -7,7 +7,7 @@ from tests.helpers import small_screw
 from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.bodies import whole_body
 from rollbench.lowfi.compliance.parts import REFINED
-from rollbench.lowfi.friction.whole.travelling import APART, WINDOW, Travelling
+from rollbench.lowfi.friction.whole.run import APART, WINDOW, Travelling
 from rollbench.lowfi.statics.nominal import elastic_loads
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
@@ -26,9 +26,7 @@ def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(scre
     travelling = Travelling(WINDOW)
     travelling(SCENE, moved(0.0), screw, REFINED, (0, 1))
     calls = []
-    monkeypatch.setattr(
-        "rollbench.lowfi.friction.whole.travelling.whole_body", lambda *a: calls.append(a) or whole_body(*a)
-    )
+    monkeypatch.setattr("rollbench.lowfi.friction.whole.run.whole_body", lambda *a: calls.append(a) or whole_body(*a))
     for share in (0.2, 0.5, 0.9):
         place = moved(share * WINDOW)
         exact = whole_body(SCENE, place, screw, REFINED, (0, 1))

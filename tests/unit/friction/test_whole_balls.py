@@ -9,7 +9,7 @@ from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_3_6
-from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.whole.contacts import contacts_of

@@ -13,11 +13,10 @@ from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.load import settle_load
+from rollbench.lowfi.friction.screw.motion import settle_load
 from rollbench.lowfi.friction.screw.run import run_cell
 from rollbench.lowfi.friction.screw.travel import simulate
-from rollbench.lowfi.friction.whole.balls import balls_of
-from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
+from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion, grooves_of
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads

@@ -4,7 +4,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.bodies import submodel
+from rollbench.hifi.bodies import coarse
 from rollbench.meshes.cache import Cache
 
 
@@ -17,12 +17,12 @@ def small_cache(tmp_path_factory):
 def _one_submodel():
     """One mesh of each submodel: a mean over several changes no field and no balance."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(submodel, "REALISATIONS", 1)
+        patch.setattr(coarse, "REALISATIONS", 1)
         yield
 
 
 @pytest.fixture(scope="session")
 def small(small_cache):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(submodel, "REALISATIONS", 1)
+        patch.setattr(coarse, "REALISATIONS", 1)
         return setup.prepare(two_balls(), (0, 3), SMALL, cache=small_cache)

@@ -10,8 +10,7 @@ from scipy import sparse
 from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
-from rollbench.hifi.contact.balls import State, press, solve_balls
-from rollbench.hifi.contact.compliance import coupled, plain, uncoupled
+from rollbench.hifi.contact.balls import State, coupled, plain, press, solve_balls, uncoupled
 
 #: Compliance [m/N] and gaps [m] of a real contact's size.
 SOFT, GAP = 1e-8, 1e-6

@@ -7,8 +7,8 @@ import pytest
 import scipy.sparse as sp
 from tests.fe_meshes import cube, freedoms, stiffness
 
-from rollbench.hifi.linear_algebra import dissection
-from rollbench.hifi.linear_algebra.dissection import supernodes
+from rollbench.hifi import linear_algebra
+from rollbench.hifi.linear_algebra import supernodes
 
 
 def grid(n: int) -> sp.csc_matrix:
@@ -41,7 +41,7 @@ def filled(K: sp.csc_matrix, order: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("leaf", [1, 6, 32])
 @pytest.mark.parametrize("matrix", [grid(5), body(), apart()], ids=["grid", "body", "apart"])
 def test_the_supernodes_hold_the_factor_and_little_more(matrix, leaf, monkeypatch):
-    monkeypatch.setattr(dissection, "LEAF", leaf)
+    monkeypatch.setattr(linear_algebra, "LEAF", leaf)
     nodes = supernodes(matrix)
     n = matrix.shape[0]
     np.testing.assert_array_equal(np.sort(nodes.order), np.arange(n))

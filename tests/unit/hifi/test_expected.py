@@ -9,9 +9,8 @@ from tests.helpers import small_screw
 from rollbench.compare.models.study import with_groove
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.meshing.expected import ExpectedContacts, closing, expected_contacts, hertz_units
-from rollbench.hifi.meshing.fit import socket_size
-from rollbench.hifi.meshing.settings import Settings, rounded
+from rollbench.hifi.meshing.part_meshes import socket_size
+from rollbench.hifi.meshing.settings import ExpectedContacts, Settings, closing, expected_contacts, hertz_units, rounded
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support

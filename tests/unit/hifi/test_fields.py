@@ -11,10 +11,9 @@ from tests.helpers import relative, small_screw
 from rollbench.hifi import fields as recovered
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.hifi.meshing.expected import expected_contacts
+from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.meshing.part_meshes import mesh_parts
-from rollbench.hifi.meshing.settings import Settings, rounded
+from rollbench.hifi.meshing.settings import Settings, expected_contacts, rounded
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache

@@ -8,9 +8,8 @@ from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
 
 from rollbench.hifi.bodies.coarse import rigid_loads
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.assembly import CurvedMap, assemble, faces, nodal_areas, rule, tensor
-from rollbench.hifi.elements.forms import elasticity, hooke
+from rollbench.hifi.elements import forms
+from rollbench.hifi.elements.forms import CurvedMap, assemble, elasticity, faces, hooke, nodal_areas, rule, tensor
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import freedoms_on, mesh_of, moved, nodes_on, points_of, tensor_grid
 
@@ -53,7 +52,7 @@ def test_fast_assembly_is_scikit_fems_own_and_elasticity_hookes_law(curved, monk
     assert K.shape == (curved.doflocs.size,) * 2
     assert abs(K - K.T).max() < 1e-15 * abs(K).max()
     assert K.copy().has_sorted_indices
-    monkeypatch.setattr(assembly, "CHUNK_BYTES", 1.0)
+    monkeypatch.setattr(forms, "CHUNK_BYTES", 1.0)
     assert abs(K - assemble(form, curved)).max() < 1e-14 * abs(K).max()
 
 

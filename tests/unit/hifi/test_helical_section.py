@@ -7,8 +7,7 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.beam import round_section
-from rollbench.hifi.shaft.cell import meshed_shaft
-from rollbench.hifi.shaft.helical_section import helical_stiffness
+from rollbench.hifi.shaft.section import helical_stiffness, meshed_shaft
 from rollbench.meshes.groove_map import GrooveMap
 
 SCENE = catalogue.scene("lin-case1")

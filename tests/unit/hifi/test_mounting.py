@@ -8,10 +8,9 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.shaft.beam import beam_stiffness, round_section
-from rollbench.hifi.shaft.cut import at_high, at_low
-from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
 from rollbench.hifi.shaft.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
+from rollbench.hifi.shaft.section import at_high, at_low
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 

@@ -8,8 +8,8 @@ from tests.fe_meshes import jacobians, volume
 from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, patch, places, socket, tets
 
 from rollbench.hifi.bodies.patch import build_patch, build_tet_patch, field
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements import forms
+from rollbench.hifi.elements.forms import mean_weights
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 
@@ -93,7 +93,7 @@ def test_contact_weights_share_out_the_zone(kind, where):
     assert (abs(c.weights - mesh.weights)).max() == 0.0
     over = np.asarray(mesh.weights.sum(axis=0)).ravel()
     assert over.sum() == pytest.approx(mesh.areas.sum(), rel=1e-12)
-    nodal = assembly.nodal_areas(mesh.mesh, "surface")[mesh.contact]
+    nodal = forms.nodal_areas(mesh.mesh, "surface")[mesh.contact]
     np.testing.assert_allclose(over[~mesh.rim], nodal[~mesh.rim], rtol=1e-6)
     assert (over[mesh.rim] < nodal[mesh.rim]).all()
     assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0

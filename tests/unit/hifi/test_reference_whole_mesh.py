@@ -10,20 +10,15 @@ from scipy.linalg import block_diag
 from tests.helpers import sockets_of
 from tests.two_balls import SMALL
 
-from rollbench.hifi import condensed, contact_kinematics, coupling, reference
+from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import freedoms, isostatic
 from rollbench.hifi.bodies.patch import hat_rows
-from rollbench.hifi.condensation import responses
-from rollbench.hifi.contact.balls import State, solve_balls
-from rollbench.hifi.contact.compliance import uncoupled
-from rollbench.hifi.elements.assembly import assemble
-from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.hifi.linear_algebra.solvers import compliance
+from rollbench.hifi.contact.balls import State, solve_balls, uncoupled
+from rollbench.hifi.elements.forms import assemble, elasticity, mean_weights
+from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing import part_meshes
-from rollbench.hifi.meshing.fit import ball_place
-from rollbench.hifi.meshing.part_meshes import placed
+from rollbench.hifi.meshing.part_meshes import ball_place, placed
 from rollbench.meshes import ball_body
 from rollbench.meshes.sockets import local_points
 
@@ -74,8 +69,8 @@ def bodies(small, meshes):
     """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
     out, scene, high = {}, small.scene, small.dims.ends(small.scene)[1]
     for name, side, mesh, material, held in (
-        ("screw", 0, meshes.screw, scene.screw.material, responses.screw_transform(meshes.screw, small.dims, high)),
-        ("nut", 3, meshes.nut, scene.nut.material, responses.nut_transform(meshes.nut, small.dims)),
+        ("screw", 0, meshes.screw, scene.screw.material, condensation.screw_transform(meshes.screw, small.dims, high)),
+        ("nut", 3, meshes.nut, scene.nut.material, condensation.nut_transform(meshes.nut, small.dims)),
     ):
         groove, hats = patch(small, meshes, side)
         parts = [(groove, hats, s.nodes, s.rotation) for s in placed(mesh, sockets_of(scene, (side,)))]
@@ -133,10 +128,10 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
-    by_screw = contact_kinematics.rigid_rows(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = coupling.rigid_rows(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
     by_screw = sp.block_diag([mean, mean]) @ by_screw
     directions = np.stack([mean @ d for d in directions])
-    N = contact_kinematics.directions_matrix([directions], by_screw @ mounted.motions)
+    N = coupling.directions_matrix([directions], by_screw @ mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
     start = State(np.zeros(0), frozen.contact.motions * 1.01)

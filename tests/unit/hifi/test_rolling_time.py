@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair
 
-from rollbench.hifi.rolling.balls import Choices, solve_rolling
-from rollbench.hifi.rolling.loads import Cell, cell_loads
+from rollbench.hifi.rolling.balls import Choices, run_from_rest, solve_rolling
 from rollbench.hifi.rolling.patch import hertz_patch
-from rollbench.hifi.rolling.transient import run_from_rest
+from rollbench.hifi.rolling.scenes import Cell, cell_loads
 from rollbench.hifi.rolling.verification import Creep, onset, steady_by_cells
 
 GRID = Choices((8, 8))

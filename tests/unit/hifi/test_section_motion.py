@@ -5,12 +5,11 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies.coarse import end_transform
-from rollbench.hifi.condensation.responses import section_motion
-from rollbench.hifi.elements.assembly import assemble
-from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.condensation import section_motion
+from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra.solvers import compliance
-from rollbench.hifi.shaft.helical_section import helical_stiffness
+from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.shaft.section import helical_stiffness
 from rollbench.meshes.fem import points_of
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap

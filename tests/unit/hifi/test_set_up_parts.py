@@ -8,7 +8,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.condensation.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, make
 from rollbench.meshes.cache import Cache
 
 pytestmark = pytest.mark.xdist_group("helped by processes")

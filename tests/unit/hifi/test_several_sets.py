@@ -8,8 +8,7 @@ from tests.two_balls import SMALL
 
 from rollbench.compare.reference.tasks import balls_of
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.expected import expected_by_set, expected_contacts
-from rollbench.hifi.meshing.settings import Settings, rounded
+from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_contacts, rounded
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.hifi.several_sets import bodies_of, solve_sets

@@ -12,8 +12,8 @@ from tests.two_balls import SMALL, two_balls
 from rollbench.hifi.bodies.coarse import patch_modes
 from rollbench.hifi.bodies.grid_wave import approaches_at, grid_wave, periodic_approaches, resolved_forces
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.condensation.sides import condense_side, congruent, side_of, turned
-from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.condensation import condense_side, congruent, side_of, turned
+from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout

@@ -5,8 +5,8 @@ import pytest
 import scipy.sparse as sp
 from tests.fe_meshes import cube, distorted, freedoms, stiffness
 
-from rollbench.hifi.linear_algebra import solvers
-from rollbench.hifi.linear_algebra.solvers import FactorError, compliance, factor, gram
+from rollbench.hifi import linear_algebra
+from rollbench.hifi.linear_algebra import FactorError, compliance, factor, gram
 
 pytestmark = pytest.mark.xdist_group("solvers")
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.xdist_group("solvers")
 @pytest.fixture(params=["fronts", "splu"])
 def _method(request, monkeypatch):
     """How matrices of any size are solved."""
-    monkeypatch.setattr(solvers, "SMALL", 0 if request.param == "fronts" else 10**6)
+    monkeypatch.setattr(linear_algebra, "SMALL", 0 if request.param == "fronts" else 10**6)
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +51,12 @@ def test_solution_is_the_dense_one_and_matrices_that_are_not_positive_definite_a
 @pytest.mark.parametrize("small", [0, 3_000])
 @pytest.mark.parametrize("columns", [1, 40])
 def test_gram_is_dense_algebra(held, small, columns, monkeypatch):
-    monkeypatch.setattr(solvers, "SMALL", small)
+    monkeypatch.setattr(linear_algebra, "SMALL", small)
     B = sp.random(held.shape[0], columns, 0.05, random_state=1, format="csc")
     exact = B.T @ np.linalg.solve(held.toarray(), B.toarray())
     with monkeypatch.context() as patch:
         if small == 0:
-            patch.setattr(solvers, "factor", None)  # front by front no factor is held
+            patch.setattr(linear_algebra, "factor", None)  # front by front no factor is held
         np.testing.assert_allclose(gram(held, B), exact, atol=1e-12 * abs(exact).max())
     with pytest.raises(FactorError, match="not positive definite"):
         gram(shifted(held), B)
@@ -88,7 +88,7 @@ def loads(size, columns):
 
 @pytest.fixture
 def _streamed(monkeypatch):
-    monkeypatch.setattr(solvers, "SMALL", 0)
+    monkeypatch.setattr(linear_algebra, "SMALL", 0)
 
 
 @pytest.mark.usefixtures("_streamed")
@@ -113,7 +113,7 @@ def test_a_body_that_is_not_held_is_refused(held):
 def test_a_known_answer_that_is_missed_is_said_and_a_factor_serves(monkeypatch):
     K, B = body(5), loads(375, 12)
     expected = gram(K, B)
-    real = solvers.gram_by_fronts
-    monkeypatch.setattr(solvers, "gram_by_fronts", lambda *a: 1.001 * real(*a))
+    real = linear_algebra.gram_by_fronts
+    monkeypatch.setattr(linear_algebra, "gram_by_fronts", lambda *a: 1.001 * real(*a))
     with pytest.warns(RuntimeWarning, match="a known answer is missed by 0.001 front by front"):
         np.testing.assert_allclose(gram(K, B), expected, atol=1e-12 * np.abs(expected).max())

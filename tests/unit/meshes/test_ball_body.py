@@ -7,7 +7,7 @@ import pytest
 from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import small_screw
 
-from rollbench.meshes import groove_map, quality
+from rollbench.meshes import fem, groove_map
 from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
 from rollbench.meshes.sockets import SocketSize, local_points
 
@@ -64,7 +64,7 @@ def test_ball(beta, sides):
     m = groove_map.GrooveMap.of(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)
     mesh = build_ball(m, sockets, 0.55e-3, 1.2e-3)
-    assert quality.scaled_jacobians(mesh.mesh).min() > 0.02
+    assert fem.scaled_jacobians(mesh.mesh).min() > 0.02
     assert mesh.quality.smallest > 0.04
     faces, count = outer_faces(mesh.cells)
     assert count.max() == 2

@@ -10,7 +10,7 @@ import pytest
 import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
-from rollbench.meshes import gmsh_session
+from rollbench.meshes import shell
 from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, reduced, write_mesh
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, points_of
 
@@ -25,7 +25,7 @@ FACES_27 = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3)
 
 @pytest.fixture
 def gmsh():
-    with gmsh_session.session() as program:
+    with shell.session() as program:
         yield program
 
 

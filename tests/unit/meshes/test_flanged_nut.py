@@ -7,10 +7,9 @@ import pytest
 from tests.fe_meshes import area_of, outer_faces, volume_of
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation.responses import nut_transform
-from rollbench.hifi.elements.assembly import assemble
-from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.hifi.condensation import nut_transform
+from rollbench.hifi.elements.forms import assemble, elasticity
+from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.exchange.whole_bodies import Refinement, whole_body
 from rollbench.meshes.fem import nodes_on, points_of
 from rollbench.meshes.groove import BodySpec, outline

@@ -8,12 +8,12 @@ import sys
 import gmsh
 import pytest
 
-from rollbench.meshes.gmsh_session import RESET, session
+from rollbench.meshes.shell import RESET, session
 
 #: Sends this process what gmsh resets, in a session and after it, and counts what its own handlers are told.
 PROGRAM = """
 import os, signal
-from rollbench.meshes.gmsh_session import RESET, session
+from rollbench.meshes.shell import RESET, session
 came, numbers = [], [getattr(signal, name) for name in RESET]
 for number in numbers:
     signal.signal(number, lambda n, _: came.append(n))

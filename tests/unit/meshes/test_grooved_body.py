@@ -8,13 +8,12 @@ from tests.fe_meshes import area_of, outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.fem import nodes_on, scaled_jacobians
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Nut, Screw, Track
-from rollbench.meshes.quality import scaled_jacobians
 from rollbench.meshes.sockets import SocketSize, local_points, socket_points
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")

@@ -9,10 +9,10 @@ from tests.fe_meshes import volume as volume_of_cells
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.whole_bodies import HalfRing
+from rollbench.meshes.fem import arc_deviation
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.quality import arc_deviation
 from rollbench.meshes.shell import Shell
 from rollbench.meshes.sockets import SocketSize
 

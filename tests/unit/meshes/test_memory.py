@@ -7,26 +7,26 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from rollbench.meshes import memory
+from rollbench.meshes import processes
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started again on Linux only")
 def test_every_piece_of_work_has_its_own_peak() -> None:
-    assert memory.reset_peak()
-    before = memory.peak_MB()
+    assert processes.reset_peak()
+    before = processes.peak_MB()
     np.ones(40_000_000).sum()
-    large = memory.peak_MB()
-    assert memory.reset_peak()
+    large = processes.peak_MB()
+    assert processes.reset_peak()
     np.ones(5_000_000).sum()
-    small = memory.peak_MB()
+    small = processes.peak_MB()
     assert None not in (before, large, small)
     assert large - before > 250.0
     assert small < large - 200.0
 
 
 def test_a_record_that_was_not_started_anew_is_not_quoted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "_stale", False)
+    monkeypatch.setattr(processes, "_stale", False)
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_text", Mock(side_effect=PermissionError))
-        assert not memory.reset_peak()
-    assert memory.peak_MB() is None
+        assert not processes.reset_peak()
+    assert processes.peak_MB() is None

@@ -7,7 +7,7 @@ import pytest
 from skfem import MeshTet2
 from tests.fe_meshes import KINDS, LOCAL, jacobians
 
-from rollbench.meshes import quality
+from rollbench.meshes import fem
 from rollbench.meshes.fem import mesh_of, moved, points_of
 
 pytestmark = pytest.mark.xdist_group("shaken meshes")
@@ -47,7 +47,7 @@ def test_scaled_jacobians_have_the_sign_of_scikit_fems_determinant(shaken, kind)
     points, cells = shaken[kind]
     mesh, _ = mesh_of(points, cells, kind)
     det = mesh.mapping().detDF(mesh.elem.doflocs.T).min(axis=1)
-    found = quality.scaled_jacobians(mesh)
+    found = fem.scaled_jacobians(mesh)
     np.testing.assert_array_equal(np.sign(found), np.sign(det))
     assert np.abs(found).max() <= 1.0 + 1e-12
     assert (found > 0.0).any()
@@ -69,7 +69,7 @@ def test_measure_counts_and_places_the_worst_cell():
     flat = REGULAR.copy()
     flat[3] = flat[:3].mean(axis=0) + 0.02 * (flat[3] - flat[:3].mean(axis=0))
     points = np.concatenate([REGULAR, REGULAR + 5.0, flat - 5.0])
-    found = quality.measure(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
+    found = fem.measure(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
     assert (found.cells, found.nodes, found.worst) == (3, 12, 2)
     assert found.median == pytest.approx(1.0)
     assert 0.0 < found.smallest < 0.1
@@ -78,10 +78,10 @@ def test_measure_counts_and_places_the_worst_cell():
 
 @pytest.mark.parametrize("smallest", [-0.2, 0.0])
 def test_bad_mesh_is_refused_with_place_and_remedy_and_a_good_one_is_not(smallest):
-    bad = quality.Quality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
+    bad = fem.Quality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
     with pytest.raises(ValueError, match=r"screw: cell 4 of 10 at r = 5 mm, z = 100 mm.*inside out.*smaller element sizes"):
-        quality.refuse_bad(bad, "screw")
-    quality.refuse_bad(replace(bad, smallest=0.06), "screw")
+        fem.refuse_bad(bad, "screw")
+    fem.refuse_bad(replace(bad, smallest=0.06), "screw")
 
 
 def bent(by):
@@ -97,10 +97,10 @@ def bent(by):
 
 def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
     mesh, surface = bent(0.1)
-    np.testing.assert_array_equal(quality.untangle(mesh, surface).doflocs, mesh.doflocs)
+    np.testing.assert_array_equal(fem.untangle(mesh, surface).doflocs, mesh.doflocs)
     mesh, surface = bent(0.62)
-    assert quality.scaled_jacobians(mesh).min() < 0.0
-    after = quality.untangle(mesh, surface)
-    assert quality.scaled_jacobians(after).min() > 0.02
+    assert fem.scaled_jacobians(mesh).min() < 0.0
+    after = fem.untangle(mesh, surface)
+    assert fem.scaled_jacobians(after).min() > 0.02
     np.testing.assert_array_equal(after.doflocs[:, surface], mesh.doflocs[:, surface])
     np.testing.assert_array_equal(after.doflocs[:, :5], mesh.doflocs[:, :5])  # corners stay

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from rollbench.meshes import near, roots
+from rollbench.meshes import numerics
 
 
 def test_roots_are_those_of_scipy() -> None:
@@ -18,20 +18,22 @@ def test_roots_are_those_of_scipy() -> None:
             return float(np.polyval(c, x) + c[0] * np.exp(x))
 
         if f(low) * f(high) < 0.0:
-            assert roots.brentq(f, low, high, xtol=tolerance) == optimize.brentq(f, low, high, xtol=tolerance, maxiter=300)
+            assert numerics.brentq(f, low, high, xtol=tolerance) == optimize.brentq(
+                f, low, high, xtol=tolerance, maxiter=300
+            )
             compared += 1
 
 
 def test_a_step_is_bisected_and_one_sign_is_refused() -> None:
     f = lambda x: -1.0 if x < 0.3 else 1.0  # noqa: E731
-    assert roots.brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
+    assert numerics.brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
     with pytest.raises(ValueError, match="different signs"):
-        roots.brentq(lambda x: x + 2.0, 0.0, 1.0)
+        numerics.brentq(lambda x: x + 2.0, 0.0, 1.0)
 
 
 def test_near_points_with_and_without_a_tree(monkeypatch: pytest.MonkeyPatch) -> None:
     points = np.random.default_rng(2).normal(size=(60, 3))
-    dense = near.close_pairs(points, 0.8)
-    monkeypatch.setattr(near, "FEW", 0)
+    dense = numerics.close_pairs(points, 0.8)
+    monkeypatch.setattr(numerics, "FEW", 0)
     assert len(dense) > 20
-    assert np.array_equal(near.close_pairs(points, 0.8), dense)
+    assert np.array_equal(numerics.close_pairs(points, 0.8), dense)

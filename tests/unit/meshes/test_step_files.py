@@ -6,14 +6,14 @@ import pytest
 from rollbench.compare.commands.export import run_step
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.export import placed_sets
-from rollbench.meshes import gmsh_session
+from rollbench.meshes import shell
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 
 
 def volumes(path):
     """Sorted volumes [mm3] of a file's solids, and how many surfaces it has."""
-    with gmsh_session.session() as gmsh:
+    with shell.session() as gmsh:
         gmsh.model.occ.importShapes(str(path))
         gmsh.model.occ.synchronize()
         return sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(3)), len(gmsh.model.getEntities(2))

@@ -12,7 +12,7 @@ import pytest
 PARENT = """
 import os, sys, time
 from joblib import Parallel, delayed
-from rollbench.meshes.workers import local
+from rollbench.meshes.processes import local
 def work(k):
     os.write(1, f"{os.getpid()}\\n".encode())
     if k == 0:
@@ -23,7 +23,7 @@ with local():
 """
 #: Parts of a set-up, of which a helper makes the first and the parent the other, for so many seconds.
 SET_UP = """
-from rollbench.hifi.condensation.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, make
 from rollbench.meshes.cache import Cache
 work = "print(__import__('os').getpid(), flush=True), __import__('time').sleep({})"
 make([Job("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OWN)], Cache(None), 2)

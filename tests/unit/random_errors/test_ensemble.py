@@ -5,8 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.lowfi.random_errors.chain import LAWS, Chain, solve_chain
-from rollbench.lowfi.random_errors.ensemble import QUANTITIES, draw_errors, percentile, solve_ensemble, solve_errors
+from rollbench.lowfi.random_errors.chain import (
+    LAWS,
+    QUANTITIES,
+    Chain,
+    draw_errors,
+    percentile,
+    solve_chain,
+    solve_ensemble,
+    solve_errors,
+)
 
 CHAIN = Chain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
 LOADS = [100.0, 1000.0]

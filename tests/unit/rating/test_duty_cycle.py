@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, halves
-from rollbench.lowfi.rating.life import contact_capacity, life, over_cases, rating
+from rollbench.lowfi.rating.life import PARTING, contact_capacity, equivalent_life, halves, life, over_cases, rating
 from rollbench.meshes.parts import Errors, Load, Scene
 
 SCREW = replace(catalogue.scene("lin-case1"), friction=None)

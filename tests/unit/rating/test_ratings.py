@@ -9,7 +9,7 @@ from tests.helpers import small_screw
 
 from rollbench.compare.models.answers import load_answers
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.rating import contacts, static
+from rollbench.lowfi.rating import contacts
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
 from rollbench.lowfi.statics import problem, validity
@@ -192,27 +192,27 @@ def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_n
     assert (0.95 / (0.9 * (1 - sin(a) / 3))) ** 3 == pytest.approx(3.35, abs=0.005)
     found, axial = life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
     assert (found.revolutions, found.equivalent) == pytest.approx(((rating(scene) / axial) ** 3, axial), rel=1e-12)
-    assert [static.ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
+    assert [contacts.ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
 
 
 @pytest.mark.parametrize(("ratio", "printed"), [(0.05, 15.7), (0.10, 16.4), (0.16, 14.9), (0.20, 14.0)])
 def test_static_rating_of_a_ring_is_that_of_the_table_of_ISO_76(ratio: float, printed: float) -> None:
     """C_0r = f_0 Z D^2 cos(alpha), grooves of 0.52 and 0.53."""
     scene = replace(ring(ratio), nut=replace(ring(ratio).nut, groove_radius=0.53 * 10e-3))
-    assert static.static_rating(scene) / (9 * 10.0**2) == pytest.approx(printed, rel=0.013)
+    assert contacts.static_rating(scene) / (9 * 10.0**2) == pytest.approx(printed, rel=0.013)
 
 
 def test_static_ratings_where_all_balls_share_an_axial_load() -> None:
     """A ring by pressure, a screw by ISO 3408-5: k_0 = 27.74/(D sqrt(...)), C_0a = k_0 i z sin(alpha) cos(phi) D^2."""
     a = np.radians(60.0)
-    assert static.static_rating(ring(0.01, 0.54, angle=a)) / (9 * 100.0 * sin(a)) == pytest.approx(60.8, rel=0.013)
+    assert contacts.static_rating(ring(0.01, 0.54, angle=a)) / (9 * 100.0 * sin(a)) == pytest.approx(60.8, rel=0.013)
     screw = catalogue.scene("unseen-40x10")
     alpha, D, f, pitch = screw.track.contact_angle, 6.35, 0.525, 41.4
     across, along = 2 / D - 1 / (f * D), 2 / D + cos(alpha) / (pitch / 2 - D / 2 * cos(alpha))
     phi = np.arctan2(10.0, pi * pitch)
     k_0 = 27.74 / (D * np.sqrt(across * along))
-    assert static.static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
-    found = static.ratings(screw)
+    assert contacts.static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
+    found = contacts.ratings(screw)
     assert (found.dynamic, found.static_standard) == (rating(screw), "ISO 3408-5")
 
 

@@ -14,8 +14,8 @@ from rollbench.compare.results.scene_json import whole_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.entries import block
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.rating.roller_contacts import roller_safety, worst_roller
-from rollbench.lowfi.rollers.roller_slices import slice_contacts
+from rollbench.lowfi.rating.contacts import roller_safety, worst_roller
+from rollbench.lowfi.rollers import slice_contacts
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.meshes.axis import RollingSet, Segment
 from rollbench.meshes.parts import Load, Support

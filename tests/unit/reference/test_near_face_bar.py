@@ -13,7 +13,7 @@ from rollbench.compare.models.uncertainty import beside_face, total
 from rollbench.compare.reference.near_face import AWAY, FILE, left_out, read, too_large
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.expected import hertz_units
+from rollbench.hifi.meshing.settings import hertz_units
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.every_run  # only the screws that the survey drew are of a study

@@ -7,10 +7,9 @@ from tests.shipped_texts import axis_names, changed
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.answer import left_out_of_kind
 from rollbench.compare.studies.friction.kind_solvers import solve_kind
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
+from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball, solve_ball_as_printed
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.pair import solve_pair
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain, solve_pair
 from rollbench.lowfi.friction.screw.motion import source_law
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)

@@ -10,9 +10,8 @@ from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_p
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import solve, whole
 from rollbench.compare.studies.friction.kind_solvers import solve_kind
-from rollbench.lowfi.friction.bearing import pairs
-from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
-from rollbench.lowfi.friction.screw.run import summarise
+from rollbench.lowfi.friction import bearing
+from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair, summarise
 from rollbench.lowfi.friction.screw.travel import simulate
 
 THETA = {"a": 2.0, "b": 3.0}
@@ -46,10 +45,10 @@ def close(ours, theirs):
 
 def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turned_round():
     rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
-    assert [r.contacts for r in rows] == [pairs.DIAGONAL, pairs.OTHER]
+    assert [r.contacts for r in rows] == [bearing.DIAGONAL, bearing.OTHER]
     preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
     assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
-    tight, free = (pairs.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
+    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
     assert tight > 1.01 * free
 
 
@@ -148,12 +147,12 @@ def test_run_without_contact_says_nothing_of_where_and_without_friction_there_ar
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
     ball = four_point(count=1)
-    assert "ry" in pairs.free_motion(ball, angle)
-    assert pairs.free_motion(replace(ball, tilt=False), angle) == ""
+    assert "ry" in bearing.free_motion(ball, angle)
+    assert bearing.free_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
-    assert pairs.free_motion(replace(ball, arm=through), angle) == ""
-    assert "ry" in pairs.free_motion(replace(ball, arm=1.001 * through), angle)
-    assert pairs.free_motion(four_point(), angle) == pairs.free_motion(double_row(), angle) == ""
+    assert bearing.free_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in bearing.free_motion(replace(ball, arm=1.001 * through), angle)
+    assert bearing.free_motion(four_point(), angle) == bearing.free_motion(double_row(), angle) == ""
 
 
 @pytest.mark.parametrize("tilt", [True, False])
@@ -165,7 +164,7 @@ def test_bearing_scene_is_the_library_s(tilt):
     answer = solve_kind(scene)
     found = answer.data
     assert answer.converged
-    curves = [pairs.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
+    curves = [bearing.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
         assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()

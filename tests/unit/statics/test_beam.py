@@ -5,11 +5,10 @@ import pytest
 from tests.helpers import STEEL, dense, relative, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source.static import element_stiffness
+from rollbench.lowfi.as_source import element_stiffness
 from rollbench.lowfi.statics.kernel import beam, matrices
 from rollbench.lowfi.statics.shape import rigid_transport, shape_polynomials
-from rollbench.meshes.partition import fixed_partition
-from rollbench.meshes.section import tube_section
+from rollbench.meshes.section import fixed_partition, tube_section
 
 SECTION = tube_section(30e-3, 8e-3, STEEL)
 STIFFNESSES = np.array([SECTION.EA, SECTION.EI, SECTION.GJ, SECTION.kGA])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.helpers import relative
 
-from rollbench.lowfi.compliance import modes as compliance_modes
+from rollbench.lowfi.compliance import bodies as compliance_modes
 
 
 def test_of_large_bodies_only_the_negative_modes_are_sought(monkeypatch):

@@ -10,7 +10,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
-from rollbench.lowfi.as_source.static import beam_matrix
+from rollbench.lowfi.as_source import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
 from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic

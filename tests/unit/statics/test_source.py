@@ -7,14 +7,7 @@ import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source.static import (
-    System,
-    beam_matrix,
-    equations,
-    initial_state,
-    solve_source,
-    solve_source_result,
-)
+from rollbench.lowfi.as_source import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
 from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.problem import build
 from rollbench.meshes.errors import specimen

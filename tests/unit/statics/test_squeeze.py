@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import relative, small_screw
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.compliance.bodies import end_response
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import Problem, build
@@ -44,7 +44,7 @@ def pulled(force: tuple[float, float, float], moment: tuple[float, float, float]
 
 
 def test_contacts_feel_the_wrench_above_them() -> None:
-    """Statics at the stretch's high end, whose closed forms are in the tests of `lowfi.compliance.ends`."""
+    """Statics at the stretch's high end, whose closed forms are in the tests of `lowfi.compliance.bodies`."""
     force, moment = np.array([300.0, -200.0, 8e3]), np.array([40.0, 20.0, 5.0])
     problem = pulled(tuple(force), tuple(moment))
     response = end_response(CASE, problem.layout, REFINED)

@@ -14,10 +14,9 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, load_table
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
-from rollbench.lowfi.bearings.load_zone import load_zone
-from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded
-from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, factors, halves, mean_force
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.combined_load import load_zone
+from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, mean_force, rating
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.meshes.units import parse

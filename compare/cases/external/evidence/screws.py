@@ -12,8 +12,8 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Friction, Motion, Scene
-from rollbench.meshes.roots import brentq
 
 #: Sizes of THK and one of HIWIN: names of scenes after the prefix and the maker.
 THK = ("bnf-4010-5", "bnf-4010-3p5", "bnf-3205-2p5", "bnf-3205-5", "bnf-3205-7p5")

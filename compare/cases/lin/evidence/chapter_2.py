@@ -19,9 +19,8 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.partition import fixed_partition
 from rollbench.meshes.parts import SIDES, Errors, Scene, SideErrors, Support
-from rollbench.meshes.section import groove_section
+from rollbench.meshes.section import fixed_partition, groove_section
 from rollbench.meshes.surface import principal_curvatures
 
 #: Conformity that Table B.1 was computed with (Table 3.6), not Table 2.1's groove radius.

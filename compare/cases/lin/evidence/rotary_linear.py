@@ -14,11 +14,10 @@ from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, load_table, value_of
-from rollbench.lowfi.friction.bearing import rotary
-from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
-from rollbench.lowfi.friction.linear.analytic import velocity_deviation
-from rollbench.lowfi.friction.linear.bearing import Loads
-from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction import bearing
+from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_error, linear_factor
+from rollbench.lowfi.friction.linear.bearing import Loads, velocity_deviation
+from rollbench.lowfi.friction.linear.chain import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -46,17 +45,17 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def as_printed(case: str) -> rotary.Solution:
+def as_printed(case: str) -> bearing.Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
     scene = source_cases.rotary(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
-    return rotary.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
+    return bearing.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
-def right(case: str, hertz: Mode = "right") -> rotary.Solution:
+def right(case: str, hertz: Mode = "right") -> bearing.Solution:
     """The same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
-    return rotary.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
+    return bearing.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
 
 @cache
@@ -91,19 +90,19 @@ def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
     sheet.numbers(values)
 
 
-def rotary_value(s: rotary.Solution, key: str) -> float:
+def rotary_value(s: bearing.Solution, key: str) -> float:
     """Quantity of a row of Table 3.2 (the key without its case) in the unit printed there."""
     kind, _, what = key.partition("_")
     if kind == "F":
-        return float(s.load.force.sum() if what == "sum" else s.load.force[rotary.SIDES.index(what)])
+        return float(s.load.force.sum() if what == "sum" else s.load.force[bearing.SIDES.index(what)])
     if kind == "P":
-        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[rotary.SIDES.index(what)])
+        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[bearing.SIDES.index(what)])
     if kind == "omega":
         return float(s.motion.q["Bxy".index(what)])
     return 1e3 * s.torque
 
 
-def rise(first: rotary.Solution, raised: rotary.Solution, what: str) -> float:
+def rise(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
     """Increase of the sum of forces [%], or of the torque in torques of the first."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
@@ -270,7 +269,7 @@ def balance_rows() -> list[Row]:
             ("least dissipation at the loads as printed", right(case, "as printed")),
             ("as printed", as_printed(case)),
         ):
-            torque = rotary.inner_torque(ROTARY, s.load, s.motion)
+            torque = bearing.inner_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.screw_speed
             rows.append(
                 {

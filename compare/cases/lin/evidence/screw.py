@@ -17,14 +17,25 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.lowfi.friction.as_source.run import simulate_by_root
-from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
+from rollbench.lowfi.friction.as_source.screw import simulate_by_root
+from rollbench.lowfi.friction.bearing import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling
-from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, PairResult, implied_load, oversize_map, solve_pair
-from rollbench.lowfi.friction.screw.run import Run, RunSummary, equal_steps, summarise
+from rollbench.lowfi.friction.screw.run import (
+    SHIFTED,
+    Pair,
+    PairMap,
+    PairResult,
+    Run,
+    RunSummary,
+    equal_steps,
+    implied_load,
+    oversize_map,
+    solve_pair,
+    summarise,
+)
 from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
-from rollbench.lowfi.friction.whole.onset import Onset, contact_onset
+from rollbench.lowfi.friction.whole.losses import Onset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 

@@ -12,10 +12,9 @@ from rollbench.compare.scenes.catalogue import case
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from rollbench.lowfi.friction.bearing.pairs import BearingCase
+from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.pair import Pair
-from rollbench.lowfi.friction.screw.run import Run
+from rollbench.lowfi.friction.screw.run import Pair, Run
 
 #: Scenes of the cases of 3.2: as computed here, and with the source's constants and law.
 ROTARY_SCENES = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}

@@ -2,7 +2,7 @@
 
 Every case is solved here from the solver's own start and from random ones; it must converge, balance power in and
 dissipation, and give the same answer each time. The source's method is a root of the force balance under its sigmoid from
-random starts: for one ball at the loads of the same case, for several as ``lowfi.friction.as_source.starts`` does it.
+random starts: for one ball at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import Literal
 
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.study import Study
-from rollbench.lowfi.as_source.static import best_start
+from rollbench.lowfi.as_source import best_start
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 SCENES = (

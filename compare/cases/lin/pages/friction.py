@@ -28,8 +28,8 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, value_of
 from rollbench.compare.sections.curves import numbers
 from rollbench.compare.sections.finding_table import printed_table
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, sweep
-from rollbench.lowfi.friction.linear.pair import BothModels, PairMaps, maps
+from rollbench.lowfi.friction.bearing import SIDES, Solution, sweep
+from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, maps
 from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text
 
 # --- tables

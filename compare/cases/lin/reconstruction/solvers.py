@@ -18,7 +18,7 @@ from rollbench.compare.reference.tasks import settings_of
 from rollbench.hifi.coupling import PlacedSet, modal_motion, mounted_screw
 from rollbench.hifi.reference import ROUNDS, Case, Round, solve_reference
 from rollbench.hifi.setup import Setup, prepare
-from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.beam import Frame
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import Scene

@@ -8,8 +8,19 @@ import numpy as np
 
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
-from rollbench.lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
+from rollbench.lowfi.random_errors.chain import (
+    Chain,
+    ChainState,
+    Ensemble,
+    Law,
+    Percentile,
+    Quantity,
+    ball_stiffness,
+    calibrated,
+    percentile,
+    solve_chain,
+    solve_ensemble,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene

@@ -11,8 +11,7 @@ from rollbench.compare.cases.liu.evidence import case
 from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import Printed
-from rollbench.lowfi.random_errors.chain import solve_chain
-from rollbench.lowfi.random_errors.ensemble import Quantity, solve_ensemble
+from rollbench.lowfi.random_errors.chain import Quantity, solve_chain, solve_ensemble
 from rollbench.meshes.arrays import Array
 
 RANGES = (1, 2, 3)

@@ -10,11 +10,10 @@ import numpy as np
 from rollbench.compare.cases.liu.evidence import case
 from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.models.study import Study
-from rollbench.lowfi.random_errors.chain import Chain, end_ratio, first_carrying_load, solve_chain
+from rollbench.lowfi.random_errors.chain import Chain, draw_errors, end_ratio, first_carrying_load, solve_chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
-from rollbench.lowfi.random_errors.ensemble import draw_errors
 from rollbench.meshes.helix import lead_angle
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.numerics import brentq
 
 #: Drawn screws on which the two algorithms are compared, or that are solved one by one.
 FEW = 20

@@ -15,9 +15,9 @@ from rollbench.compare.cases.makers.outside import Band, Outside, of_row
 from rollbench.compare.cases.makers.tables import Table, half_step, table, tables
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
-from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
+from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
+from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import rating
-from rollbench.lowfi.rating.static import static_rating
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import ARRANGEMENTS
 from rollbench.meshes.parts import Scene

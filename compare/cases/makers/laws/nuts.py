@@ -14,9 +14,9 @@ from rollbench.compare.cases.makers.tables import Table, half_step, table, table
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import touching_angle
 from rollbench.compare.scenes.like import BEYOND, STOCK, WALL
+from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
-from rollbench.lowfi.rating.static import static_rating
 from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.parts import Scene
 

@@ -14,7 +14,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import load_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import ThrustState, contact_parameters, curvatures, displacement, thrust_state
-from rollbench.lowfi.bearings.sets import equilibrium
+from rollbench.lowfi.bearings.axis import equilibrium
 from rollbench.lowfi.bearings.torque import load_torque, static_rating, viscous_torque
 
 #: F(p)_o of figure 2-10: an input of the as-printed mode, because it follows from nothing.

@@ -7,9 +7,8 @@ from functools import cache
 import numpy as np
 
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
-from rollbench.lowfi.bearings.axis import Axis
-from rollbench.lowfi.bearings.sets import BearingSet, arrangement, preloaded
-from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing
+from rollbench.lowfi.bearings.axis import Axis, BearingSet, arrangement, preloaded
+from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
 from rollbench.meshes.units import parse
 
 #: The source's units in SI.
@@ -72,7 +71,7 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     if kind == "ball":
         row = BallRow(ball_bearing())
         return arrangement(row, directions, row.deflection(preload))
-    return preloaded(RollerRow(taper_bearing()), directions, preload)
+    return preloaded(TaperedRow(taper_bearing()), directions, preload)
 
 
 def axis(left: float = np.inf, right: float = np.inf) -> Axis:

@@ -14,10 +14,9 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import BallRow
-from rollbench.lowfi.bearings.axis import shaft_stiffness
-from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium
+from rollbench.lowfi.bearings.axis import BearingSet, arrangement, equilibrium, shaft_stiffness
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.roots import brentq
+from rollbench.meshes.numerics import brentq
 
 #: Station of the left end's middle [m], and positions of the nut over the length between the ends.
 FIRST, PLACES = 2.0 * case.INCH, (0.1, 0.5, 0.9)

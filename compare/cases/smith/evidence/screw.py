@@ -13,17 +13,19 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import (
+    SetState,
     TorqueBudget,
     acceleration_torque,
     angular_speed,
     axis_stiffness,
+    equilibrium,
+    lift_off_force,
     shaft_inertia,
     shaft_stiffness,
     support_loads,
     tension,
     unloading_warming,
 )
-from rollbench.lowfi.bearings.sets import SetState, equilibrium, lift_off_force
 from rollbench.meshes.units import parse
 
 #: Lead [m] and rapid traverse [m/s] of 5.1, counts a turn, torque of the motor [in-lbf], reduced preload of 5.3 [N].

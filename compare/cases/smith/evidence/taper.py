@@ -14,11 +14,9 @@ from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.combined_load import CombinedState, combined
-from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load
+from rollbench.lowfi.bearings.combined_load import CombinedState, combined, load_zone, zone_of_load
 from rollbench.lowfi.bearings.torque import taper_geometry, taper_torque
-from rollbench.lowfi.rollers.roller_slices import SlicedRow, circular_crown
-from rollbench.lowfi.rollers.tapered_roller import RollerContacts, RollerRow, roller_contacts
+from rollbench.lowfi.rollers import RollerContacts, SlicedRow, TaperedRow, circular_crown, roller_contacts
 
 #: Radial load of the sheet [N], and exponent of its load zone.
 RADIAL, EXPONENT = case.POUND, 1.1
@@ -45,7 +43,7 @@ def contacts() -> RollerContacts:
 
 def tangent(pounds: float, depth: float = case.RING_DEPTH) -> float:
     """Right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
-    row = RollerRow(replace(case.taper_bearing(), depth=depth))
+    row = TaperedRow(replace(case.taper_bearing(), depth=depth))
     return row.stiffness(row.deflection(pounds * case.POUND)) / case.POUND_PER_INCH
 
 

@@ -2,8 +2,7 @@
 
 from .band import solve_with_pivots
 from .dissipation import dissipation, dissipation_many
-from .minimum import descend, evaluate, speeds_at
-from .motion import GIVEN, ROLLING, least_dissipation, least_dissipation_many
+from .motion import GIVEN, ROLLING, descend, evaluate, least_dissipation, least_dissipation_many, speeds_at
 from .rings import hertz_contact, minimise_each, minimise_energy, press
 
 __all__ = [

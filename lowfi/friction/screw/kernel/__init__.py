@@ -1,7 +1,6 @@
 """Kernels of ball screws with friction in a subset of Python that numba compiles; see ``lowfi.jit``."""
 
-from .balance import jacobian, newton, residual, worst
-from .contacts import alone, friction, meeting, semi_axes
+from .balance import alone, friction, jacobian, meeting, newton, residual, semi_axes, worst
 from .joint import assemble, newton_joint
 
 __all__ = [

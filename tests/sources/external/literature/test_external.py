@@ -14,7 +14,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.studies.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
-from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.axis import equilibrium, lift_off_force, preloaded
 from rollbench.lowfi.rating.life import rating
 from rollbench.meshes.parts import Friction
 

@@ -14,7 +14,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation.responses import on_bolts
+from rollbench.hifi.condensation import on_bolts
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import dimensions

@@ -11,8 +11,17 @@ from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, as_stepped, pair
-from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, PairResult, implied_load, sliding_speed, solve_pair
-from rollbench.lowfi.friction.screw.run import RunSummary, equal_steps, summarise
+from rollbench.lowfi.friction.screw.run import (
+    BOTH,
+    SHIFTED,
+    PairResult,
+    RunSummary,
+    equal_steps,
+    implied_load,
+    sliding_speed,
+    solve_pair,
+    summarise,
+)
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

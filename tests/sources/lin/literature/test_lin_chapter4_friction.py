@@ -11,10 +11,9 @@ from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
+from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
 from rollbench.lowfi.friction.screw.groove import contact_spacing
-from rollbench.lowfi.friction.whole.losses import ball_path
-from rollbench.lowfi.friction.whole.onset import NUT, Onset, contact_onset
+from rollbench.lowfi.friction.whole.losses import NUT, Onset, ball_path, contact_onset
 from rollbench.lowfi.statics.static import solve_static
 
 pytestmark = pytest.mark.xdist_group(GROUP)

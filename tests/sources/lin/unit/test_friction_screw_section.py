@@ -16,7 +16,7 @@ from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
 from rollbench.compare.cases.lin.pages import extremes as friction_stability
 from rollbench.compare.cases.lin.pages import friction_screw
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.lowfi.friction.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
 from rollbench.reports.content import Section, Text

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.reconstruction.solvers import penalised
-from rollbench.hifi.condensation.sides import SidePatches
-from rollbench.hifi.contact.balls import press
-from rollbench.hifi.contact.compliance import plain
+from rollbench.hifi.condensation import SidePatches
+from rollbench.hifi.contact.balls import plain, press
 from rollbench.hifi.setup import Setup
 
 

@@ -11,8 +11,7 @@ from rollbench.compare.cases.liu.evidence import case, drawn, given
 from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
-from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
+from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, percentile, solve_chain, solve_ensemble
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -10,7 +10,7 @@ from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.printed.printed_data import load_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
-from rollbench.lowfi.bearings.sets import equilibrium
+from rollbench.lowfi.bearings.axis import equilibrium
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

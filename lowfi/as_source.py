@@ -2,6 +2,8 @@
 
 Unknowns are ball centres, contact angles and all nodal motions of the screw; plain Newton on the equilibrium equations
 with the explicit Jacobian, dense. Kept to check the energy solver and to show where the source's iteration fails.
+
+Formulations of the source, its misprints mended, kept for comparison: root finding, as printed.
 """
 
 from __future__ import annotations
@@ -29,7 +31,9 @@ from rollbench.meshes.section import BeamSection
 from rollbench.meshes.surface import groove_profile
 
 Kinematics = Literal["arc", "source"]
+
 Start = Literal["nominal", "guess", "load steps"]
+
 #: Iterations after which Newton gives up.
 MOST = 60
 

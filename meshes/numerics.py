@@ -1,9 +1,16 @@
-"""Root of a function between two places: Brent's method, without the seconds that importing scipy.optimize takes."""
+"""Root of a function between two places: Brent's method, without the seconds that importing scipy.optimize takes.
+
+Pairs of points that are near one another.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from math import copysign
+
+import numpy as np
+
+from rollbench.meshes.arrays import Array, Index
 
 #: Least relative tolerance: four units in the last place.
 LEAST = 8.881784197001252e-16
@@ -53,3 +60,19 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
         at += step if abs(step) > least else (least if half > 0.0 else -least)
         f_at = float(f(at))
     raise ArithmeticError("no root found in 300 steps")
+
+
+#: Number of points up to which all distances are computed: quicker than to import a tree and grow it.
+FEW = 500
+
+
+def close_pairs(points: Array, reach: float) -> Index:
+    """Indices ``(m, 2)``, the lower first, of points ``(n, 3)`` [m] no farther than ``reach`` [m] apart, sorted."""
+    if len(points) > FEW:
+        from scipy.spatial import cKDTree
+
+        pairs = np.sort(cKDTree(points).query_pairs(reach, output_type="ndarray"), axis=1)
+        return np.asarray(pairs[np.lexsort(pairs.T[::-1])])
+    i, j = np.triu_indices(len(points), 1)
+    near = np.linalg.norm(points[i] - points[j], axis=1) <= reach
+    return np.column_stack([i[near], j[near]])

@@ -12,9 +12,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.memory import peak_MB, reset_peak
-from rollbench.meshes.threads import for_one_thread
-from rollbench.meshes.workers import end_with_parent
+from rollbench.meshes.processes import end_with_parent, for_one_thread, peak_MB, reset_peak
 
 
 class Job(NamedTuple):

@@ -1,0 +1,430 @@
+"""In which order, and in which dense blocks, a sparse matrix is eliminated.
+
+Freedoms whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the vertices by nested
+dissection. In the elimination tree i stands above j < i where only vertices up to i connect them (Liu, SIAM J. Matrix
+Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends keeps these
+connections, so that the elimination tree follows from n - 1 edges. Supernodes are its subtrees of at most ``LEAF`` vertices
+and, above them, its chains of only children, which are the separators.
+
+Elimination of a sparse matrix front by front (multifrontal): what B^T K^-1 B needs, or a factor to be solved with.
+
+The freedoms are eliminated in supernodes (`hifi.linear_algebra`). The front of a supernode is the dense matrix
+of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent. (Duff
+and Reid 1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share, Y^T Y with Y =
+L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a bordered
+factor holds L and Y whole.
+
+Solvers for symmetric positive definite matrices, chosen by size, and what an elastic body answers to loads.
+
+Larger ones: Cholesky factor by dense blocks (`hifi.linear_algebra`) in a nested-dissection order
+(`hifi.linear_algebra`). Small ones: SuperLU of scipy.
+
+Sparse stiffnesses: in which order they are eliminated, factors, and what a body answers to loads.
+"""
+
+from __future__ import annotations
+
+import signal
+import warnings
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg.blas import dgemm, dsyrk, dtrsm
+from scipy.linalg.lapack import dpotrf
+from scipy.sparse.csgraph import depth_first_order, minimum_spanning_tree
+from scipy.sparse.linalg import splu
+
+from rollbench.meshes.arrays import Array, Index
+
+#: Vertices of a subtree that is eliminated at once, as dense as it then is.
+LEAF = 32
+
+
+class Supernodes(NamedTuple):
+    """Symbolic factor: ``order[i]`` is the i-th freedom to eliminate; supernode k has the columns ``first[k]`` to
+    ``first[k + 1]`` and the rows ``rows[start[k]:start[k + 1]]``, sorted, its own columns first."""
+
+    order: Index
+    first: Index
+    start: Index
+    rows: Index
+
+
+def supernodes(K: sp.csc_array) -> Supernodes:
+    """Supernodes of a matrix of symmetric pattern, shape (n, n)."""
+    graph, group = vertices(K)
+    dissected = _dissected(graph, group)
+    tree = _elimination_tree(graph[dissected][:, dissected])
+    order = dissected[(later := _postorder(tree))]
+    first = _first_columns(_renamed(tree, later))
+    rows = _rows(graph[order][:, order], first)
+    # from vertices to their freedoms
+    freedoms, weights = np.argsort(group, kind="stable"), np.bincount(group)
+    begin = np.concatenate([[0], np.cumsum(weights)])
+    place = np.concatenate([[0], np.cumsum(weights[order])])
+    at = np.concatenate(rows)
+    starts = np.concatenate([[0], np.cumsum(weights[order[at]])])
+    return Supernodes(
+        freedoms[_ranges(begin[order], weights[order])],
+        place[first],
+        starts[np.concatenate([[0], np.cumsum([row.size for row in rows])])],
+        _ranges(place[at], weights[order[at]]),
+    )
+
+
+def vertices(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
+    """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,).
+
+    The graph is symmetric, as elimination needs it, also where round-off left an entry on only one side of the diagonal.
+    """
+    size, pointers = K.shape[0], K.indptr
+    weights = np.random.default_rng(0).random(size)
+    pattern = sp.csr_array((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
+    _, first, group = np.unique(pattern @ weights, return_index=True, return_inverse=True)  # equal columns, equal sums
+    count = len(first)
+    compressed = pattern[first]  # one row for each vertex
+    rows = np.repeat(np.arange(count), np.diff(compressed.indptr))
+    one_sided = sp.csr_array((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
+    graph = (one_sided + one_sided.T).tocsr()
+    graph.setdiag(0)
+    graph.eliminate_zeros()
+    return graph, group
+
+
+def _dissected(graph: sp.csr_array, group: Index) -> Index:
+    """Order of the vertices of a compressed graph by nested dissection.
+
+    METIS takes SIGTERM for an error of its own, and leaves it blocked. So it is asked a second time after an error: what
+    recurs is an error and is raised, else the signal is unblocked and given back.
+    """
+    import pymetis
+
+    if graph.nnz == 0:
+        return np.arange(graph.shape[0])
+    adjacency, weights = pymetis.CSRAdjacency(graph.indptr, graph.indices), np.bincount(group)
+    try:
+        order, _ = pymetis.nested_dissection(adjacency, vweights=weights)
+    except RuntimeError:
+        order, _ = pymetis.nested_dissection(adjacency, vweights=weights)
+        if hasattr(signal, "pthread_sigmask"):  # not on Windows
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+        signal.raise_signal(signal.SIGTERM)
+    return np.asarray(order, dtype=np.int64)
+
+
+def _elimination_tree(graph: sp.csr_array) -> Index:
+    """Parents of vertices that are eliminated in their order, ``(n,)``; n for a root.
+
+    >>> _elimination_tree(sp.csr_array(np.array([[0, 0, 1, 0], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 0, 0]])))
+    array([2, 2, 3, 4])
+    """
+    n = graph.shape[0]
+    edges = sp.tril(graph, -1).tocoo()
+    spanning = minimum_spanning_tree(sp.csr_array((edges.row.astype(float), (edges.row, edges.col)), (n, n))).tocoo()
+    parent, top = [n] * n, list(range(n))  # top: on the way to the highest vertex that is connected so far
+    ascending = np.argsort(spanning.row, kind="stable")
+    for i, j in zip(spanning.row[ascending].tolist(), spanning.col[ascending].tolist(), strict=True):
+        while top[j] != j:
+            top[j] = top[top[j]]
+            j = top[j]
+        parent[j] = top[j] = i
+    return np.array(parent, dtype=np.int64)
+
+
+def _postorder(parent: Index) -> Index:
+    """Order of the vertices in which every subtree stands together, its root last."""
+    n = parent.size
+    down = sp.csr_array((np.ones(n), (parent, np.arange(n))), (n + 1, n + 1))
+    return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
+
+
+def _renamed(parent: Index, order: Index) -> Index:
+    """Parents by places in an order."""
+    place = np.empty(parent.size + 1, dtype=np.int64)
+    place[order], place[-1] = np.arange(order.size), order.size
+    return np.asarray(place[parent[order]])
+
+
+def _first_columns(parent: Index) -> Index:
+    """First vertices of the supernodes of a tree in postorder, and the number of all vertices at the end."""
+    n = parent.size
+    size = [1] * n + [0]
+    for j, above in enumerate(parent.tolist()):
+        size[above] += size[j]
+    sizes = np.array(size)
+    sizes[n] = n + LEAF  # no subtree is as small
+    small = sizes <= LEAF
+    roots = small[:n] & ~small[parent]  # roots of the largest small subtrees
+    inside = small[1:n] & small[: n - 1] & ~roots[:-1]
+    chained = ~small[1:n] & ~small[: n - 1] & (sizes[1:n] == sizes[: n - 1] + 1)
+    return np.concatenate([[0], 1 + np.flatnonzero(~(inside | chained)), [n]])
+
+
+def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
+    """Rows of every supernode: its own, those of its graph's edges, and what its children leave."""
+    owner = np.repeat(np.arange(first.size - 1), np.diff(first))
+    left: list[list[Index]] = [[] for _ in first[1:]]
+    rows = []
+    for k, (low, high) in enumerate(pairwise(first)):
+        met = np.concatenate([graph.indices[graph.indptr[low] : graph.indptr[high]], *left[k]])
+        after = np.unique(met[met >= high])
+        rows.append(np.concatenate([np.arange(low, high), after]))
+        if after.size:
+            left[owner[after[0]]].append(after)
+    return rows
+
+
+def _ranges(first: Index, count: Index) -> Index:
+    """Ranges of ``count`` numbers from each of ``first`` on, one after another.
+
+    >>> _ranges(np.array([4, 1]), np.array([3, 2]))
+    array([4, 5, 6, 1, 2])
+    """
+    ends = np.cumsum(count)
+    return np.arange(ends[-1] if ends.size else 0) + np.repeat(first - ends + count, count)
+
+
+#: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.
+WIDTH = 64
+
+
+class Update(NamedTuple):
+    """What a front leaves its parent: rows, columns of B, and their blocks ``(rows, rows)``, of which the lower triangle
+    counts, and ``(columns, rows)``."""
+
+    rows: Index
+    border: Index
+    block: Array
+    loads: Array
+
+
+class Eliminated(NamedTuple):
+    """A front that is done: rows, its own columns first; columns of B; L ``(own, own)``, and L^-T multiplied into what
+    stands below it ``(other rows, own)`` and into its border ``(columns of B, own)``."""
+
+    rows: Index
+    border: Index
+    L: Array
+    below: Array
+    share: Array
+
+
+def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
+    """B^T K^-1 B ``(m, m)`` for symmetric positive definite K ``(n, n)``, stored whole, and sparse B ``(n, m)``.
+
+    Raises ArithmeticError where K is not positive definite.
+    """
+    total = np.zeros((B.shape[1], B.shape[1]))
+    for front in _eliminated(K, B, nodes):
+        if front.border.size:
+            total[np.ix_(front.border, front.border)] += front.share @ front.share.T
+    return total
+
+
+def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Array]:
+    """Solutions K^-1 rhs, ``(n,)`` or ``(n, k)``, for symmetric positive definite K ``(n, n)``, stored whole; L is held.
+
+    Raises ArithmeticError where K is not positive definite.
+    """
+    size = K.shape[0]
+    fronts = list(_eliminated(K, sp.csr_array((size, 0)), nodes))
+
+    def solve(rhs: Array) -> Array:
+        x = rhs[nodes.order].reshape(size, -1)
+        for rows, _, L, below, _ in fronts:
+            pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
+            x[pivots] = dtrsm(1.0, L, x[pivots], lower=1)
+            x[later] -= below @ x[pivots]
+        for rows, _, L, below, _ in reversed(fronts):
+            pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
+            x[pivots] = dtrsm(1.0, L, x[pivots] - below.T @ x[later], lower=1, trans_a=1)
+        out = np.empty_like(x)
+        out[nodes.order] = x
+        return out.reshape(rhs.shape)
+
+    return solve
+
+
+def _eliminated(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[Eliminated]:
+    """Fronts of K with columns of B as borders, one after another. Raises ArithmeticError as `gram_by_fronts` does."""
+    place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
+    place[nodes.order] = np.arange(K.shape[0])
+    owner = np.repeat(np.arange(nodes.first.size - 1), np.diff(nodes.first))
+    waiting: dict[int, list[Update]] = {}
+    for k in range(nodes.first.size - 1):
+        low, high = int(nodes.first[k]), int(nodes.first[k + 1])
+        count, freedoms = high - low, nodes.order[low:high]
+        rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
+        local[rows] = np.arange(rows.size)
+        children = waiting.pop(k, [])
+        loaded, load_of, loads = _entries(B, freedoms)
+        border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
+        left = rows.size - count
+        panel, block, bordering = (
+            np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
+        )
+        coupled, column, stiffness = _entries(K, freedoms)
+        at = place[coupled]
+        kept = at >= low
+        panel[local[at[kept]], column[kept]] = stiffness[kept]
+        bordering[np.searchsorted(border, loaded), load_of] = loads
+        for child in children:
+            down = local[child.rows]
+            split = int(np.searchsorted(down, count))
+            _add_lower(panel, down, child.block[:, :split])
+            _add_lower(block, down[split:] - count, child.block[split:, split:])
+            if child.border.size:
+                bordering[np.ix_(np.searchsorted(border, child.border), down)] += child.loads
+        children.clear()
+        done, update = _eliminate(panel, block, bordering, rows, border)
+        if left:
+            waiting.setdefault(int(owner[rows[count]]), []).append(update)
+        yield done
+
+
+def _entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
+    """Entries of columns ``lines`` of a csc matrix, or of rows of a csr one: row or column, place in ``lines``, value."""
+    begin = A.indptr[lines]
+    count = A.indptr[lines + 1] - begin
+    of = np.repeat(np.arange(lines.size), count)
+    at = np.arange(of.size) + np.repeat(begin - np.cumsum(count) + count, count)
+    return A.indices[at].astype(np.int64), of, A.data[at]
+
+
+def _add_lower(target: Array, places: Index, block: Array) -> None:
+    """Add the first columns of a child's block, from the diagonal down, to the rows ``places`` of an array in Fortran's
+    order and as many columns of these places, ``WIDTH`` at once."""
+    flat, start = target.ravel(order="K"), places * target.shape[0]
+    for k in range(0, block.shape[1], WIDTH):
+        strip = block[k:, k : k + WIDTH]
+        np.add.at(flat, (start[k : k + strip.shape[1], None] + places[k:]).ravel(), strip.ravel(order="F"))
+
+
+def _eliminate(panel: Array, block: Array, bordering: Array, rows: Index, border: Index) -> tuple[Eliminated, Update]:
+    """Eliminate a front's own columns, its ``panel`` ``(rows, own)``, out of the block of its other rows and of its border
+    ``(columns of B, rows)``, both in place."""
+    count = panel.shape[1]
+    L, fault = dpotrf(panel[:count], lower=1)
+    if fault:
+        raise ArithmeticError(int(rows[0]) + int(fault) - 1)
+    below, share, loads = panel[count:], bordering[:, :count], bordering[:, count:]
+    if below.size:
+        below = dtrsm(1.0, L, below, side=1, lower=1, trans_a=1)
+        block = dsyrk(-1.0, below, 1.0, block, lower=1, overwrite_c=1)
+    if share.size:
+        share = dtrsm(1.0, L, share, side=1, lower=1, trans_a=1, overwrite_b=1)
+        loads = dgemm(-1.0, share, below, 1.0, loads, trans_b=1, overwrite_c=1) if below.size else loads
+    return Eliminated(rows, border, L, below, share), Update(rows[count:], border, block, loads)
+
+
+T = TypeVar("T")
+
+Solve = Callable[[Array], Array]
+
+SMALL = 3_000
+
+"""Freedoms below which SuperLU is as fast as anything for one right-hand side."""
+
+FEW = 100_000
+
+"""Entries of all right-hand sides below which it is so for them."""
+
+SINGULAR = 1e13
+
+"""Response of the matrix scaled to a unit diagonal to a unit load, above which it counts as singular."""
+
+CHECKED = 1e-5
+
+"""Largest relative error of the known answer of such a sweep: soft bodies lose up to half the digits."""
+
+
+class FactorError(ArithmeticError):
+    """The matrix cannot be factored: not positive definite, or singular to working precision."""
+
+
+def factor(K: sp.sparray) -> Solve:
+    """Solution of K x = rhs, rhs (n,) or (n, k), for symmetric positive definite K, shape (n, n); only symmetry is taken on
+    trust.
+
+    Raises FactorError for a matrix that is not positive definite or singular (a body that nothing holds).
+    """
+    matrix = sp.csc_array(K)
+    diagonal = _diagonal(matrix)
+    by_fronts = matrix.shape[0] > SMALL
+    solve = _positive(lambda: factor_by_fronts(matrix, supernodes(matrix))) if by_fronts else _splu(matrix)
+    _check_response(solve, diagonal)
+    return solve
+
+
+def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
+    """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` of loads on the held stiffness K ``(n, n)``.
+
+    Raises FactorError for a body that is not held, and where the factorisation fails for another reason.
+    """
+    F = gram(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
+    return np.asarray(0.5 * (F + F.T))
+
+
+def gram(K: sp.sparray, B: sp.sparray) -> Array:
+    """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.linear_algebra`), without holding the
+    factor.
+
+    Checked by one column more, K x for a known x, whose answer is x. Where that fails, a warning says so, and a factor that
+    is held whole is solved with, column by column: it says what is wrong with the matrix. So it does, without a warning, up
+    to `SMALL` freedoms and `FEW` entries of B. Raises FactorError as `factor` does.
+    """
+    inner, columns = sp.csc_array(K), sp.csc_array(B)
+    diagonal = _diagonal(inner)
+    if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
+        known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
+        loads = sp.hstack([columns, sp.csc_array((inner @ known)[:, None])]).tocsr()
+        solved = _positive(lambda: gram_by_fronts(inner, loads, supernodes(inner)))
+        answer = columns.T @ known
+        off = np.linalg.norm(solved[:-1, -1] - answer)
+        if off <= CHECKED * np.linalg.norm(answer):
+            return np.asarray(solved[:-1, :-1])
+        missed = f"a known answer is missed by {off / np.linalg.norm(answer):.1g} front by front"
+        message = f"{missed}; the factor is held whole, in several times the memory and time"
+        warnings.warn(message, RuntimeWarning, stacklevel=3)
+    return np.asarray(columns.T @ factor(inner)(columns.toarray()))
+
+
+def _diagonal(matrix: sp.csc_array) -> Array:
+    """Diagonal of the matrix; raises FactorError unless all of it is positive."""
+    diagonal: Array = matrix.diagonal()
+    if not np.all(diagonal > 0.0):  # also NaN
+        bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
+        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node no cell uses?)")
+    return diagonal
+
+
+def _check_response(solve: Solve, diagonal: Array) -> None:
+    """Raise FactorError when the factor belongs to a matrix that is singular to working precision."""
+    root = np.sqrt(diagonal)
+    load = np.random.default_rng(1).standard_normal(len(root))
+    with np.errstate(all="ignore"):
+        response = root * solve(root * load)
+        ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
+    if not ratio < SINGULAR:
+        raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body held?")
+
+
+def _positive(eliminate: Callable[[], T]) -> T:
+    """Result of an elimination; its breakdown as a FactorError."""
+    try:
+        return eliminate()
+    except ArithmeticError as error:
+        raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
+
+
+def _splu(matrix: sp.csc_array) -> Solve:
+    try:
+        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise FactorError(f"not positive definite: SuperLU says {error}") from error
+    if not (np.array_equal(lu.perm_r, lu.perm_c) and np.all(lu.U.diagonal() > 0.0)):
+        raise FactorError("not positive definite: SuperLU met a pivot that is not positive")
+    return lambda rhs: np.asarray(lu.solve(rhs))

@@ -1,1 +1,0 @@
-"""Sparse stiffnesses: in which order they are eliminated, factors, and what a body answers to loads."""

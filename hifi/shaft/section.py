@@ -1,0 +1,286 @@
+"""Section of a grooved shaft: its stiffnesses as a beam, and what a cut end does to the shaft.
+
+What the cut end of a grooved shaft does, where a flat rigid section ends it and the real shaft goes on: a long grooved
+shaft under a constant wrench is on the average over a lead a uniform beam. About that beam its sections sway with the
+groove: an axial force bends it towards the groove, and over half a lead the other way. A rigid section that ends it stops
+the sway in one phase, and holds the cross-section flat besides. So of a shaft with length L along z, cut and rigid at both
+ends and held at the lower one (a), the upper end (b) moves by the flexibility
+
+    F = U(L) + T(L) A T(L)^T + R_b E R_b^T,   A = R_a M E M R_a^T,
+
+U that of a uniform cantilever, T the transport along the axis, E ``(6, 6)`` that of one cut: motion of the rigid section
+against the beam, by the wrench on it, in the frame of the cut: origin on the axis, x towards the middle of the groove, z
+along the screw; R turns that frame by the groove's azimuth at the cut. The lower cut is the upper one seen after half a
+turn M about x, which maps a helix, of either hand and with any number of starts, onto itself. What both ends do to each
+other is left out: it decays within a diameter or so.
+
+E follows from shafts of several lengths by least squares. Two of one and two times a whole number of leads leave open
+what changes its sign from end to end, so one must end in another phase.
+
+It follows from 3D shafts of one and two whole numbers of leads, and a third one that ends in another phase of the groove,
+clamped at one flat end and loaded at the other, a rigid section; the difference of the first two is that of the leads
+between. Their meshes are too stiff, by a per cent in bending, so that this difference serves only the cut.
+
+The stiffnesses are exact but for a plane mesh, because the shaft is invariant under the helix of its groove. With (r, zeta,
+phi) of `meshes.groove_map`, zeta = z - r_g phi, the geometry does not depend on phi, nor does the strain that the average
+stretch and twist of the shaft bring; that of its average curvature goes with exp(i phi). So does what the section adds to
+them: u = w(r, zeta) exp(i n phi) in the directions r, phi and z, periodic in zeta with the lead over the starts, n = 0 or
+1, and derivatives around the axis at constant z are d_theta = i n - r_g d_zeta. What is stored at the minimum over w gives
+the stiffnesses. (Helically symmetric bodies: Treyssede 2008; the average is that over a lead.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
+
+from rollbench.hifi.bodies.coarse import end_transform
+from rollbench.hifi.elements.forms import assemble, elasticity
+from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, uniform_cantilever
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import build_body
+from rollbench.meshes.parts import Material
+from rollbench.meshes.sockets import SocketSize
+
+#: Half a turn about x of motions and wrenches.
+HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+
+_UPPER = np.triu_indices(6)
+
+#: Symmetric matrices ``(21, 6, 6)`` of one entry each.
+_UNITS = np.zeros((21, 6, 6))
+
+_UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0
+
+
+def groove_azimuth(m: GrooveMap, z: float) -> float:
+    """Azimuth [rad] of the middle of the first start's groove where it passes the station z [m]."""
+    return m.phase + (z - m.z0) / m.rg
+
+
+def turned(flexibility: Array, azimuth: float) -> Array:
+    """A flexibility ``(6, 6)`` in the fixed frame from that in a frame at an azimuth [rad]."""
+    c, s = np.cos(azimuth), np.sin(azimuth)
+    R = np.kron(np.eye(2), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+    return np.asarray(R @ flexibility @ R.T)
+
+
+def at_low(cut: Array, m: GrooveMap, z: float) -> Array:
+    """Flexibility ``(6, 6)``, in the fixed frame, of a lower end at z [m]: motion of the beam against the held section."""
+    return turned(HALF_TURN @ cut @ HALF_TURN, groove_azimuth(m, z))
+
+
+def at_high(cut: Array, m: GrooveMap, z: float) -> Array:
+    """Flexibility ``(6, 6)``, in the fixed frame, of an upper end at z [m]: motion of the held section against the beam."""
+    return turned(cut, groove_azimuth(m, z))
+
+
+def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
+    """E ``(6, 6)`` of one cut [m/N, 1/N, 1/(N m)] of shafts with their middle at ``m.z0``.
+
+    flexibilities: length [m] and F ``(6, 6)`` of every shaft; per_length: uniform flexibility ``(6, 6)`` of a metre. How a
+    shear force bends and a moment shears, alike in all directions, is fitted beside E. The shear flexibility is taken as
+    given: another one is the same as another meaning of the beam's rotation, and E makes up for it.
+    """
+    unit = np.array([m.R, m.R, m.R, 1.0, 1.0, 1.0])
+    scale = np.outer(unit, unit)
+    chiral = np.zeros((6, 6))
+    chiral[[0, 1, 3, 4], [3, 4, 0, 1]] = m.R
+    columns, wanted = [], []
+    for length, F in flexibilities:
+        rows = [*(_ends(m, length, e * scale) for e in _UNITS), uniform_cantilever(length, chiral)]
+        columns.append(np.array([(x / scale)[_UPPER] for x in rows]).T)
+        wanted.append(((F - uniform_cantilever(length, per_length)) / scale)[_UPPER])
+    coefficients = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
+    return np.asarray(np.tensordot(coefficients[:-1], _UNITS, 1) * scale)
+
+
+def _ends(m: GrooveMap, length: float, cut: Array) -> Array:
+    """Motion ``(6, 6)`` of the upper end of a shaft by what both of its cuts do."""
+    T, half = transport(length), length / 2.0
+    return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))
+
+
+@dataclass(frozen=True)
+class Homogenised:
+    """Section, and the radii [m] of plain shafts of equal axial, bending and torsional stiffness; axial-torsional
+    coupling (twist by an axial force over the geometric mean of both flexibilities); flexibility ``(6, 6)`` of a cut that
+    ends the shaft, in the frame of the cut (`hifi.shaft.section`)."""
+
+    section: ShaftSection
+    radii: tuple[float, float, float]
+    coupling: float
+    cut: Array
+
+
+#: Leads by which the third shaft is longer than the first: a quarter turns both what sways once in a lead and what sways
+#: twice.
+OTHER_PHASE = 0.25
+
+
+def lengths(m: GrooveMap) -> tuple[float, float, float]:
+    """Lengths [m] of the short, the long and the third of the 3D shafts."""
+    lead = 2.0 * np.pi * abs(m.rg)
+    leads = int(np.ceil(2.4 * m.R / lead))
+    return lead * leads, lead * 2 * leads, lead * (leads + OTHER_PHASE)
+
+
+def homogenise(
+    m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
+) -> Homogenised:
+    """Homogenised section of a shaft with a bore of this radius [m].
+
+    section: its stiffnesses by `hifi.shaft.section.helical_stiffness`; shafts: short, long and third one by
+    `meshed_shaft`. A shaft without lead is plain beyond its groove.
+    """
+    young, poisson = material.youngs_modulus, material.poissons_ratio
+    (least, short), (most, long), _ = shafts
+    per_length = (long - short) / (most - least)
+    stiffness, EI = section
+    yielding = np.linalg.inv(stiffness)
+    EA, GJ = 1.0 / yielding[0, 0], 1.0 / yielding[1, 1]
+    shear = young / (2.0 * (1.0 + poisson))
+    radii = (
+        float(np.sqrt(EA / (young * np.pi) + bore**2)),
+        float((4.0 * EI / (young * np.pi) + bore**4) ** 0.25),
+        float((2.0 * GJ / (shear * np.pi) + bore**4) ** 0.25),
+    )
+    kGA = round_section(radii[1], young, poisson, bore).kGA
+    coupling = float(yielding[0, 1] / np.sqrt(yielding[0, 0] * yielding[1, 1]))
+    bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
+    uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
+    uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
+    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut_flexibility(m, shafts, uniform))
+
+
+def meshed_shaft(
+    m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float
+) -> tuple[float, Array]:
+    """Length [m] of a 3D shaft of elements of ``size`` [m], and motion (6, 6) of its rigid end section by loads on it, the
+    other end clamped; outer: radius of its lands [m].
+
+    hole: radius of the bore of the mesh [m], which may need one where the shaft has none.
+    """
+    spec = BodySpec(
+        hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
+    )
+    mesh = build_body(m, spec)
+    K = assemble(elasticity(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
+    T = end_transform(mesh.mesh, spec.z_high)
+    return length, compliance((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])
+
+
+#: Strains that averages bring: their component (as of `_strain`), and the power of the radius by which it goes.
+STRETCH, TWIST, CURVATURE = (2, 0), (5, 1), (2, 1)
+
+#: Second-order cells along the groove, along the land, and in depth.
+CELLS = (32, 12, 12)
+
+
+def helical_stiffness(
+    m: GrooveMap, outer: float, bore: float, material: Material, cells: tuple[int, int, int] = CELLS
+) -> tuple[Array, float]:
+    """Stiffness ``(2, 2)`` against stretch and twist per length [N, N m; N m2], and bending stiffness [N m2].
+
+    outer, bore: radii of the lands and of the bore [m] (0: solid). Raises ValueError where grooves of neighbouring turns
+    overlap, or the bore cuts them.
+    """
+    mesh, period = _section_mesh(m, outer, bore, cells)
+    basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=6)
+    stretch_and_twist = _stored(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
+    bending = _stored(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
+    return stretch_and_twist, float(bending[0, 0])
+
+
+def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:
+    """Mesh of (r, zeta) over one period, middle of the groove at zeta = 0, and the period [m]."""
+    along, land, deep = cells
+    period = 2.0 * np.pi * abs(m.rg) / m.starts
+    gamma = np.linspace(0.0, np.pi / 2.0, 4001)
+    r, zeta, _ = m.unroll(*m.section(1, gamma, np.full(gamma.size, m.radius[1])))
+    kept = (zeta >= 0.0) & (r <= outer)
+    r, zeta = r[kept], zeta[kept]
+    edge = float(zeta[-1])
+    if edge >= 0.5 * period:
+        raise ValueError("the grooves of neighbouring turns overlap")
+    if bore >= r.min():
+        raise ValueError("the bore cuts the groove")
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(r), np.diff(zeta)))])  # even cells along the flank
+    at = np.linspace(0.0, length[-1], along // 2 + 1)
+    flank, surface = np.interp(at, length, zeta), np.interp(at, length, r)
+    flank[0], surface[-1] = 0.0, outer
+    flat = np.linspace(edge, 0.5 * period, land // 2 + 1)[1:]
+    z, top = np.concatenate([flank, flat]), np.concatenate([surface, np.full(flat.size, outer)])
+    z, top = np.concatenate([-z[:0:-1], z]), np.concatenate([top[:0:-1], top])
+    depth = 1.0 - np.linspace(1.0, 0.0, deep + 1) ** 1.5  # finer towards the surface
+    mesh = MeshQuad.init_tensor(np.arange(depth.size, dtype=float), np.arange(z.size, dtype=float))
+    i, j = mesh.p.round().astype(int)
+    return mesh.translated(np.stack([bore + depth[i] * (top[j] - bore), z[j]]) - mesh.p[:, :]), period
+
+
+def _strain(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
+    """rr, tt, zz, rz, rt, tz (engineering shears) of w with the derivatives along r and zeta."""
+    u, v, w = value
+    (u_r, u_z), (v_r, v_z), (w_r, w_z) = slope
+    turn = 1j * n if n else 0.0
+    u_t, v_t, w_t = (turn * f - rg * f_z for f, f_z in ((u, u_z), (v, v_z), (w, w_z)))
+    return [u_r, (v_t + u) / r, w_z, u_z + w_r, (u_t - v) / r + v_r, w_t / r + v_z]
+
+
+def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]) -> Array:
+    """Integrals over the section of what means and what they bring store against one another, ``(k, k)``."""
+    e, nu = material.youngs_modulus, material.poissons_ratio
+    shear = e / (2.0 * (1.0 + nu))
+    hooke = np.diag(shear * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]))
+    hooke[:3, :3] += 2.0 * shear * nu / (1.0 - 2.0 * nu)
+    r = np.asarray(basis.global_coordinates()[0])
+    weight = np.repeat(r * basis.dx, len(hooke), axis=1)
+
+    def by_cells(strains: list[list[Array]]) -> Array:
+        """Strains as ``(cells, functions, points and components)``."""
+        values = np.array(strains).transpose(2, 0, 3, 1)
+        return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
+
+    def stress(strains: Array) -> Array:
+        """Times the share of every point in the integral, ``(cells, points and components, functions)``."""
+        values = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
+        return np.asarray((values * weight[:, None]).swapaxes(1, 2))
+
+    B = by_cells([_strain(f[0], f[0].grad, r, rg, n) for f in basis.basis])
+    mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in means])
+    nodes, size = basis.element_dofs.T, basis.N
+    lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
+    K = sp.csr_array(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
+    F = np.zeros((size, len(means)), dtype=B.dtype)
+    np.add.at(F, nodes, B.conj() @ stress(mean))
+    prescribed = (mean @ stress(mean)).sum(axis=0)
+    T = _periodic(basis, period)
+    # the axis moves as a whole: n = 0 along and around, n = 1 across
+    top = int(np.argmax(basis.doflocs[0]))
+    point = np.flatnonzero(np.linalg.norm(basis.doflocs - basis.doflocs[:, [top]], axis=0) < 1e-12)
+    held = T[point[1:] if n == 0 else point[:1]].nonzero()[1]
+    free = np.setdiff1d(np.arange(T.shape[1]), held)
+    T = T[:, free]
+    answer = splu((T.T @ K @ T).tocsc(), permc_spec="MMD_AT_PLUS_A").solve(T.T @ F)
+    return np.asarray((prescribed - np.conj(T.T @ F).T @ answer).real)
+
+
+def _periodic(basis: Basis, period: float) -> sp.csr_array:
+    """Freedoms ``(n, m)`` from those that are left where the two ends of the period are one."""
+    x = basis.doflocs
+    low, high = (np.flatnonzero(np.abs(x[1] - s * 0.5 * period) < 1e-9 * period) for s in (-1.0, 1.0))
+    low, high = (at[np.lexsort((at, x[0, at]))] for at in (low, high))
+    master = np.arange(x.shape[1])
+    master[high] = low
+    left, place = np.unique(master, return_inverse=True)
+    return sp.csr_array((np.ones(place.size), (np.arange(place.size), place)), (place.size, left.size))

@@ -1,0 +1,170 @@
+"""Force of one ball over the axial motion of its groove, by three readings of the contact angle.
+
+Newton's method of one chain of balls: start with rigid bodies, then a tridiagonal system a step.
+
+Many chains: what is kept of each.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollbench.lowfi.jit import kernel
+
+#: Array of floats.
+Array = NDArray[Any]
+
+#: Readings of the contact angle: constant; by Liu's implicit equation (10); by the geometry of the groove centres.
+CONSTANT, IMPLICIT, EXACT = 0, 1, 2
+
+
+@kernel
+def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
+    """Approach, sine of the contact angle, d(approach)/dv of (10) and (14): approach = error + v sin(angle(approach))."""
+    a = p[1] - error
+    approach = error + v * p[2]
+    sine, rate = p[2], 0.0
+    for _ in range(8):
+        grown = a + approach
+        cosine = a * p[3] / grown
+        sine = sqrt(1.0 - cosine * cosine)
+        rate = cosine * cosine / (sine * grown)
+        step = (approach - error - v * sine) / (1.0 - v * rate)
+        approach -= step
+        if abs(step) <= 1e-15 * p[1]:
+            break
+    return approach, sine, sine / (1.0 - v * rate)
+
+
+@kernel
+def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
+    """The same from the distance of the groove centres, whose offset across the axis no ball changes."""
+    along, across = p[1] * p[2] + v, p[1] * p[3]
+    distance = sqrt(along * along + across * across)
+    sine = along / distance
+    # distance - A without cancellation
+    grown = v * (2.0 * p[1] * p[2] + v) / (distance + p[1])
+    return grown + error, sine, sine
+
+
+@kernel
+def ball(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
+    """Contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
+
+    error [m]: what the ball is too large; law: reading of the contact angle; p: Hertz stiffness [N/m^1.5], distance A of
+    the groove centres [m], sine and cosine of the free contact angle, cosine of the lead angle.
+    """
+    v = u * p[4]
+    approach, sine, slope = error + v * p[2], p[2], p[2]
+    if law == EXACT:
+        approach, sine, slope = _exact(v, error, p)
+    elif law == IMPLICIT and approach > 0.0:
+        # in (10) the approach has the sign of that at a constant angle
+        approach, sine, slope = _implicit(v, error, p)
+    if approach <= 0.0:
+        return 0.0, 0.0, 0.0
+    # d(sine)/dv, the groove centres being A - error + approach apart
+    turn = (1.0 - sine * sine) * slope / (sine * (p[1] - error + approach)) if law != CONSTANT else 0.0
+    root = sqrt(approach)
+    load = p[0] * approach * root
+    return load, load * sine * p[4], (1.5 * p[0] * root * slope * sine + load * turn) * p[4] * p[4]
+
+
+#: Newton steps after which a chain is given up.
+MAX_ITERATIONS = 60
+
+#: Largest error of a ball's force against the load of the screw.
+TOLERANCE = 1e-10
+
+
+@kernel
+def _rigid(errors: Array, load: float, p: Array) -> float:
+    """Motion [m] of rigid bodies, constant contact angle, to a hundredth of the load from above: some ball is loaded."""
+    slope = p[2] * p[4]
+    u = ((load / (slope * p[0] * errors.size)) ** (2.0 / 3.0) - errors.min()) / slope
+    for _ in range(MAX_ITERATIONS):
+        force, rate = 0.0, 0.0
+        for error in errors:
+            approach = error + slope * u
+            if approach > 0.0:
+                root = sqrt(approach)
+                force += approach * root
+                rate += root
+        excess = slope * p[0] * force - load
+        if excess <= 0.01 * load:
+            break
+        u -= excess / (1.5 * slope * slope * p[0] * rate)
+    return float(u)
+
+
+@kernel
+def newton(
+    errors: Array, load: float, compliance: float, law: int, p: Array, u: Array, work: Array
+) -> tuple[int, float, float]:
+    """Solve one chain; see ``lowfi.random_errors.chain`` for the equations.
+
+    errors (M,): [m]; load: positive [N]; compliance: of a segment [m/N]; u (M,): result, motions [m]; work (3, M): its
+    first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
+    Returns Newton steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
+    """
+    m = errors.size
+    loads, s, t = work[0], work[1], work[2]
+    u[m - 1] = _rigid(errors, load, p)
+    for j in range(m - 1, 0, -1):
+        # the stretch under equal shares, laid on the rigid motion
+        u[j - 1] = u[j] + compliance * load * (m - j) / m
+    forces = np.empty(m)
+    worst = np.inf
+    for iteration in range(MAX_ITERATIONS + 1):
+        behind_s, behind_t = 0.0, 0.0
+        worst = 0.0
+        for j in range(m - 1, -1, -1):
+            load_j, force, rate = ball(u[j], errors[j], law, p)
+            if iteration > 0:
+                worst = max(worst, abs(force - forces[j]))
+            loads[j] = load_j
+            s[j] = rate + behind_s
+            t[j] = force - rate * u[j] + behind_t
+            forces[j] = force
+            soft = 1.0 / (1.0 + compliance * s[j])
+            behind_s, behind_t = s[j] * soft, t[j] * soft
+        if (iteration > 0 and worst <= TOLERANCE * load) or iteration == MAX_ITERATIONS:
+            break
+        # forward: the motion of ball 1 from the whole load, then ball by ball; forces becomes what the step expects
+        tail = load
+        moved = (load - t[0]) / s[0]
+        for j in range(m):
+            rest = (s[j + 1] * moved + t[j + 1]) / (1.0 + compliance * s[j + 1]) if j + 1 < m else 0.0
+            u[j] = moved
+            forces[j] = tail - rest
+            tail = rest
+            moved -= compliance * rest
+    return iteration, worst / load, s[0]
+
+
+@kernel
+def batch(errors: Array, loads: Array, compliance: float, law: int, p: Array, out: Array) -> None:
+    """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
+
+    out (n, L, 7): smallest and largest contact load [N], loaded balls, motion u of ball 1 [m], the same of the first
+    loaded ball, stiffness dF/du_1 [N/m], residual over the load.
+    """
+    n, m = errors.shape
+    u, work = np.empty(m), np.empty((3, m))
+    for i in range(n):
+        for k in range(loads.size):
+            _, residual, stiffness = newton(errors[i], loads[k], compliance, law, p, u, work)
+            q = work[0]
+            first, count = -1, 0
+            for j in range(m):
+                if q[j] > 0.0:
+                    count += 1
+                    if first < 0:
+                        first = j
+            out[i, k, 0], out[i, k, 1], out[i, k, 2] = q.min(), q.max(), count
+            out[i, k, 3], out[i, k, 4] = u[0], u[first]
+            out[i, k, 5], out[i, k, 6] = stiffness, residual

@@ -1,1 +1,0 @@
-"""Tapered rollers: line contact, a bearing's row, and its slices."""

@@ -1,0 +1,132 @@
+"""Linear algebra on one thread: with small matrices, and next to any other busy process, more only wait for one another.
+
+One rule: the command line, workers and tests call `one_thread` when they begin; a call of the library has one thread until
+it returns, because the rest of the process is its user's. Work is shared among processes. A user's own variable wins.
+
+Worker processes of this machine, which end with the process that started them.
+
+Peak memory of one piece of work in a process that does several: the kernel's own record, reset before each.
+
+``getrusage`` gives the highest memory since the process began, so that a small run after a large one gets the large one's
+number. Linux forgets that record when asked to (``/proc/self/clear_refs``); elsewhere nothing is measured.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+#: Variables that the libraries of linear algebra read when they are loaded; the first speaks for all of them.
+VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB_MAXIMUM"))
+
+
+def for_one_thread() -> dict[str, str]:
+    """Variables to set for one thread: none that the user has set, and none at all where he has set the first."""
+    return {} if VARIABLES[0] in os.environ else {name: "1" for name in VARIABLES if name not in os.environ}
+
+
+def one_thread() -> None:
+    """Linear algebra of this process, and of those that it starts, on one thread from now on. A second call changes
+    nothing."""
+    if "numpy" in sys.modules:
+        for library in _loaded():
+            library.set_num_threads(1)
+    os.environ.update(for_one_thread())
+
+
+@contextmanager
+def held_to_one_thread() -> Iterator[None]:
+    """The same, as a context or a decorator, for a while and in this process alone."""
+    if not for_one_thread():
+        yield
+        return
+    import scipy.linalg  # noqa: F401 - it brings a library of its own: later it would not be held
+
+    libraries = [(library, library.num_threads) for library in _loaded()]
+    for library, _ in libraries:
+        library.set_num_threads(1)
+    try:
+        yield
+    finally:
+        for library, before in libraries:
+            library.set_num_threads(before)
+
+
+def _loaded() -> list[Any]:
+    """Libraries that are loaded, which read no variable any more, but those that the user has set."""
+    left = for_one_thread()
+    if not left:
+        return []
+    from threadpoolctl import ThreadpoolController
+
+    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
+    return [library for library in libraries if f"{library.internal_api.upper()}_NUM_THREADS" in left]
+
+
+#: Seconds between two looks at whether the process that started a worker still lives.
+LOOK = 0.5
+
+
+def local() -> Any:
+    """joblib's context in which ``Parallel`` starts workers of this machine, each with linear algebra on one thread, or on
+    as many as the variables say that are set here (`rollbench.meshes.processes`). A worker ends within a second of the
+    process that started it, however that ended: one that was killed leaves none. On Windows, which does not tell, they end
+    when they have been idle for five minutes."""
+    from joblib import parallel_config
+
+    threads = None if any(name in os.environ for name in VARIABLES) else 1
+    return parallel_config(
+        backend="loky", inner_max_num_threads=threads, initializer=end_with_parent, initargs=(os.getpid(),)
+    )
+
+
+def end_with_parent(parent: int) -> None:
+    """End this process at once, whatever it does, as soon as process ``parent`` is not its parent any more."""
+    threading.Thread(target=_wait_for_end, args=(parent,), daemon=True).start()
+
+
+def _wait_for_end(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(LOOK)
+    os._exit(1)
+
+
+#: Whether the record may hold earlier work: a reset was asked for and refused.
+_stale = False
+
+
+def reset_peak() -> bool:
+    """Start a new record of the highest resident memory of this process; whether the system can.
+
+    What earlier work freed is given back to the system first, as far as the C library can, so that it does not count.
+    """
+    global _stale
+    gc.collect()
+    with suppress(OSError, AttributeError, TypeError):  # another C library than glibc: its free memory counts
+        ctypes.CDLL(None).malloc_trim(0)
+    try:
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+        _stale = False
+    except OSError:
+        _stale = True
+    return not _stale
+
+
+def peak_MB() -> float | None:
+    """Highest resident memory of this process since ``reset_peak`` [MB], interpreter and libraries included; None where
+    the system keeps no such record, or did not reset it."""
+    if _stale:
+        return None
+    try:
+        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+        return next(float(x.split()[1]) for x in lines if x.startswith("VmHWM")) * 1.024e-3
+    except (OSError, StopIteration, ValueError):
+        return None
