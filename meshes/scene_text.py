@@ -106,7 +106,7 @@ def case_table(
 ) -> Table:
     """What a load case has otherwise than the parts; its share of the revolutions, or its time [s], and speed [rad/s]."""
     supports = [_displaced(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
-    table = {"share": share} if time is None else {"time": text_of(Duration, time)}
+    table: Table = {"share": share} if time is None else {"time": text_of(Duration, time)}
     table |= {} if speed is None else {"speed": text_of(Turning, speed)}
     table |= {} if case.loads == parts.loads else {"loads": [*map(table_of, case.loads)]}
     before, after = _oversizes(parts), _oversizes(case)
@@ -163,7 +163,7 @@ def _track(scene: Scene, *, by_thrust: bool = False) -> Table:
 def groove_table(radius: float, ball: float) -> Table:
     """A groove by the shorter text of its radius and of its conformity."""
     text, conformity = text_of(Size, radius), float(f"{radius / (2.0 * ball):.9g}")
-    shorter = len(str(conformity)) < len(text) - 3 and conformity > 0.5
+    shorter = len(str(conformity)) < len(str(text)) - 3 and conformity > 0.5
     if shorter and conformity * (2.0 * ball) == radius:
         return {"conformity": text_of(Conformity, conformity)}
     return {"groove_radius": text}
@@ -194,7 +194,7 @@ def _balls(scene: Scene, shared: Material) -> Table:
     turns = 1.0 if each == 1 else float(f"{each * apart[0] / (2.0 * pi):.9g}")
     circuits = len(at) // each
     gap = float(f"{(at[each] - at[0]) / (2.0 * pi) - turns:.9g}") if circuits > 1 else 0.0
-    table = {"radius": text_of(Size, balls.radius)}
+    table: Table = {"radius": text_of(Size, balls.radius)}
     if at == spread_over_turns(each, turns, track.phase, circuits, gap):
         table |= {"count": len(at) * track.starts, "turns": turns}
         table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
@@ -304,7 +304,8 @@ def _inside(hint: Any) -> Iterator[Quantity]:
 
 def table_of(record: Any, *left_out: str) -> Table:
     """Fields of a record as keys, but those that are as usual."""
-    quantities = _quantities(type(record))
+    of: type = type(record)
+    quantities = _quantities(of)
     out = {}
     for each in fields(record):
         value = getattr(record, each.name)
