@@ -22,7 +22,7 @@ from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import best_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.statics.problem import drawn_hertz, nominal_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz, nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle

@@ -22,7 +22,7 @@ from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.compare.reference.convergence import observe
 from rollbench.compare.reference.estimate import Reference
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

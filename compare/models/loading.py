@@ -99,7 +99,7 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     loads = tuple(map(times, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
-    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
 
@@ -114,7 +114,7 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0)))
+    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0), bare))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, bare))
 
 
@@ -194,7 +194,7 @@ def along_axis(assembly: Assembly, result: AxisResult) -> float:
 
 def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
     """Motion ``(6,)`` [m, rad] of what is asked about: a station of the shaft, or a housing."""
-    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     at = asked(assembly)
     if isinstance(at, str):

@@ -34,8 +34,8 @@ from rollbench.compare.models.applicability import outside, survey
 from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.reference.store import Run
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout, lead_angle

@@ -37,7 +37,7 @@ from rollbench.compare.system import libraries
 from rollbench.compare.text.cases import case_rows, together_entries
 from rollbench.compare.text.entries import entries
 from rollbench.compare.writing import need_writable, replace_file
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.errors import specimen

@@ -27,6 +27,7 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
+from rollbench.lowfi.bearings.torque import LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
 from rollbench.lowfi.rating.equivalent import EquivalentLife
 from rollbench.lowfi.rating.life import Life
@@ -101,7 +102,7 @@ TABLES = (
             ("ratings.", Ratings),
             ("", LoadAnswers),
             ("preload.", Preload),
-            ("starting_torque.", scene_json.StartingTorque),
+            ("starting_torque.", LoadTorque),
             ("contact_lost.", LiftOff),
         ),
     ),

@@ -207,21 +207,6 @@ class CentrelinePoint:
     )
 
 
-@record
-class StartingTorque:
-    """Of a bearing: torque [N m], factor f1, static equivalent load and rating [N]."""
-
-    torque: float = quantity(
-        "torque_Nmm",
-        "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
-        "without lubricant and seals",
-        error="empirical",
-    )
-    factor: float = quantity("factor", "its f1 = 0.0013 (P0/C0)^(1/3)")
-    equivalent_load: float = quantity("equivalent_load_N", "its static equivalent load P0")
-    rating: float = quantity("static_rating_N", "its static rating C0 by Palmgren's formula")
-
-
 def sides_json(load: Array) -> dict[str, Any]:
     """Per loaded side: largest and smallest load of the loaded balls [N], their ratio, balls with and without load."""
     out = {}
@@ -305,8 +290,7 @@ def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
         return None
     from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
 
-    found = formula_torque(parts, preload.axial)
-    return as_json(StartingTorque(found.torque, found.factor, found.equivalent_load, found.rating))
+    return as_json(formula_torque(parts, preload.axial))
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
 from rollbench.lowfi.bearings.torque import LoadTorque, load_torque, static_rating
-from rollbench.lowfi.statics.problem import nominal_curvatures
+from rollbench.lowfi.statics.contacts import nominal_curvatures
 from rollbench.meshes.parts import Scene
 
 #: Conformity where the search for one begins.

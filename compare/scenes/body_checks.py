@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.lowfi.statics.supports import Held, contradiction, show
+from rollbench.lowfi.statics.problem import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -84,8 +84,7 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
 def contact_faults(scene: Scene) -> Iterator[Fault]:
     """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
     solution."""
-    from rollbench.lowfi.statics.conformity import curvature_changes
-    from rollbench.lowfi.statics.problem import nominal_curvatures, printed_sides
+    from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, printed_sides
 
     if scene.ingredients.hertz == "as printed":
         try:

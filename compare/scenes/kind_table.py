@@ -40,8 +40,8 @@ def _tag(value: Any) -> str:
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
-    tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
-    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
+    by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
+    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_tag)]  # noqa: UP007
     schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
     name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
     name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from rollbench.compare.errors import escaped
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, key
+from rollbench.meshes.scene_text import to_toml
 
 
 class KindKeys(HeadKeys):
@@ -31,7 +32,6 @@ class KindScene:
     def to_toml(self) -> str:
         """Text of a scene file that is read as this scene."""
         from rollbench.compare.scenes.friction_kinds.written import tables
-        from rollbench.meshes.scene_text import to_toml
 
         return to_toml(tables(self))
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any
 
+from rollbench.compare import data
 from rollbench.compare.models.study import Study
 from rollbench.compare.studies.sweep.figures import of_summary
 from rollbench.compare.studies.sweep.keys import Vary, read_vary
@@ -15,7 +15,7 @@ from rollbench.compare.studies.sweep.outputs import MAIN
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: The shipped summary: the ``summary.json`` of the command that it names.
-TOLERANCES = "tolerances-case3.json"
+TOLERANCES = "studies/sweep/tolerances-case3.json"
 #: What the keys are called here, by the beginning of their path.
 WORDS = {
     "errors.balls.sigma": "ball grade: standard deviation of the ball radius",
@@ -29,7 +29,7 @@ WORDS = {
 @cache
 def stored() -> dict[str, Any]:
     """The shipped summary."""
-    found: dict[str, Any] = json.loads(Path(__file__).with_name(TOLERANCES).read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads(data.text(TOLERANCES))
     return found
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.lowfi.statics.conformity import curvature_changes
-from rollbench.lowfi.statics.problem import nominal_curvatures, own_hertz
+from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen

@@ -33,7 +33,8 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import filled_turns
-from rollbench.lowfi.statics.problem import distances, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.problem import distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen

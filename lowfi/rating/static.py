@@ -23,7 +23,7 @@ import numpy as np
 from rollbench.lowfi.rating.contacts import ALLOWED, PALMGREN
 from rollbench.lowfi.rating.life import is_thrust, rating, standard_of
 from rollbench.lowfi.rating.rigidity import slope_of
-from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_curvatures, nominal_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record

@@ -27,7 +27,7 @@ from rollbench.lowfi.friction.whole.settings import ONE_TURN
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.random_errors.ensemble import solve_ensemble
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.problem import forget_nominal
+from rollbench.lowfi.statics.contacts import forget_nominal
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, RollingSet, diagonal

@@ -202,7 +202,9 @@ def _crosses(assembly: Assembly, model: str) -> bool:
     if not callable(runner):
         return False
     state = runner(assembly, COMPILED)
-    return state.status.cause == "crossed row" and not check_axes.faults(assembly, state) and check_axes.crossed(state)
+    if state.status.cause != "crossed row" or check_axes.faults(assembly, state):
+        return False
+    return check_axes.crossed(assembly, state)
 
 
 def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:

@@ -6,13 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.campaign import check, files, record, scenes
+from tests.campaign import check, files, scenes
 from tests.campaign.__main__ import command_line, main
-from tests.campaign.draw import scene_text
 from tests.campaign.scenes import Campaign, Part, judge_scenes
 from tests.helpers import small_screw
 
-from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies.extremes import campaign
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, Support
@@ -78,19 +76,6 @@ def test_an_interrupted_campaign_goes_on(tmp_path):
     assert judge_scenes(Campaign(7, 3), kept=again)[:2] == first
     assert new == [2]
     assert Part(kept.path, 8, "lin").outcomes == {}
-
-
-def test_most_drawn_scenes_are_read_and_both_kinds_are_drawn():
-    """A campaign of refused files would judge nothing."""
-    kinds = []
-    for number in range(40):
-        try:
-            kinds.append(scene_file.loads(scene_text(11, number), "x.toml").track.lead > 0.0)
-        except scene_file.SceneError:
-            continue
-    assert len(kinds) >= 20
-    assert any(kinds)
-    assert not all(kinds)
 
 
 def test_mutated_files_are_refused_in_words():
@@ -166,26 +151,6 @@ def test_a_refusal_is_proven_where_the_load_opens_all_contacts(force, proof):
     scene = small_screw(8)
     alone = replace(scene, balls=replace(scene.balls, azimuths=(0.0,)), supports=(Support(0.1, held),))
     assert check.proven(replace(alone, loads=(Load(scene.nut.position, force, (0.0, 0.0, 0.0)),))) is proof
-
-
-def test_a_record_is_kept_and_replaced_by_its_command(tmp_path):
-    path = tmp_path / "campaign.json"
-    none = dict.fromkeys((*scenes.GOOD, *scenes.BAD), 0)
-    found = {"command": "a", "scenes": none | {"right": 3}, "files": {"kill": {"whole": 2}}, "bad": []}
-    path.write_text(record.text(found, path))
-    path.write_text(record.text(found | {"command": "b"}, path))
-    path.write_text(record.text(found | {"scenes": none | {"right": 4, "wrong": 1}}, path))
-    assert [(r["command"], r["scenes"]["right"]) for r in campaign.read(path)] == [("b", 3), ("a", 4)]
-    rows = campaign.rows(campaign.read(path))
-    assert [(row["right"], row["wrong or unproven"], row["killed processes"]) for row in rows] == [(3, 0, 2), (4, 1, 2)]
-    path.write_text("[[1]]")
-    assert campaign.read(path) == []
-
-
-def test_scenes_do_not_depend_on_what_was_drawn_before():
-    first = scene_text(3, 5)
-    np.random.default_rng(0).random(10)
-    assert scene_text(3, 5) == first != scene_text(3, 6) != scene_text(4, 6)
 
 
 def test_scenes_go_through_the_command_line_too():

@@ -18,7 +18,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.studies.members.ensemble import run_ensemble, work_of
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, kernels
-from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
+from rollbench.lowfi.statics.elastic import ElasticMembers, shared
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Solved
 from rollbench.meshes.arrays import Array

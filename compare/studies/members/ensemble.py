@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.compare.models.study import Study
+from rollbench.lowfi.statics.contacts import hertz_C
+from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
-from rollbench.lowfi.statics.mechanism import free_motions
-from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
+from rollbench.lowfi.statics.problem import Problem, build, distances, lever_arms
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED

@@ -1,7 +1,5 @@
 """Arguments that cannot be used: the library names the argument, and only the command line its option."""
 
-import ast
-import re
 from collections.abc import Callable
 
 import pytest
@@ -85,17 +83,3 @@ def test_an_argument_becomes_its_option(given, named, said):
         rollbench.check("lin-case1", **given)
     assert named in str(raised.value)
     assert said in str(in_options(raised.value))
-
-
-def test_what_a_user_wrote_stays_as_it_is():
-    assert "got `lead=1`; " in str(in_options(InputError("my.toml", "`track`", "`lead=1`", "a length", "see `levels=1`")))
-
-
-def test_no_module_below_the_command_line_has_an_option():
-    below = [path for folder in ("lowfi", "hifi", "meshes", "reports", "compare") for path in (ROOT / folder).rglob("*.py")]
-    line = ROOT / "compare/commands"
-    for path in below:
-        if line in path.parents or path.name in ("cli.py", "arguments.py", "__main__.py"):
-            continue
-        texts = (x.value for x in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(x, ast.Constant))
-        assert not [text for text in texts if isinstance(text, str) and re.match("--[a-z]", text)], path

@@ -131,15 +131,6 @@ def test_a_source_archive_runs_its_own_tests(tmp_path: Path) -> None:
     assert (source / "src/rollbench/lowfi").is_symlink()
 
 
-def test_a_wheel_by_way_of_the_source_archive_is_the_same(wheel: Path, tmp_path: Path) -> None:
-    (archive,) = SdistBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
-    with tarfile.open(archive) as opened:
-        opened.extractall(tmp_path, filter="data")
-    (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
-    (again,) = WheelBuilder(str(source)).build(directory=str(tmp_path), versions=["standard"])
-    assert contents(again) == contents(wheel)
-
-
 @pytest.mark.parametrize("order", [BEFORE, AFTER], ids=["loaded before", "loaded after"])
 def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, order: str) -> None:
     (tmp_path / "meshes").mkdir()

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from rollbench.lowfi.bearings import angular_contact, as_printed
-from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium, lift_off_force, preloaded, state_at
+from rollbench.lowfi.bearings import angular_contact
+from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium, lift_off_force, preloaded
 
 ROW = angular_contact.BallRow(angular_contact.of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
 OTHER = angular_contact.BallRow(angular_contact.of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))
@@ -108,15 +108,6 @@ def test_gap_and_force_describe_one_set():
 
 def test_a_set_facing_one_way_rests_loose():
     assert np.all(equilibrium(BearingSet((ROW, ROW), (-1, -1), (1e-6, 2e-6))).loads == 0.0)
-
-
-def test_state_at_a_displacement_and_the_source_s_sharing():
-    """In its sharing each side is moved by the whole force."""
-    assert np.array(TRIPLEX) @ as_printed.shared_loads((1020.0, 1020.0, 2040.0), TRIPLEX, 300.0) == pytest.approx(600.0)
-    rows = BearingSet((Power(1.0), Power(1.0)), (1, -1), (2e-6, 5e-6))
-    s = state_at(rows, 1e-6)
-    np.testing.assert_allclose(s.loads, [3e3, 4e3], rtol=1e-12)
-    assert s.stiffness == pytest.approx(2e9)
 
 
 REFUSED = [

@@ -12,7 +12,7 @@ from rollbench.lowfi.bearings.combined_load import azimuths, by_load_zone, combi
 from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load
 from rollbench.lowfi.bearings.sets import equilibrium, preloaded
 from rollbench.lowfi.hertz import contact_modulus
-from rollbench.lowfi.rollers.roller_slices import SlicedRow, approach_of, circular_crown, middles, slice_state, sliced
+from rollbench.lowfi.rollers.roller_slices import SlicedRow, approach_of, circular_crown, slice_state, sliced
 from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing, roller_contacts
 
 B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
@@ -220,12 +220,6 @@ def test_a_roller_on_one_apex_is_loaded_evenly():
     np.testing.assert_allclose(g, float(B.law().g), rtol=1e-13)
 
 
-def test_slice_stiffness_is_the_derivative():
-    r = sliced(B, 60, circular_crown(4.0))
-    up, down = slice_state(r, 8e-6 + 1e-11), slice_state(r, 8e-6 - 1e-11)
-    assert slice_state(r, 8e-6).stiffness == pytest.approx((up.force - down.force) / 2e-11, rel=3e-6)
-
-
 def test_slices_converge_with_second_order():
     """Fully loaded crowned roller: the midpoint rule of a smooth load, so halving the slices cuts the error by four."""
     exact = quad(lambda x: float(B.law().line_load(2e-5 - x**2 / 20.0)), -0.5 * B.length, 0.5 * B.length, epsrel=1e-12)[0]
@@ -258,10 +252,6 @@ def test_slices_beside_the_source_s_formulas():
     assert power / ours == pytest.approx(1.14, abs=0.02)
 
 
-def test_middles():
-    np.testing.assert_allclose(middles(4.0, 4), [-1.5, -0.5, 0.5, 1.5])
-
-
 # --- refusals
 
 
@@ -277,8 +267,3 @@ def test_middles():
 def test_faulty_bearings_are_refused(change, words):
     with pytest.raises(ValueError, match=words):
         replace(B, **change)
-
-
-def test_roller_without_load_is_refused():
-    with pytest.raises(ValueError, match="positive"):
-        approach_of(sliced(B, 5), 0.0)

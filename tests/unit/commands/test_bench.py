@@ -13,12 +13,6 @@ from rollbench.compare.studies.run_times import timing, typed
 from rollbench.compare.studies.run_times.kept import load_times
 
 
-def test_timing_is_a_median_after_an_uncounted_run():
-    calls: list[str] = []
-    timing.timed(lambda: calls.append("work"), 3, lambda: calls.append("reset"))
-    assert calls == 4 * ["reset", "work"]
-
-
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"

@@ -1,21 +1,18 @@
 """What compare prints and writes: verdict, one table that fits, no row of the reference against itself."""
 
 import csv
-import io
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from rollbench.compare.commands import compare_output as output
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.compare.models.model_form import estimate, shipped_points
 from rollbench.compare.models.registry import MODELS, run_model
-from rollbench.compare.models.uncertainty import Choices, Total, total
-from rollbench.compare.quantities import as_json
+from rollbench.compare.models.uncertainty import Choices, Total
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.compare.results import compared as found_by
@@ -47,18 +44,6 @@ def case():
     return scene, models, found, found_by.beside(scene, exact, None)
 
 
-def test_verdict_and_others_speak_of_each_model_once_and_of_one_level(case) -> None:
-    scene, models, found, itself = case
-    text = found_by.verdict(found_by.Compared(tuple(models), itself, None, TOTAL), found)
-    assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
-    assert "3D reference on level 1, uncertain by 3.61 % in all: discretisation 0.20 % by experience with other" in text
-    assert "modelling choices 3.00 %, most where the nut is held; inputs 2.00 %, most angle; large" in text
-    mesh = found_by.beside(scene, loads(scene, "3D level 2", 1.02), found)
-    (line,) = found_by.others(found_by.Compared((*models, mesh), itself, None, TOTAL))
-    assert line.startswith("lin-source-partition is off by 10.72 % of the mean load on the worst contact (ball 32")
-    assert f"and by 10.00 %, {RULE}" in line
-
-
 def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     """Of 0.01 N in the reference and 0.1 N in the model: 900 % of its own load, 0.04 % of the mean."""
     scene, _, found, _ = case
@@ -72,32 +57,6 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     assert f"and by 1.00 %, {RULE}" in text
 
 
-def test_a_renamed_copy_is_no_other_scene() -> None:
-    """What is measured on a scene is not to be expected of it, and choices varied on it speak for it, whatever its name."""
-    copy = replace(catalogue.scene("lin-case1"), name="my copy")
-    found = reference(copy)
-    assert "lin-case1" not in {point.scene for point in found_by.others_than(found)}
-    assert total(copy, found, inputs=False).choices.scene == "lin-case1"
-
-
-def shown(table) -> list[str]:
-    """Lines of a table that fits 80 columns."""
-    stream = io.StringIO()
-    Console(file=stream, width=80).print(table)
-    lines = stream.getvalue().splitlines()
-    assert max(map(len, lines)) <= 80
-    assert "…" not in stream.getvalue()
-    return lines
-
-
-def test_the_table_has_the_reference_first_and_once(case) -> None:
-    scene, models, found, itself = case
-    lines = shown(output.table(models, itself))
-    assert [line.split()[0] for line in lines] == ["model", "3D", "refined", "lin-source-partition"]
-    assert found_by.is_itself(loads(scene, "3D level 1", 1.0), found)
-    assert not found_by.is_itself(loads(scene, "3D source mesh", 1.0), found)
-
-
 def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
     scene, models, found, _ = case
     said = output.write_files(scene, models, found, tmp_path)
@@ -107,23 +66,6 @@ def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
     assert rows[0]["uncertainty_N"] == "0.5"
     assert (tmp_path / "lin-case1-compare.svg").stat().st_size > 1000
     assert "lin-case1-compare.csv" in said
-
-
-def test_answers_of_model_and_reference_stand_side_by_side(case) -> None:
-    _, models, found, itself = case
-    whole = found_by.Compared(tuple(models), itself, None, TOTAL)
-    lines = shown(output.answers_table(whole))
-    assert len(lines) == 1 + len(output.ANSWERS)
-    assert lines[0].split()[1:4] == ["refined", "3D", "reference"]
-    assert [float(cell) for cell in lines[1].split()[-3:]] == [233.3, 231.0, 1.0]
-    assert lines[5].split()[-1] == f"{100.0 * (1.01 ** (1.0 / 3.0) - 1.0):+.2f}"
-    data = found_by.answers_json(whole, found)
-    assert (data["levels"], data["uncertainty_percent"]) == ([1], pytest.approx(50.0 / found.load[found.load > 0.0].mean()))
-    assert data["uncertainty"] == as_json(TOTAL)
-    assert data["uncertainty"]["total_percent"] == pytest.approx(np.sqrt(0.2**2 + 3.0**2 + 2.0**2 + 0.1**2))
-    assert data["uncertainty"]["shared_by_all_percent"] is None
-    assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}
-    assert all(found_by.answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in output.ANSWERS)
 
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:

@@ -2,7 +2,6 @@
 
 import sys
 import tomllib
-from importlib import metadata
 
 import pytest
 from tests.copies import ROOT
@@ -40,21 +39,6 @@ def test_what_lacks_is_named_with_its_cost_and_remedy(command, monkeypatch: pyte
     assert bad["memory"]["found"] == "1.5 GB free"
 
 
-def test_packages_that_are_absent_or_old(monkeypatch: pytest.MonkeyPatch) -> None:
-    def version(name: str) -> str:
-        if name == "gmsh":
-            raise metadata.PackageNotFoundError(name)
-        return "1.30" if name == "rich" else "9999"
-
-    monkeypatch.setattr(doctor, "requirements", lambda: {"gmsh": "4.13", "rich": "13.7", "scipy": "1.13"})
-    monkeypatch.setattr(libraries.metadata, "version", version)
-    found = {check.name: check for check in doctor._packages()}
-    assert [check.state for check in found.values()] == ["optional", "missing", "ok"]
-    assert found["gmsh"].advice == "pip install 'rollbench[reference]'"
-    assert "stored ones are read" in found["gmsh"].cost
-    assert found["rich"].found == "1.30, older than 13.7"
-
-
 def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     (tmp_path / "matplotlib.py").write_text("raise RuntimeError('half installed')")
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -75,12 +59,6 @@ def test_every_requirement_of_the_package_is_looked_at() -> None:
     assert {line.partition(">=")[0] for line in listed} == set(doctor.requirements())
 
 
-def test_a_folder_that_cannot_be_written(tmp_path) -> None:
-    (tmp_path / "file").write_text("no folder")
-    check = doctor._folder("store", tmp_path / "file" / "runs", "nothing is kept", "another")
-    assert (check.state, check.cost) == ("missing", "nothing is kept")
-
-
 def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None:
     proc = tmp_path / "meminfo"
     proc.write_text("MemTotal: 9 kB\nMemAvailable:    2000000 kB\n")
@@ -90,9 +68,3 @@ def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None
         (tmp_path / "memory.max").write_text(f"{limit}\n")
         assert system.available_GB(proc, tmp_path) == pytest.approx(free)
     assert system.available_GB(tmp_path / "nothing", tmp_path / "nothing") is None
-
-
-def test_libraries_are_one_list() -> None:
-    assert libraries.missing({"libnothere.so.7": "nothing", "libc.so.6": "libc6"}) == ["libnothere.so.7"]
-    assert "libgomp1" in libraries.install(libraries.MESHING)
-    assert libraries.install(libraries.PICTURES) in offscreen.ADVICE

@@ -191,28 +191,6 @@ def test_patches_with_their_contact_zone(part, tmp_path: Path, cache: Path):
     assert 0.0 < area(mesh, "contact") < area(mesh, "interface")
 
 
-def test_patches_of_groove_and_ball_share_their_nodes_and_the_source_s_mesh_is_of_first_order(tmp_path: Path, cache: Path):
-    groove, ball = (exported(part, tmp_path, cache)[0] for part in ("patch-SL", "ball-patch-SL"))
-    on_groove = groove.points[groove.point_data["boundary contact"] == 1] - [SCENE.track.pitch_radius, 0.0, 0.0]
-    on_ball = ball.points[ball.point_data["boundary contact"] == 1]
-    rays = [x / np.linalg.norm(x, axis=1)[:, None] for x in (on_groove, on_ball)]
-    np.testing.assert_allclose(*rays, atol=1e-9)
-    mesh, _, name, _ = exported("ball-with-sockets", tmp_path, cache, level=0)
-    assert name == "P1"
-    assert area(mesh, "socket SL") > 0.0
-
-
-def test_the_source_s_block(tmp_path: Path):
-    mesh, said, name, cells = exported("block-source", tmp_path, None)
-    assert (name, "groups: contact" in said) == ("P1", True)
-    np.testing.assert_array_equal(mesh.point_data["boundary contact"] == 1, mesh.points[:, 2] < 1e-12)
-    assert area(mesh, "contact") == pytest.approx(25e-6)
-    near = np.linalg.norm(mesh.points[cells].mean(axis=1), axis=1) < 0.5e-3
-    edges = np.linalg.norm(mesh.points[cells[:, 1]] - mesh.points[cells[:, 0]], axis=1)
-    assert np.median(edges[near]) == pytest.approx(0.08e-3, rel=0.25)
-    assert edges.max() > 1.2e-3
-
-
 def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said = []
@@ -342,31 +320,6 @@ class TestResults:
         with pytest.raises(InputError, match="low end"):
             run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1, cache=cache, ball=1)
         assert not (tmp_path / "a.vtu").exists()
-
-
-@pytest.mark.slow
-@CCX
-def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
-    """Unit forces on two sockets of the nut, held outside: every node of the sockets moves as in our own elements."""
-    scene = catalogue.scene("two-balls")
-    run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1)
-    mesh = meshio.read(tmp_path / "nut.inp")
-    (block,) = [b for b in mesh.cells if b.type == "tetra10"]
-    points, cells = mesh.points, block.data[:, np.argsort(VTK["P2"][1])]
-    sockets = mesh.point_sets["sockets"]
-    held = np.flatnonzero(np.abs(np.hypot(*points[:, :2].T) - scene.nut.outer_diameter / 2.0) < 1e-7)
-    forces = np.zeros((len(points), 3))
-    pushed = [sockets[(points[sockets, 0] > 0.0) & (points[sockets, 2] > 7e-3)], sockets[points[sockets, 0] < 0.0]]
-    forces[pushed[0], 0], forces[pushed[1], 2] = 1.0 / len(pushed[0]), 1.0 / len(pushed[1])
-    loads = "*CLOAD\n" + "".join(f"{n + 1}, {k + 1}, {forces[n, k]:.12e}\n" for n, k in np.argwhere(forces))
-    nodes, found = moved_there(tmp_path / "nut.inp", "".join(f"{n + 1}, 1, 3\n" for n in held), loads, "sockets")
-    ours, theirs = moved_here(points, cells, held, forces), np.zeros_like(points)
-    theirs[nodes] = found
-    assert set(nodes) == set(sockets)
-    largest = np.abs(ours[sockets]).max()
-    for group in pushed:
-        np.testing.assert_allclose(theirs[group].mean(axis=0), ours[group].mean(axis=0), atol=2e-4 * largest)
-    np.testing.assert_allclose(theirs[sockets], ours[sockets], atol=1e-3 * largest)
 
 
 def test_every_surface_of_an_exported_nut_can_be_integrated_over_as_the_tutorial_does(tmp_path, monkeypatch, capsys):

@@ -11,12 +11,8 @@ from tests.helpers import small_screw
 from rollbench.compare.commands.friction import as_table, run_friction
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.friction.answer import increase
 from rollbench.compare.studies.friction.solve import solve_friction
 from rollbench.compare.studies.friction.whole import Choices
-from rollbench.compare.text import printing
-from rollbench.lowfi import jit
-from rollbench.lowfi.friction.whole import state
 from rollbench.meshes.parts import Friction
 
 
@@ -100,21 +96,6 @@ def test_shipped_case_and_a_bearing_answer(command):
     assert data["torque"]["driving_torque_on_screw_Nmm"] == pytest.approx(data["torque"]["friction_torque_Nmm"])
 
 
-@pytest.mark.parametrize("width", [60, 100])
-def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width, monkeypatch, capsys):
-    found = answer(mine())
-    short, long = as_table(found), as_table(found, balls=True)
-    assert short[3].startswith("torque    ")
-    assert "which a motor must give the nut" in short[3].replace("\n          ", " ")
-    monkeypatch.setattr(printing, "text_width", lambda: width)
-    printing.print_answer(printing.Answer(parts=[part for part in short if isinstance(part, str)], folded=True))
-    assert max(map(len, capsys.readouterr().out.splitlines())) <= width
-    titles = [[part.title for part in parts if not isinstance(part, str)] for parts in (short, long)]
-    assert titles == [["losses by contact and cause"], ["losses by contact and cause", "per ball"]]
-    assert any("--balls" in str(part) for part in short)
-    assert not any("--balls" in str(part) for part in long)
-
-
 def test_terminal_shows_torques_losses_and_what_is_left_out():
     found = answer(mine())
     brief, full = (
@@ -134,17 +115,6 @@ def test_terminal_shows_torques_losses_and_what_is_left_out():
     torque = found.data["torque"]
     assert (torque["self_locking"], torque["efficiency_backward_percent"]) == (True, None)
     assert any("jammed" in line for line in found.data["warnings"])
-
-
-def test_few_balls_do_not_wait_for_kernels(monkeypatch, tmp_path):
-    path = tmp_path / "my.toml"
-    for name in ("cached", "loaded"):
-        monkeypatch.setattr(state, name, lambda _: False)
-    monkeypatch.setattr(jit, "_afterwards", {})
-    for count, later in ((8, []), (10, [jit.CONTACT])):
-        path.write_text(MINE.replace("count = 20", f"count = {count}"))
-        assert run_friction(str(path), Choices("lin")).code == 0
-        assert [*jit._afterwards] == later
 
 
 def test_flanks_without_contact_have_no_angle():
@@ -183,7 +153,3 @@ def test_member_draws_the_specimen_of_loads_and_friction():
     assert answer(mine()).data["member"] is None
     with pytest.raises(InputError, match="no random errors"):
         answer(mine(), member=1)
-
-
-def test_changes_of_round_off_are_none():
-    assert [increase(x, 1.0, 1.0) for x in (1.0 + 2.8e-15, 1.01)] == [0.0, pytest.approx(1.0)]

@@ -8,7 +8,6 @@ import pytest
 from rollbench.compare.errors import InputError
 from rollbench.compare.reading import like_path
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.text.wrapping import wrapped
 
 
 def hinted(text: str) -> list[str]:
@@ -27,11 +26,6 @@ def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> 
     assert hinted(out)[:4] == ["rollbench", "solve", str(tmp_path / "two balls.toml"), "--condensed"]
     plain = tmp_path / "plain.toml"
     assert command("new", plain).out.endswith(f" {plain}\n")
-
-
-def test_a_command_with_a_quoted_name_is_not_wrapped() -> None:
-    line = "wrote my loads.csv: 128 contact loads, for: rollbench check SCENE --loads '/a folder/of mine/my loads.csv'"
-    assert wrapped(line, 60).endswith("\n  rollbench check SCENE --loads '/a folder/of mine/my loads.csv'")
 
 
 def test_a_kind_that_only_friction_solves_is_hinted_by_the_name_that_was_given(tmp_path) -> None:

@@ -83,15 +83,6 @@ HOLDS = {
 
 
 @pytest.mark.parametrize("held", HOLDS)
-def test_a_load_that_the_frame_of_a_housing_takes_is_warned_of(command, tmp_path: Path, held: str) -> None:
-    code, found = command.json("solve", axis(tmp_path, HOLDS[held]), "--model", "lin", "--strict", "--json")
-    (frame,) = (x for x in found["summary"]["load_path"]["supports"] if "carriage" in x["name"])
-    assert code == 1
-    assert "reaches the contacts" in found["warning"]
-    assert frame["force_N"][2] == pytest.approx(3000.0, rel=0.05)
-
-
-@pytest.mark.parametrize("held", HOLDS)
 def test_a_load_that_a_frame_takes_does_not_hide_behind_one_on_the_shaft(command, tmp_path: Path, held: str) -> None:
     push = '[[loads]]\nat = "0 mm"\nforce = ["0 N", "0 N", "2 kN"]\n\n[[housings]]'
     for hold in ((), (HOLDS[held],)):

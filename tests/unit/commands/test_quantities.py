@@ -5,9 +5,7 @@ import math
 import pytest
 
 from rollbench.compare.quantities import UNITS, as_json, from_json, quantities, shown
-from rollbench.compare.text import entries
 from rollbench.meshes.quantity import Stated, quantity, record
-from rollbench.reports.content import Quantity, Table
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
 KEPT = ("percent", "million_revolutions", "hours")
@@ -57,14 +55,6 @@ def test_fields_are_read_back_from_json_in_si_units():
     assert found == {"ball": 3, "approach": pytest.approx(2e-6)} | none
 
 
-def test_rows_say_the_columns_of_their_table():
-    error = Quantity("error", "largest error", "%", ".2f")
-    table = Table.of("t", "t", [{"scene": "a"}, {"scene": "b", error: 1.0}])
-    columns = [(q.key, q.label, q.format) for q in table.columns]
-    assert columns == [("scene", "scene", "s"), ("error", "largest error", ".2f")]
-    assert table.rows == [{"scene": "a"}, {"scene": "b", "error": 1.0}]
-
-
 SHOWN = [
     (1234.56, 4.3, "1235"),
     (1234.56, 0.43, "1235"),
@@ -78,9 +68,3 @@ SHOWN = [
 def test_people_see_one_digit_beyond_the_first_that_the_error_touches(value: float, error: float, text: str) -> None:
     assert shown(value, error) == text
     assert abs(float(text) - value) <= max(0.05 * 10.0 ** math.floor(math.log10(error)), abs(value) * 5e-4)
-
-
-def test_a_friction_torque_known_to_a_factor_has_two_digits() -> None:
-    efficiencies = {"efficiency_forward_percent": 94.8571, "efficiency_backward_percent": None}
-    data = {"friction_torque_Nmm": 838.6123, **efficiencies}
-    assert entries._friction({"friction": data}) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"

@@ -1,6 +1,5 @@
 """``compare`` and ``mesh-study`` of scenes of rolling balls: rows, store, refusals."""
 
-from dataclasses import replace
 from unittest.mock import Mock
 
 import pytest
@@ -65,24 +64,9 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     assert uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
-def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
-    one, other = catalogue.any_scene("lin-pair-a"), catalogue.any_scene("lin-pair-b")
-    keys = {runs.key_of(one, 1), runs.key_of(one, 2), runs.key_of(other, 1)}
-    monkeypatch.setattr(runs, "SCHEMA", 99)
-    assert len(keys | {runs.key_of(one, 1)}) == 4
-
-
 def row(low, reference, bar):
     error = 100.0 * (low - reference) / reference
     return RollingRow("a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0)
-
-
-def test_a_renamed_copy_has_the_stored_runs(tmp_path):
-    scene = catalogue.shipped("lin-pair-a")
-    run = runs.compute(scene, 1)
-    runs.save(tmp_path, scene, run)
-    assert runs.load(replace(scene, name="my copy"), 1, [tmp_path]) == run
-    assert runs.load(replace(scene, name="my copy", title="another"), 1, [tmp_path]) is None
 
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():

@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.report import scene_page, verify
-from rollbench.compare.scenes import catalogue
 from rollbench.reports.cells import typeset
 from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
 
@@ -107,11 +106,3 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
     monkeypatch.setattr(verify, "make_page", written_later)
     found = verify.run_page(SCENE, new, tmp_path, old)
     assert (found.code, found.parts[-1]) == (0, "nothing moved")
-
-
-def test_the_page_of_a_renamed_copy_names_the_same_stored_runs(html: str, tmp_path) -> None:
-    (tmp_path / "my copy.toml").write_text(catalogue.scene_text(SCENE), encoding="utf-8")
-    copy = render(replace(scene_page.page_of(str(tmp_path / "my copy.toml"), STORES), picture=None))
-    files, same = (read_page(text)["manifest"]["files"] for text in (copy, html))
-    assert files == same
-    assert any(name.startswith("two-balls-level") for name in files)

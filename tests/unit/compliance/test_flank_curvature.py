@@ -7,8 +7,8 @@ import pytest
 from scipy.special import ive
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.flank import NARROW, at_size, curvatures, half_space, size_slope
-from rollbench.lowfi.compliance.groove import equal_loads, flank_normals, normal_load, own_motion
+from rollbench.lowfi.compliance.flank import at_size, half_space
+from rollbench.lowfi.compliance.groove import equal_loads, normal_load, own_motion
 from rollbench.lowfi.compliance.parts import flank_of, geometry_only
 from rollbench.lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 
@@ -49,18 +49,6 @@ def test_mean_direction_in_an_ellipse(ratio):
     assert mean == pytest.approx(-(1 - ratio) / (1 + ratio) / (4 * np.pi), abs=1e-9)
 
 
-def test_at_size_is_the_logarithm_and_the_shape(flank):
-    across, along = curvatures(flank)
-    assert across == pytest.approx(-1 / 3.254e-3, rel=1e-12)
-    assert 0.0 < along < 1 / 15e-3
-    small, large = at_size(flank, (2e-4, 2e-4)), at_size(flank, (4e-4, 4e-4))
-    assert large - small == pytest.approx(size_slope(flank) * np.log(2.0), rel=1e-9)
-    turned = at_size(flank, (1e-4, 4e-4)) - at_size(flank, (4e-4, 1e-4))
-    shape = -BETA / (16 * np.pi * flank.material.shear_modulus) * (across - along) * 0.6
-    assert turned == pytest.approx(-2.0 * shape, rel=1e-9)
-    assert shape < 0.0  # an ellipse across a concave groove is held better than a round one
-
-
 def test_own_slope_of_a_ball():
     material = catalogue.scene("lin-case1").balls.material
     one, other = (own_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
@@ -71,19 +59,6 @@ def nominal_of(flank):
     """The nominal direction of its contacts."""
     m = flank.map
     return m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-
-
-def test_normals_of_the_groove_are_those_of_its_arc(flank):
-    grid, nominal = flank.grid(), nominal_of(flank)
-    line = grid.shape[1] - 1
-    normals, share = flank_normals(grid, line), normal_load(flank, grid, 0.05e-3, flank.contact()[1])
-    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, rel=1e-12)
-    _, zeta = flank.contact()
-    nearest = np.abs(grid.z[:, line] - zeta).argmin()
-    assert abs(normals[nearest] @ nominal) > 0.98
-    assert share.sum(axis=0) == pytest.approx(nominal, abs=0.02)
-    wide = normal_load(flank, grid, NARROW * flank.map.ball, flank.contact()[1])
-    assert np.linalg.norm(wide.sum(axis=0)) < np.linalg.norm(share.sum(axis=0))  # pressure at an angle carries less
 
 
 def test_loads_along_the_normals_move_a_concave_flank_less(flank):

@@ -6,15 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from scipy.interpolate import BarycentricInterpolator
 from scipy.sparse.linalg import spsolve
 from tests.helpers import relative
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance import fourier
 from rollbench.lowfi.compliance.between import contact_frames, smooth_compliance
 from rollbench.lowfi.compliance.flank import half_space
-from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, on_last, solved, tube_grid
+from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, smooth_body
 from rollbench.lowfi.compliance.sphere import expansion
 from rollbench.lowfi.compliance.tube import (
@@ -65,23 +63,6 @@ def solve(body, n, held, force):
     q = np.zeros(free.size)
     q[free] = spsolve(sp.csc_matrix(K), force.ravel()[free])
     return q.reshape(force.shape)
-
-
-@pytest.mark.parametrize("n", [0, 1, 5])
-def test_bands_hold_the_stiffness_of_what_is_free(n):
-    body, rng = tube(3, 4, 10e-3), np.random.default_rng(n)
-    free = rng.random(body.parts[0].shape[0]) > 0.1
-    free[: 3 * body.grid.shape[1]] = False
-    loads = rng.normal(size=(int(free.sum()), 2))
-    K = body.stiffness(n)[free][:, free]
-    assert relative(K @ solved(body.bands(free), n, loads), loads) < 1e-9
-    S, g, work = on_last(body.bands(free), n, loads, 7)
-    for held in (7, 3):  # of the last ones: all, or some
-        moves = np.arange(7 - held)
-        kept = np.arange(len(loads) - held)
-        whole = loads[kept].T @ spsolve(sp.csc_matrix(K[kept][:, kept]), loads[kept])
-        here = g[moves].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-        assert relative(work + here, whole) < 1e-9
 
 
 def simpson(z):
@@ -244,29 +225,6 @@ def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
     assert relative(contact_compliance(found, points, resultant=resultant), expected) < 1e-12
 
 
-def test_both_sets_of_a_harmonic_are_the_motions_in_space():
-    """Rigid motions, contact by contact: the rows of n = 0 and of both sets of n = 1 against u + w x r."""
-    rng = np.random.default_rng(3)
-    body = tube(1, 2, 30e-3, bore=10e-3)
-    x = np.column_stack([np.zeros((5, 2)), rng.uniform(5e-3, 25e-3, 5)])
-    angle = rng.uniform(-np.pi, np.pi, 5)
-    x[:, 0], x[:, 1] = OUTER * np.cos(angle), OUTER * np.sin(angle)
-    axes = axes_of(rng, 5)
-    points = points_of(x, axes)
-    z = body.grid.z[:, 0]
-    weights = BarycentricInterpolator(z, np.eye(z.size))(x[:, 2])
-
-    def moved(n, which, field):
-        return harmonic_rows(n, points, weights)[which].reshape(10, -1) @ field[:, -1].ravel()
-
-    fields = rigid_fields(body)
-    along, twist = (moved(0, 0, f) for f in fields[0])
-    (shift_x, tilt_x), (shift_y, tilt_y) = ([moved(1, k, f) for f in fields[1]] for k in range(2))
-    rows = motion_rows(x, axes, 0.0).T
-    for found, expected in zip((shift_x, shift_y, along, -tilt_y, tilt_x, twist), rows, strict=True):
-        np.testing.assert_allclose(found, expected, atol=1e-14)
-
-
 BIG = 50e-3
 
 
@@ -366,26 +324,6 @@ def test_line_compliance_is_that_of_the_whole_body():
                 rows = np.concatenate([rows, high])
             size = np.sqrt(np.diag(S))
             np.testing.assert_allclose(S / size / size[:, None], rows @ dense @ rows.T / size / size[:, None], atol=1e-8)
-
-
-def test_a_load_that_reaches_no_further_is_left_out_and_nothing_else(monkeypatch):
-    """A long tube, harmonic by harmonic, with every load taken along to its far end, and without those that vanish."""
-    body = tube(3, 60, 0.6)
-    held = nothing(body, bool)
-    held[0] = True
-    harmonics = (0, 1, 8)
-    given = body, harmonics, held.ravel(), 6, (0, 121)
-    sums = line_compliance(*given)
-    cut = [S.whole() for S in sums]
-    monkeypatch.setattr(fourier, "NONE_LEFT", -1.0)
-    reached = [S.whole() for S in line_compliance(*given)]
-    for n, short, whole in zip(harmonics, cut, reached, strict=True):
-        assert abs(short - whole).max() < 1e-15 * abs(whole).max()
-        assert (short[:45, -45:] == 0.0).all() == (n == 8)
-    low, high = sums[2].reach(150, 180)
-    assert 0 < low < 150 < 180 < high < 363
-    assert not cut[2][:low, 150:180].any()
-    assert not cut[2][high:, 150:180].any()
 
 
 def far_apart(width, held):

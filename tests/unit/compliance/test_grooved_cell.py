@@ -9,7 +9,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.lowfi.compliance import cell
 from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
-from rollbench.lowfi.compliance.fourier import Body, Layer, elasticity_matrix, tube_grid
+from rollbench.lowfi.compliance.fourier import Body, tube_grid
 from rollbench.lowfi.compliance.groove import smooth_radius
 from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.meshes.groove_map import GrooveMap
@@ -93,21 +93,6 @@ def test_nothing_is_left_out_of_a_shallow_groove():
     assert np.all(gaps[1] < 0.3 * gaps[0])
 
 
-def test_scale():
-    """All lengths doubled: EA and kGA fourfold, EI and GJ sixteenfold."""
-    track, screw, balls = SCENE.track, SCENE.screw, SCENE.balls
-    big = replace(
-        SCENE,
-        track=replace(track, pitch_radius=2 * track.pitch_radius, lead=2 * track.lead),
-        screw=replace(screw, groove_radius=2 * screw.groove_radius),
-        balls=replace(balls, radius=2 * balls.radius),
-        nut=replace(SCENE.nut, groove_radius=2 * SCENE.nut.groove_radius),
-    )
-    one, two = of_screw().section, of_screw(GrooveMap.of(big), 2 * LAND).section
-    for name, power in (("EA", 2), ("kGA", 2), ("EI", 4), ("GJ", 4)):
-        assert getattr(two, name) == pytest.approx(2**power * getattr(one, name), rel=1e-9)
-
-
 def test_impossible_dimensions():
     for given, why in (
         ({"m": changed(lead=0.0)}, "without lead"),
@@ -138,26 +123,6 @@ def test_the_layer_is_as_stiff_as_the_grooved_section(name):
     assert of_section(layered) == pytest.approx(of_section(grooved), rel=8e-3)
     plain = smooth_body(geometry, False, replace(REFINED, bore="ring")).section
     assert plain.EA > 1.02 * grooved.EA  # rings alone are too stiff along the axis
-
-
-@pytest.mark.parametrize("tilt", [0.0, 0.1])
-def test_an_isotropic_layer_is_its_share_of_the_ring(tilt):
-    """Powers of one leave the share of an isotropic body, whichever way the grooves run; a full share the body itself."""
-    E, nu = STEEL.youngs_modulus, STEEL.poissons_ratio
-    radii = np.array([16e-3, 17e-3, 20e-3])
-    D = Layer((16e-3, 18e-3), (0.6, 1.0), 1.0, 1.0, tilt).elasticity(E, nu, radii)
-    np.testing.assert_allclose(D, np.array([0.6, 0.8, 1.0])[:, None, None] * elasticity_matrix(E, nu), rtol=1e-9, atol=1e-3)
-    body = smooth_body(geometry_only(SCENE), False, REFINED)
-    full = replace(body, layer=Layer((body.bore, 18e-3), (1.0, 1.0), 5.0, 3.0, tilt))
-    np.testing.assert_allclose(of_section(full.section), of_section(replace(body, layer=None).section), rtol=1e-6)
-
-
-def test_a_layer_is_softer_along_the_axis_than_around_it():
-    """With grooves straight around, its rings keep their share around the axis and its powers along it and in shear."""
-    E, nu = STEEL.youngs_modulus, STEEL.poissons_ratio
-    S = np.linalg.inv(Layer((16e-3, 18e-3), (0.5, 1.0), 4.0, 2.0, 0.0).elasticity(E, nu, np.array(16e-3)))
-    G = E / (2.0 * (1.0 + nu))
-    assert np.diag(S) == pytest.approx(1.0 / np.array([E / 2, E / 2, E / 16, G / 4, G / 2, G / 4]))
 
 
 def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():

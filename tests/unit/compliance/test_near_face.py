@@ -13,7 +13,7 @@ from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
 from rollbench.lowfi.compliance.bodies import forget
 from rollbench.lowfi.compliance.flank import NARROW, half_space
-from rollbench.lowfi.compliance.fourier import Body, Grid, lower_corner, solved
+from rollbench.lowfi.compliance.fourier import Body, Grid, solved
 from rollbench.lowfi.compliance.groove import equal_loads, harmonics_to, own_motion
 from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.meshes.helix import ball_layout
@@ -77,32 +77,6 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     assert found.by_face(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
 
 
-def test_a_force_across_is_a_contact_further_along_the_arc(case, monkeypatch):
-    """All forces on an arc go through its centre. So a contact turned about that by a small angle d moves by its own load
-    as C + 2 d C', C' between the motion along the normal and a force across: from patches there, one by one."""
-    _, flank, _ = case
-    m, side, width, d = flank.map, flank.side, NARROW * flank.map.ball, 0.01
-    grid, cuts = faces.grooved_grid(flank, faces.BESIDE_FACE.mesh)
-    harmonics = harmonics_to(8.0)
-
-    def moved(kinds):
-        loads = faces.true_loads(flank, grid, cuts, width, kinds)
-        found = faces.cut_motions(flank, grid, cuts, harmonics, (0.0, np.inf), "low", loads, width)
-        return found[0, :, 0, :, 0, :, 0].sum(axis=0)
-
-    across = moved(2)
-    normal = m.signs[side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    turned = []
-    for angle in (d, -d):
-        along = np.cos(angle) * normal + np.sin(angle) * faces.turned(normal)
-        _, zeta, _ = m.unroll(*(m.centre[side] + m.radius[side] * along))
-        monkeypatch.setattr(faces, "pressed", lambda *_, z=float(zeta), a=along: (np.array([z]), a[None]))
-        turned.append(float(moved(1)[0, 0]))
-    assert across[0, 1] == pytest.approx(across[1, 0], rel=1e-9)
-    assert (turned[0] - turned[1]) / (4.0 * d) == pytest.approx(across[0, 1], rel=0.04)
-    assert across[1, 1] > across[0, 1] ** 2 / across[0, 0]
-
-
 def test_a_lip_tilts_and_the_contact_leaves_it():
     """25x5, last balls 1.13, 1.29 and 1.45 radii from the free face: 3D (level 1) has contact angles of 46.2, 46.4 and 46.7
     deg on the flank pressed towards it. Without the lip's tilt they were 47.2, 47.0 and 47.0, and the load 3.9 % of the
@@ -161,19 +135,6 @@ def test_a_land_between_two_contacts():
     assert np.abs(G - G.transpose(2, 3, 0, 1)).max() < 1e-12
 
 
-def test_a_series_may_be_cut_anywhere(case, monkeypatch):
-    """The half space's tail continues the harmonics: half as many again change nothing that counts."""
-    parts, flank, smooth = case
-    section = grooved_section(parts, False)
-    angle = np.array([0.0, 0.1, 0.2, 0.4])
-    found = []
-    for highest in (4.0, 6.0):
-        monkeypatch.setattr(faces, "FAR", faces.FAR._replace(highest=highest))
-        kept = faces.near_face(flank, smooth, section, (0.0, np.inf), near=False)
-        found.append(np.append(kept.between(angle)[:, 0, 0], kept.alone))
-    assert found[0] * 1e9 == pytest.approx(found[1] * 1e9, abs=3e-3)
-
-
 def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
     """Between radii that hold nothing of the nut (those of a flange's annulus) as over the whole face."""
     parts, flank, smooth = case
@@ -197,10 +158,3 @@ def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     finer = own(parts, 0)
     forget()
     assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)
-
-
-def test_corner_of_bands():
-    """A block on the diagonal of a matrix kept in lower bands."""
-    full = np.tril(np.arange(36.0).reshape(6, 6) + 1.0)
-    bands = np.array([np.append(np.diag(full, -k), np.zeros(k)) for k in range(6)])
-    assert np.array_equal(lower_corner(bands, 2, 3), full[2:5, 2:5])

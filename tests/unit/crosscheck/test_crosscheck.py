@@ -7,15 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare import errors, measure
-from rollbench.compare.models.study import Study
+from rollbench.compare import errors
 from rollbench.compare.reference import estimate, grid_parts
-from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections import crosscheck as crosscheck
 from rollbench.compare.studies.crosscheck import study as crosscheck_study
 from rollbench.compare.studies.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
 from rollbench.compare.studies.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
-from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
+from rollbench.compare.studies.crosscheck.deck import DeckOptions
 from rollbench.compare.studies.crosscheck.fit import LENGTHS, element_error, extrapolate
 from rollbench.compare.studies.crosscheck.rows import agreement, contact_rows, series
 from rollbench.compare.studies.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
@@ -204,18 +202,6 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
     np.testing.assert_allclose(limit.load, data.runs[-1].load, atol=0.1 * limit.load.max())
 
 
-def test_the_key_is_of_what_a_checked_scene_says(monkeypatch):
-    with pytest.raises(errors.InputError, match="two-balls, lin-case1-cut"):
-        checked_scene("lin-case1")
-    before = scene_key("two-balls")
-    text = checked_scene("two-balls").title
-    original = catalogue.scene_text("two-balls")
-    monkeypatch.setattr(catalogue, "scene_text", lambda _: original + "# a remark\n")
-    assert scene_key("two-balls") == before
-    monkeypatch.setattr(catalogue, "scene_text", lambda _: original.replace(text, "Another"))
-    assert scene_key("two-balls") != before
-
-
 def test_a_study_runs_every_deck(tmp_path, monkeypatch):
     def solved(text: str, _):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
@@ -233,37 +219,3 @@ def test_a_study_runs_every_deck(tmp_path, monkeypatch):
     (half,) = run_study(checked_scene("two-balls"), tmp_path, print).runs
     np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
     assert (half.half, half.weak) == (True, pytest.approx(0.002))
-
-
-def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path, monkeypatch):
-    solved, meshed = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
-    monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: meshed)
-
-    def run(text: str, _):
-        solved.append(digest(text))
-        raise ValueError("not to be solved")
-
-    monkeypatch.setattr(crosscheck_study, "run_calculix", run)
-    monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.9)])
-    with pytest.raises(errors.InputError, match="not to be solved"):
-        run_study(checked_scene("two-balls"), tmp_path, print, (replace(RUNS[0], deck="another"),))
-    stored, said = replace(RUNS[0], deck=solved[0]), []
-    data = run_study(checked_scene("two-balls"), tmp_path, said.append, (RUNS[1], stored))
-    assert (data.runs, len(solved), "stored" in said[0]) == ((stored,), 1, True)
-
-
-def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path, monkeypatch):
-    save(tmp_path, replace(DATA, key=scene_key("two-balls")))
-    monkeypatch.setattr(Study, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
-    found = crosscheck.section(Study(), print, tmp_path)
-    tables = {x.name: x for x in found.items if hasattr(x, "columns")}
-    assert set(tables) == {"crosscheck-two-balls", "crosscheck-meshes-two-balls", "crosscheck-runs-two-balls"}
-    assert len(tables["crosscheck-two-balls"].rows) == 6
-    assert "within 0.5 %" in tables["crosscheck-two-balls"].note
-    runs = tables["crosscheck-runs-two-balls"].rows
-    assert runs[-1]["large_change"] == pytest.approx(measure.load_error(2.0 * LIMIT, RUNS[2].load).max_percent)
-    assert runs[0]["large_change"] is None
-    for table in tables.values():
-        assert {c.key for c in table.columns} == set(table.rows[0])
-    texts = " ".join(line for x in found.items if hasattr(x, "paragraphs") for line in x.paragraphs)
-    assert "lin-case1-cut: no results of CalculiX" in texts

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.friction_oracles import dense
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import balanced_loads
@@ -22,68 +21,6 @@ def random_chain(count, seed, mu_balls=0.5, bare=0.0):
     loads = balanced_loads(angles, 100.0, rng.uniform(-0.9, 0.9, count)) * rng.uniform(0.2, 1.8, (count, 1))
     loads = np.where(rng.uniform(size=(count, 4)) < bare, 0.0, loads)
     return prepare(replace(BEARING, mu_balls=mu_balls), angles, loads)
-
-
-def random_point(chain, rng):
-    count = chain.count
-    drift, z = rng.normal(size=(count, 3)), rng.normal(size=count - 1)
-    point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), drift, z)
-    equations.rebuild(chain.problem, point)
-    return point
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_elimination_exchanges_rows(seed):
-    """Against a dense solver, with zeros on the diagonal and the determinant's sign."""
-    rng = np.random.default_rng(seed)
-    n = 23
-    banded = rng.normal(size=(n, equations.WIDTH))
-    banded[rng.random(n) < 0.5, equations.HALF] = 0.0
-    full, x, y = dense(banded, equations.HALF), rng.normal(size=n), rng.normal(size=n)
-    left, right = np.linalg.solve(full, x), np.linalg.solve(full, y)
-    assert equations.solve_banded(banded, np.empty((n, equations.FILLED)), x, y) == np.sign(np.linalg.det(full))
-    np.testing.assert_allclose(x, left, rtol=1e-9)
-    np.testing.assert_allclose(y, right, rtol=1e-9)
-
-
-@pytest.mark.parametrize("z", [-3.0, -1e-9, 0.0, 1e-4, 2.0])
-def test_force_and_rate_of_the_gap(z):
-    force, rate, slope = equations.push_and_rate(z, 1e-6)
-    assert force - rate == pytest.approx(z, rel=1e-12, abs=1e-18)
-    assert force * rate == pytest.approx(1e-6, rel=1e-12)
-    ahead, behind = (equations.push_and_rate(z + h, 1e-6)[0] for h in (1e-7, -1e-7))
-    assert slope == pytest.approx((ahead - behind) / 2e-7, rel=1e-5)
-    assert equations.push_and_rate(z, 0.0)[:2] == (max(z, 0.0), max(-z, 0.0))
-
-
-def test_jacobian_of_the_coupled_equations():
-    rng = np.random.default_rng(1)
-    chain, law = random_chain(4, 3), Smoothing(0.03, 0.7, 1e-2, 1e-3)
-    chain.problem.closed[1] = 0.0
-    point = random_point(chain, rng)
-    n = 4 * chain.count
-    K, g, waste = np.empty((n, equations.WIDTH)), np.empty(n), np.empty((n, equations.WIDTH))
-    equations.assemble(chain.problem, point, law, K, g)
-    full, ahead, behind = dense(K, equations.HALF), np.empty(n), np.empty(n)
-    for j in range(n - 1):
-        unit = np.zeros(n)
-        unit[j] = 1.0
-        for t, out in ((1e-6, ahead), (-2e-6, behind)):
-            equations.shift(chain.problem, point, unit, t)
-            equations.assemble(chain.problem, point, law, waste, out)
-        equations.shift(chain.problem, point, unit, 1e-6)
-        np.testing.assert_allclose((ahead - behind) / 2e-6, full[:, j], atol=1e-6)
-
-
-def test_path_begins_without_friction_between_balls_and_ends_with_all_of_it():
-    assert path.stage(0.0, CREEP)[:2] == (path.FIRST, 0.0)
-    assert path.stage(1.0, CREEP)[:2] == (pytest.approx(CREEP), 1.0)
-    for count in (5, 4):
-        balls, n = random_chain(count, 0), 4 * count
-        point = random_point(balls, np.random.default_rng(2))
-        K, g = np.empty((n, equations.WIDTH)), np.empty(n)
-        equations.assemble(balls.problem, point, Smoothing(0.1, 0.0, 1e-3, 1e-2), K, g)
-        assert equations.solve_banded(K, np.empty((n, equations.FILLED)), g, g.copy()) == path.convex_sign(point)
 
 
 def follow(chain, monkeypatch=None):
@@ -107,17 +44,6 @@ def follow(chain, monkeypatch=None):
     _, left = newton.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
     assert left <= 1e-9
     return np.maximum(point.z, 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
-
-
-def test_path_goes_round_folds_and_does_not_depend_on_its_steps(monkeypatch):
-    chain = random_chain(5, 11)
-    found, turns = follow(chain, monkeypatch)
-    assert turns >= 2
-    monkeypatch.setattr(path, "LENGTH", 0.01)
-    monkeypatch.setattr(path, "_cap", lambda tau: 0.1 / np.abs(tau).max())
-    finer, _ = follow(chain)
-    np.testing.assert_allclose(finer, found, atol=1e-8)
-    np.testing.assert_allclose(solve_linear_chain(chain).ball_force / chain.scale, found, atol=1e-8)
 
 
 def test_two_solutions_and_the_one_taken():

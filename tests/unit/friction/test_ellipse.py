@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import quad_vec
-from scipy.special import ellipe, elliprd
+from scipy.special import ellipe
 from tests.friction_oracles import pure_spin_moment
 
 from rollbench.lowfi.friction.contact.ellipse import (
@@ -17,8 +17,6 @@ from rollbench.lowfi.friction.contact.ellipse import (
     linear_error,
     linear_factor,
 )
-from rollbench.lowfi.friction.contact.kernel.carlson import rd_and_slope
-from rollbench.lowfi.friction.contact.kernel.confocal import coordinate, far, near
 from rollbench.lowfi.friction.contact.laws import Coulomb, Regularised, Sigmoid
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -80,19 +78,6 @@ def ours(b, c, d, speed=0.0):
     return np.array([e.value[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
 
 
-@pytest.mark.parametrize("x", [0.0, 1e-9, 0.02, 0.7, 1.0])
-@pytest.mark.parametrize("y", [1e-3, 0.03, 0.4])
-def test_carlson_with_its_derivative(x, y):
-    """Against scipy; the derivative from R_D(x, z, y) - R_D(x, y, z), and at y = z from an independent identity."""
-    got = rd_and_slope(x, x + y, x + 1.0)
-    first, second = elliprd(x, x + y, x + 1.0), elliprd(x, x + 1.0, x + y)
-    assert got[0] == pytest.approx(first, rel=1e-14)
-    assert got[1] == pytest.approx((second - first) / 1.5 / (1.0 - y), rel=3e-14)
-    z = x + y  # int t^(-1/2)-like: with y = z the second is int (t + x)^(-1/2) (t + z)^(-3)
-    once, twice = rd_and_slope(x, z, z)
-    assert twice == pytest.approx((once - np.sqrt(x) / z**2) / (2.0 * (z - x)), rel=1e-12)
-
-
 @pytest.mark.parametrize("b", RATIOS)
 @pytest.mark.parametrize(("c", "d"), [*INSIDE, *EDGE, *OUTSIDE])
 def test_against_adaptive_quadrature(b, c, d):
@@ -120,17 +105,6 @@ def test_regularised_against_a_product_rule(b, c, d):
     assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
     assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
     assert e.excess[0] == pytest.approx(h * exact[4], rel=1e-10)
-
-
-def test_the_two_formulas_join():
-    """Carlson's integrals and the Gauss sums agree, with all derivatives, around the change at low = 1."""
-    for b in RATIOS:
-        for x, y, h in ((1.2, 0.3, 0.5), (0.1, 1.3, 0.3), (np.sqrt(2.0), 0.0, 0.0), (0.9, 0.9, 0.7)):
-            s = np.sqrt(1.0 / (x * x / 2.0 + y * y / (1.0 + b * b) + h * h))
-            x1, y1, h1 = s * x, s * y, s * h
-            low = coordinate(x1, y1, h1, b * b)
-            assert low == pytest.approx(1.0, rel=1e-12)
-            assert near(x1, y1, h1, b * b, low) == pytest.approx(far(x1, y1, h1, b * b, low), rel=1e-11, abs=1e-13)
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.02])
@@ -223,19 +197,6 @@ def test_force_inside_is_a_cubic(b):
     fine = np.linspace(1e-3, 0.5, 200)
     g = linear_factor(b) - cubic_factor(b) * fine**2
     assert linear_error(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
-
-
-def test_factors_are_those_of_carlsons_integrals_between_circle_and_line():
-    r = np.geomspace(1e-5, 1.0 - 1e-6, 200)
-    across, along = elliprd(0.0, 1.0, r**2), elliprd(0.0, r**2, 1.0)
-    assert linear_factor(r) == pytest.approx(0.5 * r**2 * across, rel=1e-14)
-    exact = r**2 * (across - along) / (6.0 * (1.0 - r**2))
-    assert cubic_factor(r) == pytest.approx(exact, rel=1e-14, abs=1e-15 / (1.0 - r[-1]))
-    assert cubic_factor(r[r < 0.99]) == pytest.approx(exact[r < 0.99], rel=1e-12)
-    assert linear_factor(1.0) == pytest.approx(3.0 * np.pi / 8.0, rel=1e-14)
-    assert linear_factor(1e-5) == pytest.approx(1.5, rel=1e-8)
-    with pytest.raises(ValueError, match="reach"):
-        linear_error(0.2, 1.38, 1.5)
 
 
 def test_sigmoid_as_printed_and_its_faults():

@@ -9,7 +9,6 @@ from scipy.special import ellipe
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact import rings
 from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
 from rollbench.lowfi.friction.linear import analytic
 from rollbench.lowfi.friction.linear.bearing import (
@@ -19,7 +18,6 @@ from rollbench.lowfi.friction.linear.bearing import (
     directions,
     elastic_loads,
     mated_top,
-    semi_axes,
 )
 from rollbench.lowfi.friction.linear.chain import contact_shape, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
@@ -38,23 +36,6 @@ def test_contact_law_against_the_closed_form(c, conformity):
         f, m, *bend = kernel.slide_and_spin(c * w, w, shape)
         assert (c * w * f + w * m, f, m) == pytest.approx((d.value[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
         assert bend == pytest.approx(d.hessian[0, [1, 1, 2], [1, 2, 2]], rel=1e-6, abs=1e-9)
-
-
-@pytest.mark.parametrize(("s", "w"), [(0.3, 1.0), (-0.2, 0.9), (1.4, -1.0), (1e-4, 2e-4)])
-def test_regularised_gradient_and_hessian_by_differences(s, w):
-    """Of sqrt(phi2 + eps2), phi the dissipation."""
-    shape, eps = contact_shape(BEARING), 1e-3
-    h = 1e-6 * np.hypot(s, w)
-
-    def energy(s, w):
-        return np.hypot(dissipation(contacts(1.0, shape[0], 1.0, 1.0), np.array([[0.0, s, w]])).value[0], eps)
-
-    at = kernel.regularised(s, w, shape, eps)
-    for k, (ds, dw) in enumerate([(h, 0.0), (0.0, h)]):
-        assert (energy(s + ds, w + dw) - energy(s - ds, w - dw)) / (2 * h) == pytest.approx(at[k], rel=1e-6, abs=1e-9)
-        plus, minus = (kernel.regularised(s + i * ds, w + i * dw, shape, eps) for i in (1, -1))
-        for row in range(2):
-            assert (plus[row] - minus[row]) / (2 * h) == pytest.approx(at[2 + k + row], rel=2e-5, abs=1e-6)
 
 
 def no_slip_matrix(gamma):
@@ -196,16 +177,6 @@ def test_loads_are_in_equilibrium():
     np.testing.assert_allclose(turned, angles, atol=1e-5)
 
 
-def test_elastic_loads_pass_to_two_points_and_out_of_balance_are_refused(monkeypatch):
-    angles = np.full((2, 4), BEARING.contact_angle)
-    loads, _ = elastic_loads(BEARING, angles, 1e-3, np.array([-1.2, 0.9999]))
-    assert loads[0, 1] == loads[0, 3] == 0.0
-    assert np.all(loads[1] > 0.0)
-    monkeypatch.setattr(rings, "STEPS", 0)
-    with pytest.raises(ArithmeticError, match="out of balance"):
-        elastic_loads(BEARING, angles[:1], 100.0, np.array([0.3]))
-
-
 def test_mated_grooves_take_the_dependence_on_load_away():
     """Rule of 3.3.4.2 on the formula: any bottom groove, any loads."""
     rng = np.random.default_rng(3)
@@ -216,13 +187,6 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     np.testing.assert_array_equal(deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
-
-
-def test_semi_axes_follow_psi():
-    """(3.36)."""
-    a, b = semi_axes(BEARING, np.array([50.0]))
-    assert a[0] == pytest.approx(BEARING.psi() * np.cbrt(BEARING.ball_radius * 50.0), rel=1e-13)
-    assert 0.2 < b[0] / a[0] < 0.25
 
 
 BAD = {"ball_radius": 0.0, "conformity": 0.5, "contact_angle": 1.6, "mu": -0.1, "mu_balls": -0.1, "young": -1.0}

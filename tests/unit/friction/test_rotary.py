@@ -17,11 +17,8 @@ from rollbench.lowfi.friction.bearing.rotary import (
     inner_torque,
     motion_problem,
     solve_ball,
-    solve_ball_as_printed,
-    sweep,
 )
 from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
-from rollbench.lowfi.friction.contact.kernel.motion import lock
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.screw.motion import source_law
 
@@ -102,18 +99,6 @@ def test_clearance_opens_the_contacts():
     approach = np.maximum(np.linalg.norm(gap, axis=1) - reach - 10e-6, 0.0)
     assert np.sum(load.force > 0.0) == 4
     assert approach == pytest.approx(b.constants.C * load.force ** (2.0 / 3.0), rel=1e-7)
-
-
-def test_rest_is_refused_where_the_reaction_exceeds_friction():
-    p = problem_of(FOUR)
-    m = least_dissipation(p)
-    shape = np.column_stack([p.at.a, p.at.b, p.at.strength])
-    sizes = np.sqrt(m.motion[:, 1] ** 2 + (p.at.a * m.motion[:, 2]) ** 2)
-    forces, rest = np.column_stack([-m.friction.force, -m.friction.moment]), np.zeros(4)
-    for still, count in ((1e-3 * np.min(sizes), 0), (1.0001 * np.min(sizes), 1)):
-        good, _, _ = lock(shape, p.maps, p.drives, p.push, m.q.copy(), forces.copy(), rest, still)
-        assert int(np.sum(rest)) == count
-        assert good == (count == 0)
 
 
 @pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
@@ -244,26 +229,6 @@ def test_root_finding_of_the_source():
     assert found.count("failed") > 10
 
 
-@pytest.mark.parametrize("push", [(0.0, 6.0, 0.0), (-4.0, 0.0, 0.0)])
-def test_a_root_balances_the_other_forces_on_the_body(push):
-    """A contact that nothing drives slips under a force until friction, smooth in slip, is as large the other way."""
-    at = contacts(1e-3, 3e-4, 100.0, 0.1)
-    p = Problem(at, np.eye(3)[None], np.zeros((1, 3)), np.array(push))
-    found = balance_by_root(p, source_law(BEARING, 100.0), np.array([1e-3, 1e-3, 0.0]) * np.sign(push))
-    assert found.status == "exact"
-    assert found.friction.force[0] == pytest.approx(-np.array(push[:2]), abs=1e-6)
-    assert found.motion[0, :2] @ np.array(push[:2]) > 0.0
-
-
-def test_sweep():
-    u = np.linspace(0.0, 8e-6, 9)
-    right, printed = sweep(BEARING, 100.0, u), sweep(BEARING, 100.0, u, source_law(BEARING, 100.0, 0.08))
-    assert {s.motion.status for s in right} == {"exact"}
-    for found in (right, printed):
-        assert np.all(np.diff([s.load.force.sum() for s in found]) > 0.0)
-        assert found[-1].torque > 10.0 * found[0].torque
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [({"groove_radius": 6e-3}, "groove_radius"), ({"contact_angle": 0.0}, "contact_angle"), ({"mu": -0.1}, "mu")],
@@ -271,11 +236,3 @@ def test_sweep():
 def test_refused(change, message):
     with pytest.raises(ValueError, match=message):
         replace(BEARING, **change)
-
-
-def test_a_plain_search_for_the_printed_root_reports_its_failure():
-    """From a start of one's own the search is the source's, and its failure is data."""
-    law = source_law(BEARING, 100.0, 0.08)
-    found = solve_ball_as_printed(BEARING, 100.0, 5.2e-6, law, fast=True)
-    assert found.motion.status == "exact"
-    assert balance_by_root(found.problem, law, np.array([30.0, -50.0, 50.0]), fast=True).status == "failed"

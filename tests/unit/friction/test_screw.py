@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
-from rollbench.lowfi.friction.screw.load import load_arrays, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.load import load_arrays, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
 
 SCREW = table_3_6()
@@ -73,26 +73,6 @@ def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
         assert velocity[0] @ y == pytest.approx(0.0, abs=1e-9)
         spin = [(velocity[2] - velocity[0]) @ x / 1e-4, -(velocity[1] - velocity[0]) @ z / 1e-4]
         assert spin == pytest.approx([seen[i, 2]] * 2, abs=1e-5)
-
-
-def test_printed_velocity_fields_3_65_and_f_4_to_f_6() -> None:
-    """The formulas as printed, at the contact centres, up to the sense of the axes."""
-    angle, q = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
-    b, x, y, z = q
-    r, pitch, lead, length = SCREW.ball_radius, SCREW.pitch_radius, SCREW.lead, 2.0 * np.pi * SCREW.radius
-    maps, drives = SCREW.maps(SCREW.normals(angle))
-    seen = drives + maps @ q
-    cos, sin = np.cos(angle), np.sin(angle)
-    orbit = np.where(ON_SCREW, b, b - SCREW.nut_speed)
-    turn = np.array([-1.0, 1.0, 1.0, -1.0])  # of omega_x
-    side = np.where(ON_SCREW, -1.0, 1.0)
-    along = (length**2 + side * 4.0 * np.pi**2 * r * pitch * cos) / (2.0 * np.pi * length) * orbit
-    along += side * r * (cos * z + turn * sin * x)
-    assert seen[:, 1] == pytest.approx(along, rel=1e-12)
-    across = r * y + r * lead / length * orbit
-    assert np.abs(seen[:, 0]) == pytest.approx(np.abs(across), rel=1e-12)
-    spin = 2.0 * np.pi * pitch / length * orbit * sin + z * sin - turn * x * cos
-    assert np.abs(seen[:, 2]) == pytest.approx(np.abs(spin), rel=1e-12)
 
 
 def test_pair_geometry_against_finite_differences() -> None:
@@ -169,14 +149,6 @@ def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
     along = 25.0 / (np.sin(SCREW.contact_angle) * np.cos(SCREW.lead_angle))
     assert found.force[0] == pytest.approx([along, 0.0, 0.0, along], rel=1e-4)
     assert found.angle[0, [0, 3]] == pytest.approx([SCREW.contact_angle] * 2, rel=1e-4)
-
-
-def test_rows_of_the_screws_motion() -> None:
-    rows = screw_rows(SCREW, np.array([0.4]), "xyzr")
-    assert frame(SCREW, 0.4).T @ rows[0, :, :3] == pytest.approx(np.eye(3), abs=1e-15)
-    assert rows[0, :, 3] == pytest.approx([1.0, 0.0, 0.0])
-    with pytest.raises(ValueError, match="letters"):
-        screw_rows(SCREW, np.zeros(1), "q")
 
 
 @pytest.mark.parametrize("name", STATES)

@@ -5,15 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from tests.friction_oracles import dense
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
-from rollbench.lowfi import jit
 from rollbench.lowfi.friction.contact.ellipse import dissipation
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from rollbench.lowfi.friction.screw.kernel.balance import HALF
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts
 from rollbench.lowfi.friction.screw.pair import BOTH, implied_load, oversize_map, sliding_speed, solve_pair
@@ -98,26 +95,6 @@ def test_pair_does_not_depend_on_the_start(rng: np.random.Generator) -> None:
         assert again.ball_force == pytest.approx(one.ball_force, rel=1e-8)
 
 
-def test_chain_jacobian_against_differences(rng: np.random.Generator) -> None:
-    """The band of the kernels, every entry."""
-    force, angle = np.tile(STATES["four"][0], (4, 1)), np.tile(STATES["four"][1], (4, 1))
-    s = Search(Chain(SCREW, force, SCREW.normals(angle), np.array([0.1, 0.0, 0.2, np.inf])))
-    x, f, eps = s.alone() * (1.0 + 0.1 * rng.normal(size=(4, 4))), rng.uniform(0.1, 0.3, size=4), 1e-2
-    band = np.zeros((20, 3 * HALF + 1))
-
-    def residual(z):
-        s.kernels.residual(s.groove, s.balls, z.reshape(4, 5)[:, :4].copy(), z.reshape(4, 5)[:, 4].copy(), eps, s.parts)
-        return np.column_stack([s.parts[0], s.parts[1]]).ravel()
-
-    z, h = np.column_stack([x, f]).ravel(), 1e-6
-    residual(z)
-    jit.kernels(jit.SCREW, compiled=False).jacobian(s.groove, s.balls, x, f, s.parts, eps, 0, band)
-    full = dense(band, HALF)
-    found = np.array([(residual(z + h * e) - residual(z - h * e)) / (2.0 * h) for e in np.eye(20)]).T
-    found[:5, 15:], found[15:, :5] = 0.0, 0.0  # the last ball does not touch the first
-    assert full == pytest.approx(found, abs=1e-6)
-
-
 def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
     """Without ball-to-ball friction the chain solves a convex problem: against a general optimiser."""
     screw = replace(SCREW, mu_balls=0.0)
@@ -166,13 +143,6 @@ def test_friction_coefficients(mu: float) -> None:
     assert r.converged
     assert r.free.motion.loss == pytest.approx(mu / 0.1 * solve_pair(inferred(TWO)).free.motion.loss, rel=1e-8)
     assert np.isnan(r.friction_increase) == (mu == 0.0)
-
-
-def test_rest() -> None:
-    r = solve_pair(replace(inferred(TWO), groove=replace(SCREW, nut_speed=0.0)))
-    assert r.converged
-    assert r.free.motion.loss == pytest.approx(0.0, abs=1e-20)
-    assert r.force == 0.0
 
 
 def test_two_point_chain_with_unloaded_balls_converges() -> None:

@@ -10,11 +10,9 @@ from scipy.interpolate import CubicSpline
 from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.screw.run import deviation, equal_steps, run_cell, summarise
-from rollbench.lowfi.friction.screw.travel import History, groups
+from rollbench.lowfi.friction.screw.travel import History
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
-
-THREE = np.radians(3.0)
 
 
 @cache
@@ -122,11 +120,6 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
 def test_bad_input(change: dict[str, int], match: str) -> None:
     with pytest.raises(ValueError, match=match):
         lin_3_4_4(**change)
-
-
-def test_groups() -> None:
-    touching = np.array([[1, 0, 0, 1, 1, 0, 1], [0, 0, 0, 0, 0, 0, 0], [1, 1, 1, 1, 1, 1, 1], [0, 1, 1, 0, 1, 0, 0]])
-    assert list(groups(touching.astype(bool))) == [2, 0, 1, 2]
 
 
 def test_summary() -> None:

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.as_source.chain import balance, blocks, closing_in, solve_by_root
+from rollbench.lowfi.friction.as_source.chain import solve_by_root
 from rollbench.lowfi.friction.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
-from rollbench.lowfi.friction.contact.laws import Coulomb, Sigmoid
 from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.pair import pair_state, solve_pair
@@ -85,28 +84,6 @@ def test_failure_is_a_status():
     assert solve_linear_by_root(BEARING, *state_2p).status == "failed"
 
 
-def test_friction_is_the_slope_of_dissipation():
-    """Forces out of balance without neighbours, against differences of the losses."""
-    balls, q = linear_balls(BEARING, *state([2.0, -1.0], [0.3, -0.5])), np.array([[5.1e-3, 1.3, 0.2], [4.8e-3, 1.5, -0.3]])
-    there = balance(balls, Coulomb(), q, np.zeros(1))
-    for j, k in np.ndindex(2, 3):
-        step = np.zeros((2, 3))
-        step[j, k] = 1e-6 * q[j, k]
-        up, down = (balance(balls, Coulomb(), q + s * step, np.zeros(1)).groove_loss.sum() for s in (1.0, -1.0))
-        assert -there.left[j, k] == pytest.approx((up - down) / (2.0 * step[j, k]), rel=1e-6)
-
-
-def test_power_between_balls_is_lost_by_sliding():
-    """Forces between two balls of equal velocity take away the power that their sliding dissipates (3.28)."""
-    balls, q = linear_balls(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([[5e-3, 1.3, 0.2], [5e-3, 1.5, -0.3]])
-    none, some = (balance(balls, Coulomb(), q, np.array([f])) for f in (0.0, 3.0))
-    assert float(np.sum((none.left - some.left) * q)) == pytest.approx(float(some.ball_loss[0]), rel=1e-12)
-    slide = BEARING.ball_radius * np.array([q[:, 2].sum(), -q[:, 1].sum()])
-    assert some.ball_loss[0] == pytest.approx(0.08 * 3.0 * np.linalg.norm(slide), rel=1e-12)
-    np.testing.assert_allclose(some.rub[0], slide / np.linalg.norm(slide), rtol=1e-12)
-    assert (some.left - none.left)[:, 0] == pytest.approx([-3.0, 3.0])
-
-
 def test_start_does_not_change_a_root():
     balls, reach = linear_balls(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
     first = solve_by_root(balls, linear_law(BEARING), reach)
@@ -116,19 +93,3 @@ def test_start_does_not_change_a_root():
         assert again.status == "exact"
         assert again.calls < first.calls - 3
         np.testing.assert_allclose(again.ball_force, first.ball_force, rtol=1e-9)
-
-
-def test_groups_of_touching_balls():
-    assert blocks(np.array([True, False, False, True])) == [slice(0, 2), slice(2, 3), slice(3, 5)]
-    assert blocks(np.zeros(0, dtype=bool)) == [slice(0, 1)]
-    pair = linear_balls(BEARING, *state([2.0], [0.0])).pair
-    q = np.array([[1.0, 0, 0], [1.0, 0, 0], [1.0 + 1e-6, 0, 0], [0.9, 0, 0]])
-    assert closing_in(pair, q).tolist() == [True, False, True]
-    assert closing_in(pair, q, 1e-3).tolist() == [False, False, True]
-
-
-def test_laws():
-    assert linear_law(BEARING, None) == Coulomb()
-    assert linear_law(BEARING, 50.0) == Sigmoid(50.0, pytest.approx(0.5 * 0.01 / 5e-3))
-    steep = linear_law(replace(BEARING, contact_angle=np.radians(60.0)))
-    assert steep.reference == pytest.approx(np.sqrt(3.0))

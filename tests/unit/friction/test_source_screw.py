@@ -7,15 +7,14 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
 from rollbench.lowfi.friction.as_source import run as source_run
-from rollbench.lowfi.friction.as_source import screw as source_screw
 from rollbench.lowfi.friction.as_source.chain import solve_by_root
-from rollbench.lowfi.friction.as_source.loads import Places, contact_forces, first_place, loads_by_root
+from rollbench.lowfi.friction.as_source.loads import Places, first_place, loads_by_root
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
-from rollbench.lowfi.friction.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
+from rollbench.lowfi.friction.as_source.screw import screw_balls, screw_pair_by_root, state_of
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.pair import solve_pair
-from rollbench.lowfi.friction.screw.run import Run, equal_steps, run_cell
+from rollbench.lowfi.friction.screw.run import Run, equal_steps
 
 TWO = np.radians(2.0)
 
@@ -37,29 +36,11 @@ def test_loads_are_ours(pair):
     np.testing.assert_allclose(found.angle[loaded], ours.angle[loaded], atol=1e-9)
 
 
-def test_loads_of_many_balls_are_ours():
-    run = lin_3_4_4()
-    cell = run_cell(run, *run.place(run.ring * np.arange(37) / 37, 0.0))
-    np.testing.assert_allclose(loads_by_root(cell).force, settle_load(cell).force, rtol=1e-9)
-
-
 def test_loads_that_are_not_found_are_not_converged():
     cell = plain(TWO).cell()
     away = first_place(cell)
     lost = Places(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
     assert not loads_by_root(cell, lost).converged
-
-
-def test_contact_conditions():
-    """Without displacement the normals point along the groove angles, and only the interference loads a contact."""
-    cell = replace(inferred(TWO)).cell()
-    at = Places(np.zeros((2, 2)), cell.angle.copy(), np.zeros(1))
-    force, bent, normal = contact_forces(cell, at)
-    np.testing.assert_allclose(force, (cell.interference / cell.groove.constants.C) ** 1.5, rtol=1e-9)
-    np.testing.assert_allclose(bent, 0.0, atol=1e-15)
-    np.testing.assert_allclose(normal, cell.groove.normals(cell.angle)[..., [0, 2]], atol=1e-15)
-    turned = contact_forces(cell, replace(at, gamma=cell.angle + 0.01))[1]
-    np.testing.assert_allclose(np.abs(turned), np.sin(0.01), rtol=1e-9)
 
 
 @pytest.mark.parametrize("theta", [1.0, 3.0])
@@ -96,23 +77,6 @@ def test_coupled_pair_has_ours_as_a_root(theta):
     assert np.abs(found.force - found.load.force).max() > 1.0
 
 
-def test_what_the_source_has_not_is_refused(monkeypatch):
-    with pytest.raises(ValueError, match="coupling"):
-        screw_pair_by_root(replace(plain(TWO), coupling="ball and screw"))
-    lost = replace(loads_by_root(plain(TWO).cell()), converged=False)
-    monkeypatch.setattr(source_screw, "loads_by_root", lambda _: lost)
-    with pytest.raises(RuntimeError, match="no root for the loads"):
-        screw_pair_by_root(plain(TWO))
-
-
-def test_rolling_slides_little():
-    g = table_3_6()
-    maps, drives = g.maps(g.normals(np.full(4, g.contact_angle)))
-    sliding = (drives + maps @ rolling(g))[:, :2]
-    assert np.abs(sliding).max() < 0.04 * g.speed * g.radius
-    assert rolling(g)[0] == pytest.approx(g.nominal_orbit, rel=0.05)
-
-
 def test_reach_decides_on_contact():
     pair = inferred(TWO)
     load = loads_by_root(pair.cell())
@@ -142,29 +106,6 @@ def test_run_is_ours_until_balls_meet_and_near_it_after():
     np.testing.assert_allclose(found.ball_torque[same], ours.ball_torque[same], rtol=5e-3)
     assert same.size > 2
     assert 0.0 < found.overlap < 0.05 * run.groove.pair.spacing
-
-
-def test_steps_that_are_asked_for():
-    found = simulate_by_root(few_balls(), 3)
-    assert found.gap.shape == (3, 6)
-    assert len(found.status) == found.nut_angle.size == 3
-    np.testing.assert_allclose(found.nut_angle, 2.0 * np.pi * 0.01 * np.arange(3))
-
-
-def test_a_failed_step_is_counted_and_keeps_the_speeds(monkeypatch):
-    real, calls = source_run.loads_by_root, []
-
-    def sometimes(cell, start=None):
-        calls.append(start)
-        return replace(real(cell, start), converged=len(calls) != 3)
-
-    monkeypatch.setattr(source_run, "loads_by_root", sometimes)
-    found = simulate_by_root(few_balls(), 4)
-    assert found.status == ("exact", "exact", "failed", "exact")
-    assert found.failures == 1
-    assert found.overlapping == 0
-    np.testing.assert_array_equal(found.omega[2], found.omega[1])
-    assert np.abs(found.omega[3] - found.omega[2]).max() > 1e-6
 
 
 def test_run_refuses_what_it_leaves_out():

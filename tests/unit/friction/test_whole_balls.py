@@ -1,7 +1,6 @@
 """Balls of whole screws and bearings one by one: closed forms, older solvers, ellipses of their contacts."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,16 +10,14 @@ from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_3_6
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
-from rollbench.lowfi.friction.contact.kernel import motion as kernel
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.whole import balls
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
-from rollbench.lowfi.statics.problem import drawn_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Friction, Load, Motion, Support
+from rollbench.meshes.parts import Load, Motion, Support
 
 HELIX = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
 #: Forces [N] of a four-point contact, and what turns its angles [rad].
@@ -132,34 +129,3 @@ def test_contacts_take_the_specimen_that_was_solved():
     at = contacts_of(scene, result, 3)
     assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
     assert not np.array_equal(at.ball_radius, contacts_of(scene, result, 0).ball_radius)
-
-
-@pytest.mark.parametrize(("far", "taken"), [(1e-6, True), (1e12, False)])
-def test_a_start_near_or_not_leads_to_the_same_motion(far, taken, monkeypatch):
-    at = single(FOUR, HELIX.contact_angle + TURNED, HELIX)
-    speeds = []
-    descend = kernel.descend
-    monkeypatch.setattr(kernel, "descend", lambda *a: speeds.append(a[4]) or descend(*a))
-    cold = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"))
-    first, speeds[:] = speeds[0], []
-    warm = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"), near=cold.q * (1.0 + far))
-    assert np.allclose(warm.q, cold.q, rtol=1e-11, atol=0.0)
-    assert np.allclose(warm.loss, cold.loss, rtol=1e-10, atol=1e-12 * cold.loss.max())
-    assert (max(speeds) < 1e-3 * first) == taken  # no larger regularising speed was needed
-
-
-@pytest.mark.parametrize("count", [2, 3, 9])
-def test_a_ring_that_is_full_of_balls_is_refused(count, monkeypatch):
-    """Two balls alone already touch each other on both sides."""
-    scene = small_screw(count, 1.0 - 1.0 / count, lead=0.0)
-    scene = replace(scene, balls=replace(scene.balls, azimuths=tuple(2.0 * np.pi * np.arange(count) / count)))
-    drawn = specimen(scene, ball_layout(scene))
-
-    def with_clearance(angle):
-        pair = SimpleNamespace(spacing=2.0 * np.pi / count - angle, closing=1.0)
-        monkeypatch.setattr(balls, "grooves_of", lambda *_: SimpleNamespace(pair=pair))
-        return balls.balls_of(scene, Friction(0.1, 0.1), Motion(10.0), drawn)
-
-    assert with_clearance(1e-6).radius.size == count
-    with pytest.raises(ValueError, match="without any clearance"):
-        with_clearance(0.0)

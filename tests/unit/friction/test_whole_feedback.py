@@ -6,17 +6,14 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.friction_runs import setting
-from tests.helpers import mirrored, small_screw, solved
+from tests.helpers import mirrored, small_screw
 from tests.whole_screws import SCENES, TURN, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import table_3_6
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.friction.whole import feedback
-from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.feedback import feed_back, seats
 from rollbench.lowfi.friction.whole.losses import ball_friction
 from rollbench.lowfi.friction.whole.torque import about_axis, sum_up
-from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.parts import Friction, Motion
 
 
@@ -105,12 +102,6 @@ def test_feedback_keeps_the_load_of_contacts_past_the_apex():
     assert found.torque.load == pytest.approx(300.0, rel=1e-5)
 
 
-def test_feedback_that_loses_the_axial_load_fails(monkeypatch):
-    """As it did where angles had lost their signs past the apex."""
-    monkeypatch.setattr(feedback, "contact_angles", lambda normal: np.abs(contact_angles(normal)))
-    assert state(past_the_apex(), COUPLED).unsettled == (0, 1, 2, 3, 4)
-
-
 def test_feedback_mirrors_reverses_and_leaves_rings_alone():
     scene = small_screw(5, 0.9, oversize=4e-6, force=(60.0, 25.0, 500.0))
     one, other = state(scene, COUPLED).torque, state(mirrored(scene), COUPLED, Motion(-10.0)).torque
@@ -136,19 +127,3 @@ def test_feedback_settles_where_a_flank_hardly_bears(degrees):
     assert found.axial == pytest.approx(scene.loads[0].force[2], rel=1e-6)
     light = np.sort(found.load, axis=1)[:, 0] / found.load.sum(axis=1)
     assert np.any((light > 0.0) & (light < 0.01))
-
-
-def test_second_states_are_those_that_differ_and_settle(monkeypatch):
-    scene, mu = small_screw(3, 0.7, force=(0.0, 0.0, 300.0), screw="rigid"), Friction(0.4, 0.4, feedback=True)
-    result = solved(scene)
-    at = contacts_of(scene, result)
-    place = feedback.seats_of(scene, result, at)
-    there = feed_back(scene, at, place, mu, TURN)
-    assert feedback.second_states(scene, place, at, there, mu, TURN) == ()
-
-    def jammed(*_):
-        force = there.at.force * np.array([[1.0], [3.0], [3.0]])
-        return replace(there, at=replace(there.at, force=force), failed=np.array([False, False, True]))
-
-    monkeypatch.setattr(feedback, "feed_back", jammed)
-    assert feedback.second_states(scene, place, at, there, mu, TURN) == (1,)

@@ -19,13 +19,11 @@ from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.lowfi.statics import again
-from rollbench.lowfi.statics.again import beam_loads, elastic_loads
-from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
-from rollbench.lowfi.statics.selection import choose_sides
-from rollbench.lowfi.statics.static import pick_engine, solve_sides, solve_static
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads
+from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import draw, specimen
-from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
+from rollbench.meshes.helix import ball_layout, reduced_lead
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
 
 pytestmark = pytest.mark.xdist_group("run in time")
@@ -199,35 +197,6 @@ def test_loads_again_are_those_of_a_single_solution():
         found, expected = loads(scene, specimen(scene, layout), layout), once(scene)
         assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
-
-
-@pytest.mark.parametrize(("oversize", "pair"), [(0.0, True), (15e-6, False)])
-def test_loads_again_leave_out_what_cannot_touch(oversize, pair):
-    """An axial load opens one diagonal of balls without preload, one of which is too small for any load."""
-    scene = small_screw(6, 0.8, force=(0.0, 0.0, 400.0), oversize=oversize)
-    layout = layout_at(scene.track, ball_layout(scene).azimuth + 0.1, ball_layout(scene).z)
-    drawn = specimen(scene, layout)
-    drawn.ball_radius[2] -= 30e-6
-    use = choose_sides(scene, drawn)
-    few = solve_sides(ElasticBuild(scene, drawn, layout, use, pick_engine("auto", 6))).system
-    assert (few.pair is not None) is pair
-    for loads in (elastic_loads, beam_loads):
-        found = loads(scene, drawn, layout)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(again, "choose_sides", lambda *_: np.ones(4, dtype=bool))
-            every = loads(scene, drawn, layout)
-        assert found.load[2].max() == 0.0 < found.load[3].max()
-        assert found.load == pytest.approx(every.load, rel=1e-9, abs=1e-7)
-        assert np.allclose(found.hertz_C, every.hertz_C, rtol=1e-12)
-
-
-def test_places_of_balls_can_be_given_to_elastic_bodies():
-    """Balls turned by a full turn about a screw of zero lead meet the same compliance."""
-    scene = sparse(6)
-    layout = ball_layout(scene)
-    drawn, turned = specimen(scene, layout), layout_at(scene.track, layout.azimuth + 2.0 * np.pi, layout.z)
-    first, again = (elastic_loads(scene, drawn, at).load for at in (layout, turned))
-    assert again == pytest.approx(first, rel=1e-9, abs=1e-6)
 
 
 def test_what_is_refused():

@@ -1,7 +1,6 @@
 """Friction of whole screws and bearings at their static loads: exact balances, symmetries, orbits, refusals."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
 from rollbench.lowfi.friction.whole.contacts import contacts_of
-from rollbench.lowfi.friction.whole.losses import ball_friction, ball_path, closing_speeds
+from rollbench.lowfi.friction.whole.losses import ball_friction, ball_path
 from rollbench.meshes.parts import Friction, Motion
 
 
@@ -115,12 +114,6 @@ def test_closing_speeds_are_differences_of_orbits_along_each_start():
     ring = state(SCENES["ring"]())
     assert np.isfinite(ring.closing).all()
     assert ring.closing.sum() == pytest.approx(0.0, abs=1e-15)
-
-
-def test_two_balls_of_a_ring_follow_each_other():
-    at = SimpleNamespace(force=np.ones((2, 4)), layout=SimpleNamespace(azimuth=np.array([0.0, 3.0])))
-    closing = closing_speeds(SCENES["ring"](), at, SimpleNamespace(orbit=np.array([1.0, 1.5])), TURN)
-    assert closing[1] == -closing[0] > 0.0
 
 
 def test_what_is_refused():

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.publish import HEADS, Outcome, changes, markdown, of_verdict, table, worst
+from rollbench.compare.gate.publish import HEADS, Outcome, changes, of_verdict, table
 from rollbench.compare.gate.verdict import Verdict
 
 NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
@@ -52,23 +52,6 @@ def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str)
         assert changes(tmp_path / f"a.{form}", [of_verdict(one)]) == []
         (change,) = changes(tmp_path / f"a.{form}", [of_verdict(replace(one, error=-6.0))])
         assert change.line().endswith({"%": "5.12 -> 6.00 %, limit 7", "deg": "5.12 deg -> 6.00 deg, limit 7 deg"}[unit])
-
-
-def test_the_chart_is_of_the_worst_ball_of_what_is_not_green() -> None:
-    rows = [row("pass", 9), row("fail", -8, scene='a"b'), row("fail", 7.5), row("fail", 99, near=())]
-    assert worst(rows) is rows[1]
-    text = markdown(rows, ["WARNING: a | b"])
-    assert "- WARNING: a \\| b\n" in text
-    chart = text.split("```mermaid\n")[1].split("\n```")[0].splitlines()
-    assert [line.strip() for line in chart] == [
-        "xychart-beta",
-        'title "a\'b, ball 4 SL: 8.00 %, limit 7 %"',
-        'x-axis "ball" [3, 4]',
-        'y-axis "contact load / N" 0 --> 121',
-        "bar [101, 102]",
-        "line [100, 110]",
-    ]
-    assert "mermaid" not in markdown([row("pass", 1, near=())])
 
 
 def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path) -> None:

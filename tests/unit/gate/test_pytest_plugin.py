@@ -9,7 +9,6 @@ from importlib import import_module
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.errors import InputError
 from rollbench.compare.gate.pytest_plugin import Rollbench
 from rollbench.compare.scenes.catalogue import scene_text
 
@@ -23,21 +22,6 @@ def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:
         here.check("two-balls.toml", max_error=0.4, compute=False)
     with pytest.raises(pytest.fail.Exception, match=r"none\.toml: file: got no such file"):
         here.check("none.toml", compute=False)
-
-
-def test_files_are_sought_in_the_folder_of_the_test(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given = {}
-
-    def asked(**keywords) -> None:
-        given.update(keywords)
-        raise InputError("two-balls", "nothing", "none", "any", "")
-
-    monkeypatch.setattr("rollbench.compare.gate.user.asked", asked)
-    names = ("loads", "values", "reference", "stored", "store")
-    with pytest.raises(pytest.fail.Exception, match="nothing"):
-        Rollbench(tmp_path).check("two-balls", limits={"life": 3.0}, **{name: f"{name}-here" for name in names})
-    assert {name: given[name] for name in names} == {name: tmp_path / f"{name}-here" for name in names}
-    assert given["limits"] == ["life=3.0"]
 
 
 def test_the_entry_point_names_the_plug_in() -> None:

@@ -10,7 +10,6 @@ from scipy import sparse
 from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
-from rollbench.hifi.contact import balls
 from rollbench.hifi.contact.balls import State, press, solve_balls
 from rollbench.hifi.contact.compliance import coupled, plain, uncoupled
 
@@ -122,41 +121,6 @@ def test_body_out_of_touch_is_moved_until_its_load_is_carried():
     assert found.converged
     np.testing.assert_allclose(found.forces, [100.0, 100.0, 0.0, 0.0], atol=1e-6)
     assert found.motions[0] == pytest.approx(1.01 * GAP, rel=1e-9)
-
-
-@pytest.mark.parametrize("feeble", [1e-12, 1e-4])
-def test_newtons_step_is_that_of_the_whole_equations(feeble, monkeypatch):
-    """With patterns left out that bodies hardly answer, up to their share; also where a ball does not touch."""
-    monkeypatch.setattr(balls, "FEEBLE", feeble)
-    rng = np.random.default_rng(12)
-    low = patches(rng)
-    G, r, shift = low.coupling, len(low.coupling), 1e4
-    touching = [np.ones(7, dtype=bool), np.zeros(5, dtype=bool), np.arange(9) < 4]
-    n = rng.normal(size=(21, 3))
-    system = balls._System(low, np.ones(21), sparse.csr_matrix(n), np.zeros(3), None)
-    system.in_touch(touching)
-    active = np.concatenate(touching)
-    U, D = block_diag(*low.modes), block_diag(*(block.dense() for block in low.blocks))
-    inverse = np.zeros_like(D)
-    inverse[np.ix_(active, active)] = np.linalg.inv(D[np.ix_(active, active)])
-    M, Mn, Nn = U.T @ inverse @ U, U.T @ inverse @ n, n.T @ inverse @ n
-    whole = np.block([[np.eye(r) + M @ G, -Mn], [-Mn.T @ G, Nn + shift * np.eye(3)]])
-    back, balance = rng.normal(size=r), rng.normal(size=3)
-    found = np.concatenate(system.factor(shift).step(back, G @ back, balance))
-    wanted = np.linalg.solve(whole, np.concatenate([back, balance]))
-    for rows in (slice(r), slice(r, None)):  # forces and motions
-        np.testing.assert_allclose(found[rows], wanted[rows], atol=max(1e-9, 10.0 * feeble) * np.abs(wanted[rows]).max())
-
-
-def test_a_solution_leaves_the_state_that_it_started_from():
-    """Two solutions may go on from one."""
-    rng, low, gap, N, f = pressed(13)
-    state = solve_balls(low, gap, N, f)[1]
-    kept, w = list(state.balls), state.w.copy()
-    moved = solve_balls(low, gap + GAP * rng.normal(size=21), N, f, start=state)[1]
-    assert any(a is not b for a, b in zip(moved.balls, kept, strict=True))
-    assert all(a is b for a, b in zip(state.balls, kept, strict=True))
-    np.testing.assert_array_equal(state.w, w)
 
 
 def test_answer_does_not_depend_on_where_it_starts():

@@ -1,7 +1,6 @@
 """Order, elimination tree and supernodes of sparse matrices, against the pattern of a dense elimination."""
 
 import signal
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -61,27 +60,6 @@ def test_the_supernodes_hold_the_factor_and_little_more(matrix, leaf, monkeypatc
     assert held.sum() <= {1: 1.05, 6: 1.8, 32: 3.0}[leaf] * factor.sum()
 
 
-def test_the_order_saves_fill():
-    K = body()
-    order = supernodes(K).order
-    fill = [filled(K, p).sum() for p in (order, np.arange(K.shape[0]), np.argsort(order))]
-    assert fill[0] < 0.8 * min(fill[1:])
-
-
-def test_the_elimination_tree_is_that_of_a_dense_factor():
-    """The parent of a vertex is the next row of its column of the factor."""
-    rng = np.random.default_rng(4)
-    for density in (0.02, 0.05, 0.2):
-        graph = sp.random(60, 60, density, random_state=rng, format="csr")
-        graph = (graph + graph.T).tocsr()
-        graph.setdiag(0)
-        graph.eliminate_zeros()
-        factor = filled(sp.csc_matrix(graph + sp.identity(60)), np.arange(60))
-        below = [np.flatnonzero(column[k + 1 :]) for k, column in enumerate(factor.T)]
-        expected = [k + 1 + int(rows[0]) if rows.size else 60 for k, rows in enumerate(below)]
-        assert dissection._elimination_tree(graph).tolist() == expected
-
-
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
 def test_term_during_the_ordering_ends_as_elsewhere(monkeypatch) -> None:
     """METIS turns SIGTERM into an error of its own and leaves it blocked."""
@@ -106,9 +84,3 @@ def test_term_during_the_ordering_ends_as_elsewhere(monkeypatch) -> None:
         signal.signal(signal.SIGTERM, before)
         assert signal.SIGTERM not in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     assert len(calls) == 2
-
-
-def test_an_error_of_metis_that_recurs_is_raised(monkeypatch) -> None:
-    monkeypatch.setattr("pymetis.nested_dissection", Mock(side_effect=RuntimeError("Caught an unknown exception!")))
-    with pytest.raises(RuntimeError, match="unknown exception"):
-        supernodes(grid(5))

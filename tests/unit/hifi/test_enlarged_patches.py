@@ -1,34 +1,22 @@
 """Contacts at the rim of their patch: patches grow to what was found, only where that changes them, or say both numbers."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from rollbench.compare.reference import computing
-from rollbench.compare.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
-from rollbench.compare.reference.tasks import Task, settings_of
+from rollbench.compare.reference.computing import BEYOND, enlarged
+from rollbench.compare.reference.tasks import settings_of
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
-from rollbench.hifi.reference import AT_RIM
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.solid import dimensions
 
 CASE = catalogue.scene("lin-case1")
-
-
-@dataclass(frozen=True)
-class Ended:
-    """What is read of a load case that was solved."""
-
-    status: str
-    load: np.ndarray
-    contact_angle: np.ndarray
-    answers: bool
 
 
 def prepared(scene=CASE, **changes):
@@ -96,36 +84,6 @@ def test_patches_that_fill_the_flank_are_not_built_again():
     assert "mm across" in words
     assert "a larger one is refused: no room for the contact ellipse" in words
     assert "deepen the groove" in words
-
-
-@pytest.mark.parametrize(("rim", "built"), [(0, 1), (1, 2), (9, ENLARGE + 1)])
-def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch, rim, built):
-    reaches = []
-
-    def prepare(_scene, _sides, settings, *_rest, **_named):
-        reaches.append(settings.reach)
-        return prepared(reach=settings.reach)
-
-    def solved(*_):
-        load, angle = found(1.0)
-        status = AT_RIM if len(reaches) <= rim else "converged"
-        return Ended(status, load, angle, status == "converged")
-
-    monkeypatch.setattr("rollbench.hifi.setup.prepare", prepare)
-    monkeypatch.setattr(computing, "_solved", solved)
-    monkeypatch.setattr(computing, "_run", lambda _task, _number, _scene, result, *_: result)
-    monkeypatch.setattr("rollbench.hifi.condensed.condensed_bodies", lambda *_: "bodies")
-    said = []
-    (run,), bodies = compute_with_bodies(Task((CASE,), 1), said.append)
-    assert len(reaches) == built
-    assert reaches == sorted(reaches)
-    if rim > ENLARGE:
-        assert run.status.startswith("a contact reaches the rim of its patch: by the loads found it needs 0.4")
-        assert bodies is None
-    else:
-        assert (run.status, bodies) == ("converged", "bodies")
-    assert len(said) == built - 1
-    assert all("needs" in text and "has" in text for text in said)
 
 
 def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.polynomial.legendre import leggauss
 from scipy.sparse.linalg import spsolve
 from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
@@ -10,11 +9,10 @@ from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
 
 from rollbench.hifi.bodies.coarse import rigid_loads
 from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.assembly import CurvedMap, assemble, faces, nodal_areas, products, rule, tensor
-from rollbench.hifi.elements.forms import elasticity, hooke, share
-from rollbench.hifi.elements.pressures import ElementHexHats, contact_weights
+from rollbench.hifi.elements.assembly import CurvedMap, assemble, faces, nodal_areas, rule, tensor
+from rollbench.hifi.elements.forms import elasticity, hooke
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
+from rollbench.meshes.fem import freedoms_on, mesh_of, moved, nodes_on, points_of, tensor_grid
 
 E, NU = 210e9, 0.28
 LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)
@@ -162,34 +160,6 @@ def test_area_of_a_sphere_converges_with_the_fourth_power(kind):
     assert np.log2(errors[0] / errors[1]) > 3.7
 
 
-def test_bad_input_is_refused():
-    points, cells = cube("Q1", 1)
-    with pytest.raises(ValueError, match="inside out"):
-        assemble(elasticity(E, NU), mesh_of(points * [1.0, 1.0, -1.0], cells, "Q1")[0])
-    for kind, named, why in (
-        ("P2", {}, r"needs \(m, 10\)"),
-        ("T3", {}, "'T3' is unknown"),
-        ("Q1", {"none": np.zeros((0, 4), dtype=int)}, "boundary 'none' is empty"),
-        ("Q1", {"skew": np.array([[0, 1, 7, 6]])}, "boundary 'skew' lost: 1 of 1 faces belong to no cell"),
-    ):
-        with pytest.raises(ValueError, match=why):
-            mesh_of(points, cells, kind, named)
-    for young, poisson in ((1e-9, 0.3), (E, 0.5 - 1e-9), (E, -1.0 + 1e-9)):
-        elasticity(young, poisson)
-    for young, poisson in ((-1.0, 0.3), (0.0, 0.3), (E, 0.5), (E, -1.0), (np.nan, 0.3)):
-        with pytest.raises(ValueError, match="need E > 0"):
-            elasticity(young, poisson)
-
-
-@pytest.mark.parametrize("kind", ["Q1", "Q2"])
-def test_tensor_grids_of_both_hands(kind):
-    x = np.array([0.0, 0.2, 1.0])
-    right, left = (tensor_grid(x, x, x, kind, left_handed=hand) for hand in (False, True))
-    assert kind_of(right) == kind
-    assert CurvedMap(right).detDF(np.full((3, 1), 0.5)).min() > 0.0 > CurvedMap(left).detDF(np.full((3, 1), 0.5)).max()
-    np.testing.assert_allclose(np.unique(points_of(left), axis=0), np.unique(points_of(right), axis=0))
-
-
 def with_contact(mesh):
     """The mesh with its top named."""
     return mesh.with_boundaries({"contact": mesh.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
@@ -204,49 +174,3 @@ def contact(kind):
     mesh = with_contact(grid)
     x, nodes = points_of(mesh), nodes_on(mesh, "contact")
     return moved(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes
-
-
-@pytest.mark.parametrize("kind", ["P1", "Q2"])
-def test_contact_weights_are_partitions_of_the_area(kind):
-    mesh, nodes = contact(kind)
-    W = contact_weights(mesh, nodes).toarray()
-    np.testing.assert_allclose(W.sum(axis=0), nodal_areas(mesh, "contact")[nodes], rtol=2e-7)
-    assert W.sum() == pytest.approx(nodal_areas(mesh, "contact").sum(), rel=1e-8)
-    assert W.sum(axis=1).min() > 0.0
-    if kind == "P1":
-        np.testing.assert_allclose(W, W.T, atol=1e-15)
-        return
-    x, w = _halves(8)
-    fine = np.stack(np.meshgrid(x, x, indexing="ij")).reshape(2, -1), np.outer(w, w).ravel()
-    hats = faces(mesh, "contact", element=ElementHexHats(), quadrature=fine)
-    np.testing.assert_allclose(W.sum(axis=1), share().assemble(hats)[nodes], rtol=1e-6)
-    mass = BilinearForm(lambda u, v, _: u * v)
-    alike = faces(mesh, "contact", quadrature=fine)
-    np.testing.assert_allclose(products(alike, hats).toarray(), mass.assemble(alike, hats).toarray(), atol=1e-15)
-
-
-def _halves(count):
-    """Gauss points on either half of an interval, and their weights."""
-    x, w = leggauss(count)
-    x, w = 0.25 * (x + 1.0), 0.25 * w
-    return np.concatenate([x, x + 0.5]), np.concatenate([w, w])
-
-
-def test_contact_weights_of_a_flat_square():
-    """One face: hats and biquadratic functions by hand; a bilinear pressure is weighed exactly."""
-    mesh = with_contact(tensor_grid(*3 * [np.array([0.0, 1.0])], "Q2"))
-    nodes = nodes_on(mesh, "contact")
-    W = contact_weights(mesh, nodes).toarray()
-    x = points_of(mesh)[nodes]
-    h, q = _halves(4)
-    hats = [lambda s: np.maximum(1 - 2 * s, 0), lambda s: 1 - np.abs(2 * s - 1), lambda s: np.maximum(2 * s - 1, 0)]
-    quad = [lambda s: (1 - s) * (1 - 2 * s), lambda s: 4 * s * (1 - s), lambda s: s * (2 * s - 1)]
-    one = np.array([[(a(h) * b(h)) @ q for b in quad] for a in hats])
-    place = np.rint(2 * x[:, :2]).astype(int)
-    expected = one[place[:, None, 0], place[None, :, 0]] * one[place[:, None, 1], place[None, :, 1]]
-    np.testing.assert_allclose(W, expected, atol=1e-15)
-    np.testing.assert_allclose(W.sum(axis=0) * 36, 4.0 ** (place == 1).sum(axis=1), rtol=1e-12)
-    p = 1.0 + 2.0 * x[:, 0] - x[:, 1] + 0.5 * x[:, 0] * x[:, 1]
-    total = W.T @ p
-    assert total.sum() == pytest.approx(1.0 + 1.0 - 0.5 + 0.125, rel=1e-12)
-    assert total @ x[:, 0] == pytest.approx(0.5 + 2.0 / 3.0 - 0.25 + 0.5 / 6.0, rel=1e-12)

@@ -72,12 +72,3 @@ def test_the_section_of_one_arc_is_even_about_its_own_middle(way: str) -> None:
         z = [float(m.section(side, np.array(g), m.radius[side])[1]) for g in (low, high)]
         assert np.mean(z) == pytest.approx(m.centre[side, 1], abs=1e-12)
         assert abs(m.centre[side, 1]) == pytest.approx((m.radius[side] - m.ball) * np.sin(m.beta))
-
-
-def test_one_arc_reaches_from_edge_to_edge() -> None:
-    m = GrooveMap.of(bearing(0.01, 1.0, 0.0))
-    low, high = flank_limits(m, 0, 0.033)
-    assert low == -high
-    two = GrooveMap.of(bearing(15.0, 1.0, 0.0))
-    assert not two.one_arc
-    assert 0.0 < flank_limits(two, 0, 0.033)[0] < np.radians(15.0)

@@ -7,17 +7,17 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from tests.fe_meshes import boundary, boundary_faces, cube, stiffness, strain_stress
+from tests.fe_meshes import boundary, stiffness, strain_stress
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
 from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, of_order
-from rollbench.hifi.bodies.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
+from rollbench.hifi.bodies.patch import build_tet_patch, condense_patch, field, tie_matrix
 from rollbench.hifi.elements import assembly
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import mesh_of, points_of
+from rollbench.meshes.fem import points_of
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
@@ -104,30 +104,6 @@ def test_condensed_is_the_full_system_and_definite(kind):
     assert f @ c.A @ f + q @ c.S @ q == pytest.approx(whole @ K @ whole, rel=1e-10)
 
 
-@pytest.mark.parametrize("kind", ["P1", "P2", "Q1", "Q2"])
-def test_patch_of_any_element(kind):
-    """A cube held by five faces node to node, against dense algebra."""
-    points, cells = cube(kind, 2 if kind == "Q2" else 3)
-    held = boundary(points[:, :] * [1.0, 1.0, 0.5])  # all faces but z = 1
-    contact = np.setdiff1d(np.flatnonzero(points[:, 2] > 1.0 - 1e-9), held)
-    normals = np.tile([0.0, 0.6, 0.8], (contact.size, 1))
-    faces = boundary_faces(cells, kind)
-    body, number = mesh_of(points, cells, kind, {"interface": faces[np.isin(faces, held).all(axis=1)]})
-    held, contact = number[held], number[contact]
-    points, ties = points_of(body), [sp.identity(nodes.size, format="csr") for nodes in (held, contact)]
-    mesh = PatchMesh(body, points, contact, None, np.zeros(contact.size, dtype=bool), held, *ties, points[held])
-    c = condense_patch(mesh, normals, 1.0, NU)
-    K = assembly.assemble(elasticity(1.0, NU), body).toarray()
-    o, i = freedoms(held), freedoms(np.setdiff1d(np.arange(len(points)), held))
-    P = np.zeros((len(K), contact.size))
-    P[3 * contact + 1, np.arange(contact.size)], P[3 * contact + 2, np.arange(contact.size)] = 0.6, 0.8
-    inverse = np.linalg.inv(K[np.ix_(i, i)])
-    assert relative(c.A, P[i].T @ inverse @ P[i]) < 1e-10
-    assert relative(c.H, -P[i].T @ inverse @ K[np.ix_(i, o)]) < 1e-10
-    assert relative(c.S, K[np.ix_(o, o)] - K[np.ix_(o, i)] @ inverse @ K[np.ix_(i, o)]) < 1e-10
-    assert c.shape is None
-
-
 #: Displacement gradient without stress on planes z = constant, for a free top.
 SLOPE = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.2, -0.4, -NU / (1 - NU) * 0.3]])
 
@@ -169,19 +145,6 @@ def test_constant_strain_through_a_first_order_patch():
     expected = np.zeros((len(target.xi), 3))
     np.add.at(expected, triangles, np.repeat((outward / 6.0 @ s)[:, None], 3, axis=1))
     assert relative(c.S @ q, expected.ravel()) < 1e-11
-
-
-def test_plain_faces_conform_only_nearly():
-    """Without the socket's triangles on its faces a patch follows a linear field, but hands on its reaction roughly."""
-    body, nodes, _ = holed_cube()
-    q = (points_of(body)[nodes] @ SLOPE.T).ravel()
-    mesh, c = in_the_cube(conforming=False)
-    _, exact = in_the_cube()
-    moved = (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]
-    assert relative(c.H @ q, mean_weights(mesh.weights) @ moved) < 1e-11
-    assert 1e-6 < relative(c.S @ q, exact.S @ q) < 0.2
-    total = [(x.S @ q).reshape(-1, 3).sum(axis=0) for x in (c, exact)]
-    np.testing.assert_allclose(total, 0.0, atol=1e-14)
 
 
 def test_map_that_turns_cells_inside_out_is_refused():

@@ -10,7 +10,6 @@ from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, 
 from rollbench.hifi.bodies.patch import build_patch, build_tet_patch, field
 from rollbench.hifi.elements import assembly
 from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.meshes.fem import nodes_on
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 
@@ -85,22 +84,6 @@ def test_contact_nodes_of_ball_and_groove_coincide(side):
     np.testing.assert_allclose(np.linalg.norm(ball, axis=1), MAP.ball, rtol=1e-14)
 
 
-def test_rim_is_the_outermost_ring():
-    mesh, _, c = condensed("Q2")
-    grid = mesh.rim.reshape(mesh.contact_shape)
-    assert grid[[0, -1]].all()
-    assert grid[:, [0, -1]].all()
-    assert not grid[1:-1, 1:-1].any()
-    assert c.shape == mesh.contact_shape
-    assert np.array_equal(c.rim, mesh.rim)
-    mesh, _, c = condensed("P1")
-    xi = tets(0.16e-3).xi[mesh.contact]
-    expected = (np.abs(np.abs(xi[:, 0]) - ZONE[0]) < 1e-9) | (np.abs(np.abs(xi[:, 2]) - ZONE[1]) < 1e-9)
-    assert np.array_equal(c.rim, expected)
-    assert 0 < expected.sum() < len(c.rim)
-    assert c.shape is None
-
-
 @pytest.mark.parametrize("where", ["groove", "ball"])
 @pytest.mark.parametrize("kind", ["P1", "Q2"])
 def test_contact_weights_share_out_the_zone(kind, where):
@@ -114,21 +97,3 @@ def test_contact_weights_share_out_the_zone(kind, where):
     np.testing.assert_allclose(over[~mesh.rim], nodal[~mesh.rim], rtol=1e-6)
     assert (over[mesh.rim] < nodal[mesh.rim]).all()
     assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0
-
-
-def test_hats_of_a_patch_carry_equal_areas():
-    """On equal cells all hats inside the zone carry alike, where the displacements' functions carry 4 : 8 : 16."""
-    mesh = patch("Q2")[0]
-    hats, areas = (np.asarray(mesh.weights.sum(axis=k)).reshape(mesh.contact_shape)[1:-1, 1:-1] for k in (1, 0))
-    assert np.ptp(hats) < 0.1 * hats.mean()
-    assert areas.max() / areas.min() == pytest.approx(16.0 / 4.0, rel=0.1)
-
-
-def test_boundaries_of_a_patch_are_named():
-    for kind in ("P1", "Q2"):
-        mesh = patch(kind)[0]
-        assert set(mesh.mesh.boundaries) == {"surface", "contact", "interface"}
-        assert np.array_equal(nodes_on(mesh.mesh, "interface"), np.sort(mesh.interface))
-        assert np.array_equal(nodes_on(mesh.mesh, "contact"), np.sort(mesh.contact))
-        whole = len(mesh.mesh.boundary_facets())
-        assert len(mesh.mesh.boundaries["surface"]) + len(mesh.mesh.boundaries["interface"]) == whole

@@ -8,7 +8,6 @@ import pytest
 from tests.shipped_texts import own_text
 
 from rollbench.hifi import reference, setup
-from rollbench.hifi.contact import balls
 from rollbench.meshes.parts import Support
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -73,42 +72,3 @@ def test_what_is_left_is_the_rest_of_a_geometric_series():
     left = {1: np.inf, 2: 99.0 * 3.0, 3: 10.0 - loads[2][0, 0], 4: 10.0 - loads[3][0, 0]}
     assert {k: reference.left_over(loads[:k]) for k in left} == pytest.approx(left)
     assert reference.left_over([loads[0]] * 2) == 0.0
-
-
-def test_a_long_solution_tells_its_rounds(small, monkeypatch):
-    monkeypatch.setattr(reference, "SLOW", -1.0)
-    heard = []
-    found = reference.solve_reference(small, small.scene, step=heard.append)
-    assert [line.split(", ")[0] for line in heard] == [
-        f"contacts of {small.scene.name}: round {k + 1}" for k in range(found.updates + 1)
-    ]
-
-
-def test_frozen_loads_are_found_on_the_way_at_less_than_half_of_their_work(small, monkeypatch):
-    """Both solutions have their first round in common, the one that begins from nothing."""
-    work = {"factors": 0, "from nothing": 0}
-    factor, solve = balls._System.factor, reference.solve_balls
-
-    def factored(*given):
-        work["factors"] += 1
-        return factor(*given)
-
-    def solved(*given, start, touching):
-        work["from nothing"] += start is None
-        return solve(*given, start=start, touching=touching)
-
-    monkeypatch.setattr(balls._System, "factor", factored)
-    monkeypatch.setattr(reference, "solve_balls", solved)
-    moving = reference.solve_reference(small, small.scene)
-    alone = work["factors"]
-    still = reference.solve_reference(small, small.scene, updates=0)
-    again = work["factors"] - alone
-    assert work["from nothing"] == 2
-    work |= dict.fromkeys(work, 0)
-    found = reference.solve_reference(small, small.scene, frozen=True)
-    np.testing.assert_array_equal(found.load, moving.load)
-    np.testing.assert_array_equal(found.frozen, still.load)
-    assert np.abs(found.frozen - found.load).max() > 1e-6 * found.load.max()
-    assert moving.frozen is None
-    assert work["from nothing"] == 1
-    assert 2 * (work["factors"] - alone) < again

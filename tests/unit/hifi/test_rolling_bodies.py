@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,15 +9,15 @@ from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import bodies, static_patches, verification
-from rollbench.hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
+from rollbench.hifi.rolling.answers import free_answer, half_space_answer, tractions
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
 from rollbench.hifi.rolling.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
 from rollbench.hifi.rolling.patch import grid, hertz_patch, influence, seen_radii
-from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
+from rollbench.hifi.rolling.regular import Regular, monomials
 from rollbench.hifi.rolling.scenes import along_radius
 from rollbench.hifi.rolling.static_patches import Curve
 from rollbench.hifi.rolling.transient import run_from_rest
-from rollbench.hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference, two_balls
+from rollbench.hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference
 from rollbench.meshes.fem import points_of
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -82,16 +80,6 @@ def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
 
 
-def test_kernels_are_mirror_images_in_x():
-    """Neither body knows the sense in which it rolls."""
-    k = kernel()
-    assert np.array_equal(k.M, k.even.M)
-    assert np.array_equal(k.turned.turned.M, k.M)
-    assert np.abs(k.turned.M - k.M).max() > 1e-4 * np.abs(k.M).max()  # the groove's bottom lies on one side
-    bare = bodies.bar_kernel(Groove(R, 1.12 * R, 0.8, 1.4, 0.0), 5.0 * R, ZONE, ROUND, E, NU, 2)
-    assert np.abs(bare.M - bare.even.M).max() < 1e-6 * np.abs(bare.M).max()
-
-
 @pytest.mark.slow
 def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     scene = linear_pair()
@@ -104,21 +92,6 @@ def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     monkeypatch.setattr(bodies, "grooved_bar", None)
     there = np.array([kernel_of(scene, t, COARSE).M for t in touches])
     assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
-
-
-def test_large_bodies_are_half_spaces():
-    """What bodies of size s add to constant tractions is (A + B ln s)/s: s times it grows by the same for every fourfold
-    size, and the observed order lies below one and rises to it as 1 - 1/ln s does."""
-    whole = half_space_kernel(ZONE, R, 1).diagonal()[[0, 3, 6]]
-    balls = [f * bodies.ball_kernel(f * R, ZONE, ROUND, E, NU, 1).M.diagonal()[[0, 3, 6]] / whole for f in (1.0, 4.0, 16.0)]
-    first, second = np.diff(balls, axis=0)
-    assert second[:2] == pytest.approx(first[:2], rel=0.12)  # along tangents
-    assert abs(second[2]) < 0.2 * abs(second[0])  # along the normal B is small
-    orders = [1.0 - np.log(np.abs(b / a)) / np.log(4.0) for a, b in pairwise(balls)]
-    assert np.all(orders[1][:2] > orders[0][:2])
-    assert np.min(orders) > 0.55
-    assert np.array(orders)[:, 2].min() > 0.8
-    assert np.abs(balls[0]).max() < 0.1
 
 
 @cache
@@ -198,26 +171,6 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     assert force < 0.9 < 1.1 < loss
 
 
-def test_like_balls_are_not_pushed_sideways_by_what_presses_them():
-    """Normal forces move both surfaces alike along tangents; tangential ones move them apart."""
-    whole, zone = (
-        two_balls(20e-3, 0.2e-3, E, NU, COARSE).M,
-        Zone((COARSE.margin * 0.2e-3,) * 2, COARSE.cells, COARSE.growth),
-    )
-    k, one = len(whole) // 3, bodies.ball_kernel(20e-3, zone, ROUND, E, NU, COARSE.degree).M
-    assert np.abs(one[: 2 * k, 2 * k :]).max() > 1e-3 * np.abs(one).max()
-    assert np.array_equal(whole[: 2 * k, 2 * k :], np.zeros((2 * k, k)))
-    assert whole[: 2 * k, : 2 * k] == pytest.approx(2.0 * one[: 2 * k, : 2 * k])
-
-
-def test_a_half_space_beside_a_body_has_its_zone():
-    """A zone that is one per cent wider answers linear tractions along it by two to three per cent less."""
-    narrow, wide = half_space(R, ZONE), half_space(R, Zone((1.01 * ZONE.half[0], ZONE.half[1]), ZONE.cells, ZONE.growth))
-    same, other = (beside(body, ZONE, R, E, NU, 1).diagonal() for body in (narrow, wide))
-    assert same == pytest.approx(half_space_kernel(ZONE, R, 1).diagonal(), rel=1e-9)
-    assert 0.97 < other[1] / same[1] < 0.985
-
-
 def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
     """Curvature of its surface along the track at the contact, concave and convex."""
     for bend in (20.0, -20.0):
@@ -229,28 +182,6 @@ def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
         whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
     with pytest.raises(ValueError, match="thicker than its ring"):
         grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
-
-
-def test_a_groove_s_own_answers_are_those_of_the_other_sense_along_tangents():
-    """Tangential motions by tangential forces, and normal by normal ones, keep their sign; turned round twice all do. Those
-    of other monomials do not add."""
-    k = 4
-    added = np.random.default_rng(3).normal(size=(3 * k, 3 * k))
-    zone = SimpleNamespace(half=(1.0, 1.0))
-    turned = bodies.of_groove(added, zone, 1).M
-    assert pytest.approx(added, rel=1e-14) == bodies.of_groove(turned, zone, 1).M
-    tangents, normal = slice(0, 2 * k), slice(2 * k, None)
-    for rows, columns, sign in ((tangents, tangents, 1.0), (normal, normal, 1.0), (tangents, normal, -1.0)):
-        assert turned[rows, columns] == pytest.approx(sign * added[rows, columns], rel=1e-14)
-    with pytest.raises(ValueError, match="same monomials"):
-        Regular(np.zeros((3, 3)), (1.0, 1.0), 0) + Regular(np.zeros((9, 9)), (1.0, 1.0), 1)
-
-
-def test_slope_is_the_derivative():
-    at = np.array([[1e-5, 2e-4], [-4e-5, -1e-4]])
-    step = 1e-8
-    near = [kernel().block(at, TANGENTS, NORMAL, s) for s in (step, -step)]
-    assert (near[0] - near[1]) / (2.0 * step) == pytest.approx(kernel().slope(at, TANGENTS, NORMAL), rel=1e-6, abs=1e-12)
 
 
 def test_pressure_of_finite_bodies_is_that_of_the_half_spaces_they_are_seen_as():

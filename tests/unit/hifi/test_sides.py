@@ -12,7 +12,6 @@ from tests.two_balls import SMALL, two_balls
 from rollbench.hifi.bodies.coarse import patch_modes
 from rollbench.hifi.bodies.grid_wave import approaches_at, grid_wave, periodic_approaches, resolved_forces
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.condensation import sides
 from rollbench.hifi.condensation.sides import condense_side, congruent, side_of, turned
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
@@ -126,10 +125,3 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
     right = turned(replace(found[side], wave=wave)).wave
     assert right.at(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(taken[:, 0], rel=1e-9)
-
-
-def test_source_s_mesh_keeps_its_patches(monkeypatch):
-    """First-order tetrahedra stand for the source's mesh: no submodel, A of both patches as they are."""
-    monkeypatch.setattr(sides, "fine_compliance", None)
-    pair = condensed((0, 3), replace(SETTINGS, element="P1", tet=0.16e-3))[2][0]
-    np.testing.assert_array_equal(pair.local, pair.groove.A + pair.ball.A)

@@ -9,9 +9,9 @@ from tests.helpers import relative
 from tests.patch_meshes import flat, holed_cube, socket
 
 from rollbench.hifi.bodies import submodel
-from rollbench.hifi.bodies.coarse import Socket, assemble, contact_pressures, freedoms, patch_modes
+from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, patch_modes
 from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, hat_rows
-from rollbench.hifi.bodies.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.hifi.bodies.submodel import Piece, coarse_compliance, fine_compliance
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import moved, points_of
@@ -100,86 +100,6 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     monkeypatch.setattr(submodel, "isostatic", lambda *_: other)
     for again, before in zip(both(), found, strict=True):
         assert relative(again, before) < 1e-8
-
-
-def test_own_compliance_of_like_pieces_is_the_patch_s_up_to_the_modes_left_out(monkeypatch):
-    """Where the submodel is the coarse body itself A_own is A, the nearer the more modes are taken out; under pressures of
-    contacts a dozen are enough."""
-    monkeypatch.setattr(submodel, "REALISATIONS", 1)
-    piece = holed("floor")
-    fine, A = fine_compliance(piece, *patch(), E, NU), condensed().A
-    p = contact_pressures(condensed())
-    errors, pressed = [], []
-    for count in (6, 12, 10**6):
-        V, rows = patch_modes(condensed(), count)
-        A_own = own_compliance(fine, V, lambda _, rows=rows: coarse_compliance(piece, condensed(), rows, E, NU))
-        assert np.array_equal(A_own, A_own.T)
-        errors.append(relative(A_own, A))
-        pressed.append(relative(p.T @ A_own @ p, p.T @ A @ p))
-    assert pressed[0] > pressed[1] > pressed[2]
-    assert errors[0] < 0.05
-    assert pressed[1] < 1e-3
-    assert errors[2] < 1e-9
-
-
-def test_few_modes_carry_pressures_of_contacts_to_their_socket():
-    """Elliptic pressures of other sizes and places than those that modes are made of are carried by twelve modes to
-    one per cent of what reaches the socket, several times better than by the strongest modes of all forces; by all modes
-    everything is."""
-    c = condensed()
-    x = c.points[:, :2] - 0.5 * (c.points.max(axis=0) + c.points.min(axis=0))[:2]
-    x = x / np.abs(x).max(axis=0)
-    forces = []
-    for size, place in ((0.42, (0.3, -0.2)), (0.58, (-0.1, 0.3)), (0.73, (0.2, 0.1)), (0.88, (-0.05, 0.02))):
-        pressure = c.areas * np.sqrt(np.maximum(1.0 - (((x - place) / size) ** 2).sum(axis=1), 0.0))
-        forces.append(pressure / pressure.sum())
-    p = np.array(forces).T
-    V, rows = patch_modes(c, 12)
-    assert V.shape[1] == 12
-    assert np.abs(V.T @ V - np.eye(12)).max() < 1e-12
-    lost = relative(rows.T @ (V.T @ p), c.H.T @ p)
-    strongest = np.linalg.svd(c.H)[0][:, :12]
-    assert lost < 1e-2
-    assert lost < 0.4 * relative(c.H.T @ (strongest @ (strongest.T @ p)), c.H.T @ p)
-    V, rows = patch_modes(c, 10**6)
-    assert relative(V @ rows, c.H) < 1e-9
-
-
-def test_what_the_body_answers_to_few_modes_is_what_it_answers_to_all():
-    """Twelve modes with the forces' resultants exact miss 0.04 % of the response; the strongest traces alone, 0.3 %."""
-    piece, c = holed("floor"), condensed()
-    p = contact_pressures(c)
-    found = []
-    for count in (12, 10**6):
-        V, rows = patch_modes(c, count)
-        found.append(p.T @ V @ coarse_compliance(piece, c, rows, E, NU) @ V.T @ p)
-    assert relative(*found) < 8e-4
-
-
-@pytest.mark.parametrize("parallel", [False, True])
-def test_resultants_of_forces_that_meet_or_are_parallel(parallel):
-    """Forces through a point have three resultants, parallel ones too; the first three modes hold them, to round-off."""
-    mesh, normals = patch()
-    if parallel:
-        normals = np.tile([0.0, 0.6, 0.8], (len(normals), 1))
-    c = condense_patch(mesh, normals, E, NU)
-    wanted = hat_rows(mesh, normals) @ rigid_modes(mesh.points)
-    V, rows = patch_modes(c, 3)
-    assert V.shape[1] == 3
-    assert np.abs(V @ (rows @ rigid_modes(c.socket)) - wanted).max() < 1e-12
-
-
-def test_own_compliance_averages_the_coarse_piece_over_its_meshes():
-    asked = []
-
-    def response(scale):
-        asked.append(scale)
-        return np.array([[scale]])
-
-    V = np.array([[1.0], [2.0]])
-    found = own_compliance(10.0 * np.eye(2), V, response)
-    assert asked == pytest.approx([1.0 + submodel.STEP * n for n in range(submodel.REALISATIONS)])
-    np.testing.assert_allclose(found, 10.0 * np.eye(2) - np.mean(asked) * V @ V.T, rtol=1e-12)
 
 
 @pytest.mark.parametrize("cells", [2, 4])

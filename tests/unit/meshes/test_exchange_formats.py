@@ -11,9 +11,8 @@ import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
 from rollbench.meshes import gmsh_session
-from rollbench.meshes.exchange import mesh_files
-from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, only, reduced, write_mesh
-from rollbench.meshes.fem import cells_of, faces_of, mesh_of, moved, points_of
+from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, reduced, write_mesh
+from rollbench.meshes.fem import cells_of, faces_of, mesh_of, points_of
 
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
 EDGES = {
@@ -178,14 +177,6 @@ def test_fields_and_groups_in_vtu(name, tmp_path: Path):
     np.testing.assert_array_equal(again.point_data["boundary low end"], points[:, 2] < 0.3 + 1e-12)
 
 
-def test_a_mesh_without_names_is_one_entity_of_msh(gmsh, tmp_path: Path):
-    mesh = only(example("P1"))
-    write_mesh(tmp_path / "c.msh", mesh)
-    gmsh.merge(str(tmp_path / "c.msh"))
-    assert gmsh.model.getEntities(3) == [(3, 1)]
-    assert [gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()] == ["other"]
-
-
 @pytest.mark.parametrize("name", KINDS)
 def test_abaqus_keeps_to_its_lines_sets_and_surfaces(name, tmp_path: Path):
     """Faces S1 to S4 or S6 of its manual, in the numbers of the file's own elements and nodes."""
@@ -213,37 +204,6 @@ def test_abaqus_keeps_to_its_lines_sets_and_surfaces(name, tmp_path: Path):
         corners = np.array([[cells[int(e) - 1, k - 1] for k in sides[int(s) - 1]] for e, s in found])
         ours = points_of(mesh)[faces_of(mesh, side)[:, : len(sides[0])]].mean(axis=1)
         np.testing.assert_allclose(again.points[corners].mean(axis=1), ours, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", KINDS)
-@pytest.mark.parametrize("form", ["vtu", "msh"])
-def test_scikit_fem_loads_names(name, form, tmp_path: Path):
-    ours = example(name)
-    write_mesh(tmp_path / f"c.{form}", ours, {"u": points_of(ours)}, region="body")
-    mesh = skfem.Mesh.load(tmp_path / f"c.{form}")
-    assert set(mesh.boundaries) == set(ours.boundaries)
-    for side in ours.boundaries:
-        middles = (m.p[:, m.facets[:, m.boundaries[side]]].mean(axis=1).T for m in (mesh, ours))
-        np.testing.assert_allclose(*(x[np.lexsort(x.round(9).T)] for x in middles), atol=1e-12)
-    np.testing.assert_array_equal(mesh.subdomains["body"], np.arange(mesh.nelements))
-
-
-def test_every_group_of_msh_has_a_node_of_its_own():
-    nodes = [np.arange(6), np.array([0, 1]), np.array([0, 1]), np.array([1, 2])]
-    owner = mesh_files._owners(nodes, 6)
-    assert set(owner) == {0, 1, 2, 3}
-    assert all(k in np.flatnonzero([node in group for group in nodes]) for node, k in enumerate(owner))
-
-
-@pytest.mark.parametrize("name", KINDS)
-def test_abaqus_files_have_numbers_that_calculix_reads(name, tmp_path: Path):
-    points = -points_of(example(name)) / 3e7
-    write_mesh(tmp_path / "c.inp", only(moved(example(name), points)))
-    lines = [line for line in (tmp_path / "c.inp").read_text().splitlines()[2:] if not line.startswith("*")]
-    assert max(len(entry.strip()) for line in lines for entry in line.split(",")) <= 20
-    again = meshio.read(tmp_path / "c.inp")
-    used = np.unique(volume_cells(again).data)
-    np.testing.assert_allclose(again.points[used].min(axis=0), points.min(axis=0), rtol=1e-12)
 
 
 def test_med_keeps_groups_of_nodes(tmp_path: Path):
@@ -320,17 +280,3 @@ def test_files_are_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch):
         write_mesh(path, example("P2"))
     assert path.read_bytes() == whole
     assert os.listdir(tmp_path) == ["a.vtu"]
-
-
-@pytest.mark.parametrize("name", KINDS)
-def test_faces_turn_left_seen_from_outside(name):
-    points, cells = cube(name, 2)
-    faces = boundary_faces(cells, name)
-    mesh, _ = mesh_of(points, cells, name, {"all": faces})
-    x = points_of(mesh)[faces_of(mesh, "all")]
-    assert len(x) == len(faces)
-    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    assert ((normal * (x.mean(axis=1) - 0.5)).sum(axis=1) > 0.0).all()
-    if name[1] == "2":
-        n = 3 if name == "P2" else 4
-        np.testing.assert_allclose(x[:, n : 2 * n], 0.5 * (x[:, :n] + np.roll(x[:, :n], -1, axis=1)), atol=1e-14)

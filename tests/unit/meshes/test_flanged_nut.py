@@ -72,13 +72,6 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
     assert 1.5 * given[0] < given[2] < 3.0 * given[0]
 
 
-def test_an_annulus_that_fills_the_face_leaves_no_other_surface() -> None:
-    assert outline(Flange(66e-3, 6e-3, (24e-3, 33e-3)), WALL, ENDS) == WHOLE_FACE
-    names, places = outline(Flange(66e-3, 6e-3, (25e-3, 33e-3), "right", 18e-3), WALL, ENDS)
-    assert names == ["centring", "flange", "seat", "rim"]
-    assert [z for _, z in places] == pytest.approx([0.388, 0.406, 0.406, 0.406, 0.412])
-
-
 def test_a_sliver_of_a_flange_is_not_meshed() -> None:
     """Circles closer than the deviation of their edges crossed, and gmsh did not come to an end."""
     thin = Flange(66e-3, 6e-3, (24.01e-3, 32.99e-3), "left", 0.01e-3)

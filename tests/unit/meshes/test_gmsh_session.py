@@ -7,7 +7,6 @@ import sys
 
 import gmsh
 import pytest
-from tests.copies import ROOT
 
 from rollbench.meshes.gmsh_session import RESET, session
 
@@ -25,13 +24,7 @@ for number in numbers:
     os.kill(os.getpid(), number)
 assert came == 2 * numbers, came
 """
-PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
 UNIX = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
-
-
-def test_gmsh_is_begun_in_one_place():
-    texts = {path: path.read_text(encoding="utf-8") for name in PACKAGES for path in (ROOT / name).rglob("*.py")}
-    assert [path.name for path, text in texts.items() if "gmsh.initialize" in text] == ["gmsh_session.py"]
 
 
 @UNIX

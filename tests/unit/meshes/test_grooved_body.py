@@ -1,7 +1,6 @@
 """Coarse meshes of screws, nuts and rings: volumes, exact closed surfaces, congruent sockets, any scene."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from tests.fe_meshes import area_of, outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.meshes import shell as shells
 from rollbench.meshes.fem import nodes_on
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
@@ -17,7 +15,7 @@ from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Nut, Screw, Track
 from rollbench.meshes.quality import scaled_jacobians
-from rollbench.meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
+from rollbench.meshes.sockets import SocketSize, local_points, socket_points
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")
 
@@ -192,8 +190,6 @@ def subset():
     return np.sort(np.random.default_rng(1).choice(even(45, 2.5), 17, replace=False))
 
 
-#: Its mesh is the one in which gmsh leaves flat cells.
-FLAT = "two starts"
 TWO, FOUR = (0, 3), (0, 1, 2, 3)
 #: Label: scene, sides, part.
 KINDS = {
@@ -217,32 +213,13 @@ KINDS = {
 }
 
 
-def check_scene(kind):
+@pytest.mark.parametrize("kind", KINDS)
+def test_any_scene(kind):
     make, sides, name = KINDS[kind]
     case = make()
     m, spec = GrooveMap.of(case), body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
     assert len(spec.sockets) == case.ball_count * sum((s < 2) == spec.outer for s in sides)
     check_body(m, spec, build_body(m, spec))
-
-
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != FLAT])
-def test_any_scene(kind):
-    check_scene(kind)
-
-
-def test_flat_cells_need_no_second_attempt(monkeypatch):
-    """Bent, they would be turned inside out."""
-    left_out, plain = [], shells.freed
-
-    def counted(shell, points, cells):
-        found = plain(shell, points, cells)
-        left_out.append(len(cells) - len(found))
-        return found
-
-    monkeypatch.setattr(shells, "freed", counted)
-    monkeypatch.setattr(shells, "ATTEMPTS", shells.ATTEMPTS[:1])
-    check_scene(FLAT)
-    assert left_out[0] > 0
 
 
 def test_screw_without_a_hole():
@@ -273,85 +250,6 @@ def test_finer_sizes_give_more_cells_and_shorter_edges():
         counts.append((len(mesh.cells), float(np.linalg.norm(a - b, axis=1).mean())))
     assert counts[1][0] > 1.3 * counts[0][0]
     assert counts[1][1] < 0.9 * counts[0][1]
-
-
-def test_sizes_do_not_depend_on_what_is_answered_at_once():
-    def lengths(x):
-        return 1e-3 * (1.0 + np.sin(1e3 * x).sum(axis=1) ** 2)
-
-    at = np.random.default_rng(0).uniform(-9.0, 9.0, (200, 3))
-    one, many = (shells.callback(lengths, 1e-3, block) for block in ((1, 1, 1), (3, 2, 4)))
-    found = [many(3, 1, *x, 8.0) for x in at]
-    assert found == [one(3, 1, *x, 8.0) for x in at]
-    assert found == pytest.approx(np.minimum(1e3 * lengths(1e-3 * np.round(at)), 8.0))
-
-
-def test_other_algorithms_and_sizes_are_tried(monkeypatch):
-    """The first attempt fails, the second has a fault, the third is taken."""
-    seen = []
-
-    def attempt(_gmsh, plane, volume, share):
-        seen.append((plane, volume, share))
-        if len(seen) == 1:
-            raise ValueError("bad luck")
-        return f"mesh {len(seen)}", 1e-6 if len(seen) == 2 else 0.0
-
-    assert shells.best_of("screw", attempt) == "mesh 3"
-    assert seen == list(shells.ATTEMPTS[:3])
-    monkeypatch.setattr(shells, "ATTEMPTS", shells.ATTEMPTS[:2])
-    seen.clear()
-    assert shells.best_of("screw", attempt) == "mesh 2"
-    monkeypatch.setattr(shells, "ATTEMPTS", shells.ATTEMPTS[:1])
-    seen.clear()
-    with pytest.raises(ValueError, match="no good mesh of the screw: bad luck"):
-        shells.best_of("screw", attempt)
-
-
-def test_turning_an_edge_keeps_the_face():
-    square, halves = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), [[0, 1, 2], [0, 2, 3]]
-    face = shells.Face("land", np.arange(10, 14), square, np.array(halves), None)
-    assert face.turn(0, 1)
-    assert {frozenset(t) for t in face.tris.tolist()} == {frozenset((11, 12, 13)), frozenset((10, 11, 13))}
-    square[1] = [-0.5, -0.6]  # the quadrangle is not convex
-    arrow = shells.Face("land", np.arange(4), square, np.array(halves), None)
-    assert not arrow.turn(0, 1)
-    assert arrow.local.tolist() == halves
-
-
-def test_flat_cells_on_a_bent_face_are_left_out():
-    """A cell over the long diagonal of two triangles goes, and the triangles meet along the other diagonal."""
-    plane = np.array([[0.0, 0.0], [1.0, 0.1], [1.1, 1.0], [0.1, 1.0]])
-
-    def space(x):
-        return np.column_stack([x, 0.1 * (x[:, 0] - x[:, 1]) ** 2])
-
-    shell = shells.Shell(None, None, 1.0, 6)
-    points = np.vstack([space(plane), [[0.5, 0.5, 1.0]]])
-    shell.nodes(points)
-    shell.faces = [
-        shells.Face("land", np.arange(4), plane, np.array([[0, 1, 2], [0, 2, 3]]), space),
-        shells.Face("rest", np.arange(5), np.zeros((5, 2)), np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]), None),
-    ]
-    cells = np.array([[0, 1, 2, 3], [0, 1, 3, 4], [1, 2, 3, 4]])
-    np.testing.assert_array_equal(shells.freed(shell, points, cells), cells[1:])
-    assert {frozenset(t) for t in shell.tris("land").tolist()} == {frozenset((0, 1, 3)), frozenset((1, 2, 3))}
-    edges, middles = shell.exact()
-    found = middles[np.all(np.sort(edges, axis=1) == [1, 3], axis=1)]
-    np.testing.assert_allclose(found, space(plane[[1, 3]].mean(axis=0)[None])[[0, 0]], atol=1e-15)
-    np.testing.assert_array_equal(shells.freed(shell, points, cells[1:]), cells[1:])
-
-
-def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
-    case = ring_of(0.0, 2.0)
-    m, spec = GrooveMap.of(case), body_specs(case, (0,))["screw"]
-    seen = []
-    tetrahedra = shells.tetrahedra
-    monkeypatch.setattr(shells, "tetrahedra", lambda g, x, *rest: (seen.append(x), tetrahedra(g, x, *rest))[1])
-    build_body(m, spec)
-    _, raised = socket_mesh(partial(local_points, m, spec.size, 0), spec.size.cuts)
-    for k, socket in enumerate(spec.sockets):
-        points = seen[0][k * len(raised) : (k + 1) * len(raised)]
-        np.testing.assert_allclose(points, socket_points(m, spec.size, socket, raised), atol=1e-15)
 
 
 def test_volume_with_sockets(body):

@@ -1,7 +1,6 @@
 """Halves of rings and balls: as exact as whole ones, and half of them."""
 
 from dataclasses import replace
-from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -9,12 +8,12 @@ from tests.fe_meshes import volume as volume_of_cells
 
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.exchange import whole_bodies
-from rollbench.meshes.exchange.whole_bodies import HalfRing, half_sphere
+from rollbench.meshes.exchange.whole_bodies import HalfRing
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.quality import arc_deviation
-from rollbench.meshes.shell import BEND, Shell
+from rollbench.meshes.shell import Shell
 from rollbench.meshes.sockets import SocketSize
 
 SCENE = catalogue.scene("two-balls")
@@ -64,28 +63,9 @@ def test_a_half_ball_is_half_of_the_ball(sign):
     np.testing.assert_allclose(np.linalg.norm(half.points[half.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
 
 
-def test_faces_of_a_half_sphere_bend_over_no_edge_longer_than_asked(monkeypatch):
-    faces = {}
-    shell = Shell(MagicMock(), lambda x: np.full(len(x), np.inf), 1e-3, 6)
-    monkeypatch.setattr(shell, "face", lambda *given: faces.update({given[0]: given[3]}))
-    half_sphere(MAP.ball, shell, 0.4, 1.0)
-    rim = np.linalg.norm(np.diff(shell.points, axis=0), axis=1)
-    assert faces == pytest.approx({"sphere": 0.4 * BEND[1] * MAP.ball, "cut": np.inf})
-    assert 0.8 * faces["sphere"] < rim.max() <= faces["sphere"]
-
-
 def test_a_helix_and_a_ring_without_bore_are_not_halved():
     spec, _ = ring(True)
     shell = Shell(None, lambda x: np.ones(len(x)), 1e-3, 6)
     for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
         with pytest.raises(ValueError, match="only a ring with a bore"):
             HalfRing(shell, m, body)
-
-
-@pytest.mark.parametrize("side", range(4))
-def test_points_of_a_ball_lie_on_it_as_far_from_its_contact_as_asked(side):
-    flat = np.array([[0.0, 0.0], [4e-4, 0.0], [0.0, -7e-4], [3e-4, 5e-4]])
-    points = whole_bodies.sphere_points(MAP, side, 2.778e-3, flat)
-    assert np.linalg.norm(points, axis=1) == pytest.approx(2.778e-3, rel=1e-14)
-    away = np.arccos(points @ points[0] / 2.778e-3**2)
-    assert np.tan(away) * 2.778e-3 == pytest.approx(np.linalg.norm(flat, axis=1), rel=1e-6, abs=1e-9)

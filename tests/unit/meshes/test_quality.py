@@ -65,14 +65,6 @@ def test_scaled_jacobians_of_straight_cells_are_vtks(shaken, kind):
     np.testing.assert_allclose(jacobians(points, cells, kind), theirs, atol=1e-12)
 
 
-def test_chunks_change_nothing(shaken, monkeypatch):
-    for kind, (points, cells) in shaken.items():
-        whole = jacobians(points, cells, kind)
-        with monkeypatch.context() as patch:
-            patch.setattr(quality, "CHUNK", 7)
-            np.testing.assert_array_equal(jacobians(points, cells, kind), whole)
-
-
 def test_measure_counts_and_places_the_worst_cell():
     flat = REGULAR.copy()
     flat[3] = flat[:3].mean(axis=0) + 0.02 * (flat[3] - flat[:3].mean(axis=0))
@@ -112,24 +104,3 @@ def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
     assert quality.scaled_jacobians(after).min() > 0.02
     np.testing.assert_array_equal(after.doflocs[:, surface], mesh.doflocs[:, surface])
     np.testing.assert_array_equal(after.doflocs[:, :5], mesh.doflocs[:, :5])  # corners stay
-
-
-def test_straighten_moves_only_what_may_move():
-    mesh, surface = bent(0.9)
-    found, count = quality.straighten(mesh, np.array([], dtype=int))
-    assert count == 1
-    np.testing.assert_allclose(points_of(found)[surface[2]], points_of(mesh)[surface[:2]].mean(axis=0), atol=1e-15)
-    assert quality.scaled_jacobians(found).min() > 0.1
-    kept, count = quality.straighten(mesh, surface[2:])
-    assert count == 0
-    np.testing.assert_array_equal(kept.doflocs, mesh.doflocs)
-
-
-def test_deviation_is_the_largest_distance_from_the_circle():
-    angle, circle = np.linspace(0.3, 1.2, 9), (np.array([2e-3, -1e-3]), 3e-3)
-    x, z = circle[0][:, None] + circle[1] * np.array([np.cos(angle), np.sin(angle)])
-    assert quality.arc_deviation(x, z, *circle) < 1e-18
-    x[4] += 5e-6 * np.cos(angle[4])
-    z[4] += 5e-6 * np.sin(angle[4])
-    assert quality.arc_deviation(x, z, *circle) == pytest.approx(5e-6, rel=1e-9)
-    assert quality.arc_deviation(x[:0], z[:0], *circle) == 0.0

@@ -16,17 +16,13 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import (
     SocketSize,
     fitted_socket,
-    flank_limits,
     local_points,
-    reach,
     refuse_misfit,
     rim,
     socket_coordinates,
     socket_mesh,
     socket_points,
     track_gaps,
-    turn_left,
-    wall_left,
 )
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
@@ -70,13 +66,6 @@ def faces(request):
     return m, *socket_mesh(partial(local_points, m, SIZE, 0), request.param)
 
 
-def test_socket_mesh_covers_five_faces(faces):
-    _, mesh, _ = faces
-    a, b, c = (mesh.xi[mesh.triangles[:, k]] for k in range(3))
-    area = np.bincount(mesh.face, 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
-    assert sorted(area) == pytest.approx([2.0, 2.0, 2.0, 2.0, 4.0], rel=1e-12)
-
-
 def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
     _, mesh, _ = faces
     count = {}
@@ -92,37 +81,6 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
     assert set(count.values()) == {1, 2}
     assert np.all(mesh.xi[loop, 1] == 0.0)
     assert len(np.unique(np.round(mesh.xi, 12), axis=0)) == len(mesh.xi)
-
-
-@pytest.mark.parametrize("cuts", [(2, 2, 2), (3, 3, 3), (4, 3, 4), (6, 4, 6)], ids=str)
-@pytest.mark.parametrize("lead", [0.0, 20e-3, 100e-3])
-@pytest.mark.parametrize("side", [0, 3])
-def test_diagonals_of_bulging_faces_stand_out(lead, side, cuts):
-    """Seen from the body, no two triangles of a rectangle make a hollow in which a flat cell would fit."""
-    m = GrooveMap.of(small_screw(6, lead=lead))
-    place = partial(local_points, m, SIZE, side)
-    mesh, raised = socket_mesh(place, cuts)
-    x, inside = place(raised), place(np.array([[0.0, 0.5, 0.0]]))[0]
-    np.testing.assert_array_equal(raised[rim(mesh)], mesh.xi[rim(mesh)])
-    assert np.abs(raised - mesh.xi[: len(raised)]).max() < 0.25
-    for first, second in mesh.triangles[:, :3].reshape(-1, 2, 3):
-        ends = np.intersect1d(first, second)
-        others = np.setxor1d(first, second)
-        normal = np.cross(x[ends[1]] - x[ends[0]], x[others[1]] - x[others[0]])
-        normal *= np.sign(normal @ (x[ends].mean(axis=0) - inside))
-        assert (x[ends].mean(axis=0) - x[others].mean(axis=0)) @ normal > 0.0
-
-
-@pytest.mark.parametrize("cuts", [(2, 2, 2), (4, 3, 4), (6, 4, 6)], ids=str)
-def test_faces_bulge_out_of_the_box_and_are_convex_beyond_their_first_row(cuts):
-    """In local coordinates, where the faces are plane, no corner lies beyond the plane of a triangle away from the rim."""
-    mesh, raised = socket_mesh(lambda xi: xi, cuts)
-    top = mesh.xi[: len(raised), 1] == 0.0
-    assert np.all(np.abs(raised[:, [0, 2]]) >= np.abs(mesh.xi[: len(raised), [0, 2]]))
-    sides = [np.flatnonzero(mesh.xi[: len(raised), axis] == end) for axis, end in ((0, 1.0), (2, -1.0))]
-    for face, axis, sign in zip(sides, (0, 2), (1.0, -1.0), strict=True):
-        inner = face[~top[face] & (np.abs(mesh.xi[face, 2 - axis]) < 1.0)]
-        assert np.all(sign * (raised[inner, axis] - mesh.xi[inner, axis]) > 0.02)
 
 
 @pytest.mark.parametrize("side", range(4))
@@ -172,48 +130,7 @@ def test_gaps_of_a_ring_close_around():
 # --- fitting ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["lin-case1", "lin-case3"])
-@pytest.mark.parametrize("sides", [(0, 3), ALL])
-def test_lins_case_gets_the_usual_socket(name, sides):
-    size = fitted(scene(name), sides)
-    assert size == SocketSize(0.30, pytest.approx(1.2e-3), pytest.approx(1.24e-3 / 16.5e-3))
-
-
-def test_the_usual_socket_grows_with_the_ball():
-    case = scene("lin-nominal-4p1")
-    assert shares(case, fitted(case)) == pytest.approx((1.0, 1.0, 1.0))
-    assert fitted(case).depth == pytest.approx(1.2e-3 * 2.0 / 2.778)
-
-
-def test_narrow_beside_the_edge_of_the_groove():
-    case = scene("lin-case1")
-    m = GrooveMap.of(case)
-    low = 15.2e-3
-    size = fitted(case, (0,), land_screw=low)
-    _, edge = flank_limits(m, 0, low)
-    assert size.gamma < 0.9 * rules.GAMMA
-    assert m.beta + (1.0 + rules.BESIDE) * size.gamma == pytest.approx(edge)
-    assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
-    assert fitted(case, (3,), land_screw=low).gamma == rules.GAMMA  # the nut's land is elsewhere
-
-
 # --- room for the contacts -------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("reach", [0.2e-3, 0.55e-3, 0.8e-3, 1.2e-3, 1.5e-3])
-def test_sockets_are_as_wide_as_their_contacts_need(reach):
-    case = scene("lin-case1")
-    m = GrooveMap.of(case)
-    size, need = fitted(case, need=(reach, 0.1e-3)), reach / m.radius[0]
-    apex, edge = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
-    room = min(m.beta - apex, edge - m.beta)
-    assert need <= rules.ZONE * size.gamma * (1.0 + 1e-12)
-    assert (1.0 + rules.CLOSE) * size.gamma <= room * (1.0 + 1e-12)
-    wanted = min(max(rules.GAMMA, need / rules.FILLED), room / (1.0 + rules.BESIDE))
-    assert size.gamma == pytest.approx(
-        max(wanted, min(rules.SPARE * need / rules.ZONE, 0.5 * (need / rules.ZONE + room / (1.0 + rules.CLOSE))))
-    )
-    assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -255,13 +172,6 @@ def test_sockets_beside_the_next_turn_stay_as_wide_as_their_contacts():
     assert size.depth < rules.DEPTH * m.ball
 
 
-def test_narrow_beside_the_apex():
-    case = small_screw(4, beta=np.radians(18.0))
-    m, size = GrooveMap.of(case), fitted(case, (0,))
-    apex, _ = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
-    assert m.beta - (1.0 + rules.BESIDE) * size.gamma == pytest.approx(apex)
-
-
 @pytest.mark.parametrize("beta", [14.0, 30.0, 60.0, 74.0])
 @pytest.mark.parametrize("conformity", [1.02, 1.3])
 def test_sockets_of_a_ball_stay_apart(beta, conformity):
@@ -278,54 +188,6 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
         assert np.all(np.sign(z3) == m.signs[side, 1])
         assert 0.1 * beta < angle.min()
         assert angle.max() < 90.0 - 0.1 * (90.0 - beta)
-
-
-@pytest.mark.parametrize(("sides", "change"), [((0,), {"bore_screw": 12.6e-3}), ((3,), {"outer_nut": 20.4e-3})])
-def test_shallow_over_a_thin_wall(sides, change):
-    case = scene("lin-case1")
-    m, size = GrooveMap.of(case), fitted(case, sides, **change)
-    assert shares(case, size)[0] == 1.0
-    assert rules.LEAST < shares(case, size)[1] < 0.95
-    assert wall_left(m, size, sides[0], next(iter(change.values()))) == pytest.approx(rules.UNDER * size.depth, rel=1e-6)
-
-
-@pytest.mark.parametrize("hand", ["right", "left"])
-def test_short_between_close_balls(hand):
-    case = small_screw(2, hand=hand)
-    m = GrooveMap.of(case)
-    close = 1.8 * rules.ALONG * m.ball / m.R
-    case = with_balls(case, [-3.0, -2.0, -2.0 + close, 0.0, 2.9])
-    size = fitted(case)
-    assert size.phi == pytest.approx(close / (2.0 + rules.BETWEEN))
-    assert shares(case, size)[:2] == pytest.approx((1.0, 1.0))
-
-
-def test_small_beside_a_flat_end():
-    case = scene("bearing-9")
-    m, size = GrooveMap.of(case), fitted(case)
-    found = shares(case, size)
-    assert found == pytest.approx((found[0],) * 3)
-    assert rules.LEAST < found[0] < 0.95
-    below, above = reach(m, size, ALL)
-    assert max(below, above) + rules.AWAY * m.ball == pytest.approx(8e-3, rel=1e-6)
-
-
-@pytest.mark.parametrize(("sides", "lead"), [((0, 3), 4.1e-3), (ALL, 5.2e-3)])
-def test_small_beside_the_next_turn(sides, lead):
-    case = with_lead(lead)
-    m, size = GrooveMap.of(case), fitted(case, sides)
-    assert rules.LEAST < shares(case, size)[0] < 0.95
-    left = min(turn_left(m, size, tuple(s for s in sides if (s < 2) == screw)) for screw in (True, False))
-    assert left == pytest.approx(rules.AWAY * m.ball, rel=1e-6)
-
-
-def test_ends_are_measured_from_the_outermost_balls():
-    """A ball pattern off the nut's middle is nearer to one end."""
-    case = small_screw(4, lead=20e-3)
-    far = with_balls(case, np.array(case.balls.azimuths) + 6.0)
-    near_end = float(ball_layout(far).z.max()) + 3.7e-3
-    assert shares(case, fitted(case, ends=(0.0, near_end)))[0] == 1.0
-    assert shares(far, fitted(far, ends=(0.0, near_end)))[0] < 1.0
 
 
 @pytest.mark.parametrize(

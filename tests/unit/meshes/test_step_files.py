@@ -8,7 +8,6 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.export import placed_sets
 from rollbench.meshes import gmsh_session
 from rollbench.meshes.errors import specimen
-from rollbench.meshes.exchange import step_files
 from rollbench.meshes.helix import ball_layout
 
 
@@ -43,13 +42,6 @@ def test_both_nuts_of_a_double_nut_are_in_place():
     (one, two), scene = placed_sets(catalogue.any_scene("double-nut")), catalogue.any_scene("double-nut")
     assert one.ends[1] == pytest.approx(two.ends[0])
     assert (one.shift, two.shift) == pytest.approx([s.offset for s in scene.sets])
-
-
-def test_the_distance_from_a_flank_is_seen():
-    scene = catalogue.scene("lin-case1")
-    points = step_files._surface(scene, 3, np.radians([20.0, 45.0, 60.0]), 2.0, 0.0)
-    assert np.abs(step_files.off(scene, 3, points, 0.0)).max() < 1e-12
-    assert np.abs(step_files.off(scene, 3, 1.0001 * points, 0.0)).max() > 5e-7
 
 
 def test_balls_have_their_errors(tmp_path):

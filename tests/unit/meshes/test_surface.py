@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, small_screw
 
-from rollbench.lowfi.statics.kernel.contact import flank
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle, reduced_lead
 from rollbench.meshes.parts import SIDES, Errors
-from rollbench.meshes.surface import fundamental_forms, groove_profile, principal_curvatures, surface_derivatives
+from rollbench.meshes.surface import principal_curvatures, surface_derivatives
 
 #: Signs (s_x, s_z) of the contact direction, written out once more.
 DIRECTION = {"SL": (-1, -1), "SR": (-1, 1), "NL": (1, -1), "NR": (1, 1)}
@@ -133,49 +132,11 @@ def test_hand_and_flank_do_not_matter(side):
     assert curvatures("right", side ^ 1) == pytest.approx(right, rel=1e-12)
 
 
-@pytest.mark.parametrize("side", range(4), ids=SIDES)
-def test_unit_normal_is_normal(side):
-    scene, _, drawn, gamma = setup(FLANK_ERRORS)
-    d = surface_derivatives(scene, drawn, side, gamma)
-    *forms, normal = fundamental_forms(d)
-    assert np.linalg.norm(normal, axis=1) == pytest.approx(np.ones(6), rel=1e-14)
-    for key in ("Sp", "Sg"):
-        assert np.einsum("ni,ni->n", normal, d[key]) == pytest.approx(np.zeros(6), abs=1e-16)
-    assert all(np.array_equal(form, np.swapaxes(form, 1, 2)) for form in forms)
-
-
-def test_profile_derivatives():
-    profile, gamma = np.array([1e-6, -3e-6, 2e-6, 5e-7]), np.linspace(0.1, 1.4, 7)
-    value, slope, bend = groove_profile(gamma, 3e-3, profile)
-    assert value == pytest.approx(3e-3 - (1e-6 - 3e-6 * gamma + 2e-6 * gamma**2 + 5e-7 * gamma**3), rel=1e-15)
-    assert slope == pytest.approx(-(-3e-6 + 4e-6 * gamma + 1.5e-6 * gamma**2), rel=1e-13)
-    assert bend == pytest.approx(-(4e-6 + 3e-6 * gamma), rel=1e-13)
-    assert np.array_equal(groove_profile(gamma, 3e-3, np.zeros(0))[1:], np.zeros((2, 7)))
-
-
 def test_constant_offset_of_all_flanks_is_a_change_of_radius():
     side = replace(FLANK_ERRORS.SL, profile=(1e-6,), pitch=())
     drawn = setup(Errors(SL=side))[2]
     assert drawn.radius == pytest.approx([3.253e-3, 3.254e-3, 3.3e-3, 3.3e-3], rel=1e-14)
     assert drawn.profile.shape == (4, 0)
-
-
-@pytest.mark.parametrize("side", range(4), ids=SIDES)
-def test_contact_curvature_in_the_section_plane_without_lead(side):
-    """The kernel's 1/(R_c - d), R_c the radius of the uneven profile, agrees with the surface's curvature across."""
-    scene, layout, drawn, _ = setup(Errors(**{SIDES[side]: FLANK_ERRORS.side(SIDES[side])}), lead=0.0)
-    sx, sz = DIRECTION[SIDES[side]]
-    offset = -drawn.centre[0, side]
-    delta, mx, mz, kt = flank(
-        0.0, 0.0, *offset, drawn.ball_radius[0], drawn.radius[side], drawn.profile[side], float(sx), float(sz)
-    )
-    point = offset + (drawn.ball_radius[0] - delta) * np.array([mx, mz])
-    gamma = np.full(layout.z.size, np.arctan2(sz * point[1], sx * point[0]))
-    d = surface_derivatives(scene, drawn, side, gamma)
-    tangent, bend = d["Sg"][0][[0, 2]], d["Sgg"][0][[0, 2]]
-    assert tangent @ [mx, mz] == pytest.approx(0.0, abs=1e-16)
-    curvature = -(bend @ [mx, mz]) / (tangent @ tangent)
-    assert kt == pytest.approx(1 / (1 / curvature - (drawn.ball_radius[0] - delta)), rel=1e-10)
 
 
 def test_lead_and_its_angle():

@@ -9,7 +9,7 @@ import pytest
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
 from tests.patch_meshes import socket
 
-from rollbench.meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
+from rollbench.meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, split_second_order
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
 
@@ -73,11 +73,6 @@ def test_edges_grow_out_of_the_body_of_influence():
     assert (length / wanted)[beyond].mean() == pytest.approx(1.05, abs=0.15)
 
 
-def test_edges_do_not_grow_beyond_the_far_one():
-    _, length = edges_of(build_tets(replace(BOX, far=0.11e-3, growth=1.0)))
-    assert length.mean() == pytest.approx(1.1 * 0.11e-3, rel=0.05)
-
-
 def test_contact_nodes_are_those_of_the_zone():
     m = mesh()
     top = np.abs(m.xi[:, 1]) < 1e-12
@@ -87,20 +82,6 @@ def test_contact_nodes_are_those_of_the_zone():
     assert area(m.xi, m.top[within]).sum() == pytest.approx(4 * 0.5 * 0.15, rel=1e-12)
     place = m.xi[m.contact]
     assert np.all((np.diff(place[:, 0]) > 1e-10) | (np.diff(place[:, 2]) > 0.0))  # across, then along
-
-
-def test_contact_nodes_do_not_depend_on_the_diagonals_of_the_socket():
-    one, other = mesh("straight"), mesh("turned")
-    assert {frozenset(map(tuple, one.xi[t])) for t in boundary_faces(one.tets, "P1")} != {
-        frozenset(map(tuple, other.xi[t])) for t in boundary_faces(other.tets, "P1")
-    }
-    np.testing.assert_allclose(one.xi[one.contact], other.xi[other.contact], atol=1e-12)
-    # nor on the order in which the socket's nodes and triangles come
-    order = np.random.default_rng(0).permutation(len(socket().xi))
-    back = np.argsort(order)
-    shuffled = replace(socket(), xi=socket().xi[order], triangles=back[socket().triangles[::-1]][:, [1, 2, 0, 4, 5, 3]])
-    third = build_tets(BOX, shuffled)
-    np.testing.assert_allclose(one.xi[one.contact], third.xi[third.contact], atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["straight", "turned"])
@@ -119,20 +100,6 @@ def test_faces_divide_the_socket_s_triangles(kind):
         assert area(m.xi, faces[own_faces]).sum() == pytest.approx(0.5 * np.linalg.norm(basis[:, 2]), rel=1e-9)
         found += own_faces
     assert (found == 1.0).all()
-
-
-def test_meshes_repeat_themselves_that_of_the_source_s_box_too():
-    again = build_tets(BOX)
-    for name in ("xi", "tets", "contact"):
-        assert np.array_equal(getattr(again, name), getattr(mesh(), name))
-    box = source_box((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15))
-    assert box.influence == pytest.approx((0.5e-3, 0.18e-3, 0.18e-3))
-    assert box.fine == 0.08e-3
-    assert box.zone == (0.5, 0.15)
-    one = build_tets(box)
-    other = build_tets(source_box((np.float64(1.0e-3), np.float64(1.2e-3)), np.float64(0.9e-3), (np.float64(0.5), 0.15)))
-    assert np.array_equal(one.xi, other.xi)
-    assert len(one.tets) > 3000
 
 
 def test_boxes_that_cannot_be_meshed_are_refused():
@@ -177,16 +144,6 @@ def shortest(points):
 def common(parts):
     """The diagonal that all four cells of the octahedron share."""
     return tuple(sorted(set.intersection(*map(set, parts[4:].tolist()))))
-
-
-@pytest.mark.parametrize("diagonal", DIAGONALS)
-def test_split_along_the_shortest_diagonal(diagonal):
-    axis = REGULAR[diagonal[1]] - REGULAR[diagonal[0]]
-    squeezed = REGULAR - 0.5 * np.outer(REGULAR @ axis, axis) / (axis @ axis)
-    assert shortest(squeezed) == diagonal
-    parts = split_second_order(squeezed, np.arange(10)[None])
-    assert common(parts) == diagonal
-    np.testing.assert_allclose(signed_volumes(squeezed, parts), 0.5 * 8 / 3 / 8, rtol=1e-12)
 
 
 def test_curved_cells_are_split_the_way_that_works_or_refused():

@@ -8,16 +8,14 @@ from scipy.optimize import nnls
 from tests.judging_levels import COUNT, chosen, name_of
 
 from rollbench.compare.models import answers, modelling, study, uncertainty
-from rollbench.compare.reference import convergence, grid_parts, store
+from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import grid_coverage
-from rollbench.compare.sections.reference_mesh import coverage_table, shared_text
 from rollbench.compare.studies.crosscheck.data import load, shipped
 from rollbench.compare.studies.crosscheck.fit import extrapolate
 from rollbench.compare.studies.mesh_study.table import study_table
 from rollbench.compare.studies.survey.draw import SEED, scene_text
-from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
@@ -112,32 +110,6 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
         total = modelling.combined(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
-
-
-def test_changes_between_levels_are_those_of_independent_errors() -> None:
-    """Consecutive changes correlate by -0.5; extrapolated by their orders, loads lie further from the next level."""
-    correlations, plain, further = [], [], []
-    for loads in grid_coverage.levelled(STUDY).values():
-        if not {1, 2, 3, 4} <= set(loads) or not grid_parts.moving(loads).sum() >= grid_coverage.MANY:
-            continue
-        y = np.stack([loads[k][grid_parts.moving(loads)] / mean_load(loads[4]) for k in (1, 2, 3, 4)])
-        correlations.append(np.corrcoef(y[2] - y[1], y[3] - y[2])[0, 1])
-        limit = [convergence.observe(column[:3], [3.2 / 1.8, 3.2 / 2.4, 1.0]).extrapolated for column in y.T[::4]]
-        known = np.array([x is not None for x in limit])
-        plain += list((y[3] - y[2])[::4][known])
-        further += list(y[3, ::4][known] - np.array(limit, float)[known])
-    assert np.median(correlations) == pytest.approx(-0.5, abs=0.1)
-    assert np.mean(np.square(further)) > 2.0 * np.mean(np.square(plain))
-
-
-def test_the_table_shows_every_scene_and_all() -> None:
-    table = coverage_table(STUDY)
-    scenes = [row["scene"] for row in table.rows]
-    assert set(grid_coverage.levelled(STUDY)) < set(scenes)
-    assert scenes[-1] == "all"
-    assert "lie within them; in the worst scene with 40 contacts" in table.note
-    assert coverage_table(study.Study((store.shipped_store() / "nowhere",))) is None
-    assert "0.12 to 0.19 % larger" in shared_text(STUDY)
 
 
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:

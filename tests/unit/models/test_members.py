@@ -4,7 +4,6 @@ numbers whatever the number of workers."""
 import csv
 import pickle
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -20,10 +19,10 @@ from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
 from rollbench.compare.studies.members.blocks import KEPT, STEP, columns, contact_loads, life_sum, with_seed
-from rollbench.compare.studies.members.members import LEVELS, _binomial_quantile, run_members, statistics
+from rollbench.compare.studies.members.members import _binomial_quantile, run_members, statistics
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.errors import without_draws
-from rollbench.meshes.parts import BallErrors, FourierTerm, SideErrors
+from rollbench.meshes.parts import BallErrors
 
 RANDOM = catalogue.scene("lin-random")
 
@@ -45,13 +44,6 @@ def test_members_are_the_single_solves():
     np.testing.assert_allclose(found.kept[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
     assert np.all(np.abs(found.bands.quantile(0.5) - np.median(loads, axis=0))[loads[0] > 0.0] <= found.bands.width)
     assert not found.failed
-
-
-def test_the_mean_load_is_shared_out_over_the_contacts_that_the_screw_without_errors_loads():
-    """64 of them, whatever a member loads: here 58 and 54 contacts bear more than a hundredth of the largest load."""
-    scene = with_errors(balls=BallErrors(sigma=10e-6))
-    found = run_members(scene, "lin", 2).kept[:, list(KEPT).index("mean_load_N")]
-    assert found == pytest.approx([member_of(scene, k).load.sum() / 64 for k in range(2)], rel=1e-12)
 
 
 def test_stiffness_is_that_of_a_small_change_of_the_load():
@@ -107,12 +99,6 @@ def test_moments_of_balls_between_rigid_rings():
     assert mean != pytest.approx(bare.load[ball, side], rel=1e-3)
 
 
-def test_random_errors_are_left_out_and_others_kept():
-    side = SideErrors(profile=(1e-6,), profile_sigma=(1e-6,), pitch=(FourierTerm(1.0, sin=2e-6, sigma=1e-6),))
-    bare = without_draws(with_errors(SL=side)).errors
-    assert (bare.random, bare.SL.profile, bare.SL.pitch) == (False, (1e-6,), (FourierTerm(1.0, sin=2e-6),))
-
-
 def test_life_of_equal_loads_goes_with_their_cube():
     load = np.zeros((8, 4))
     load[:, 0] = load[:, 3] = 100.0
@@ -138,11 +124,6 @@ def test_a_quantile_of_counts_is_the_least_that_has_the_probability(trials, chan
     share = bdtr(np.arange(trials + 1), trials, chance)
     for p in (*share[share < 1.0 - 1e-12], 0.025, 0.3, 0.975):
         assert _binomial_quantile(p, trials, chance) == np.flatnonzero(share >= p)[0]
-
-
-def test_quantiles_of_a_binomial_variable_are_scipys():
-    for trials, chance, p in product((2, 20, 99, 1000, 300_000), LEVELS, (0.025, 0.975)):
-        assert _binomial_quantile(p, trials, chance) == binom.ppf(p, trials, chance)
 
 
 FEW = ("lin-random", "--members", "4", "--model", "lin")
@@ -174,13 +155,6 @@ def test_the_stiffness_of_members_has_another_name_than_the_rigidity_of_solve(co
     secant = 1e-3 * load.force[2] / (more - first)
     assert data["statistics"][name]["mean"] == pytest.approx(1e-6 * secant, rel=0.01)
     assert data["statistics"][name]["mean"] < 0.7 * alone["summary"]["axial"]["tangent_N_per_um"]
-
-
-def test_distributions_come_first_and_bands_where_asked_for(command):
-    for options, words in (((), "bands of every ball: --balls"), (("--balls",), "bands of the contact loads / N")):
-        _, out, _ = command("solve", *FEW, *options)
-        assert 0 < out.index("largest contact") < out.index(words)
-        assert ("\n   32    SL" in out) == bool(options)
 
 
 SIGMA_OF_SETS = BallErrors(sigma=0.5e-6)

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models import comparison, ladder, model_form
+from rollbench.compare.models import comparison, model_form
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
-from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.extremes.static import BACKENDS
 
 QUIET = Options(discretisation=False, engine="interpreted")
 CASE1 = catalogue.scene("lin-case1")
@@ -26,16 +24,6 @@ def test_records_are_complete_labels_are_unique_and_every_model_is_compared():
     assert {m.errors_of for m in MODELS.values()} <= {"", *MODELS}
 
 
-def test_uses_of_the_registry():
-    assert [m.name for m in ladder.RUNGS] == ["lin", "lin-cell", "lin-nut", "refined", "condensed"]
-    assert set(BACKENDS.values()) == {"refined", "lin-nut"}
-    lin = ["refined", "lin", "lin-source-partition", "lin-printed-hertz"]
-    rigid = replace(CASE1, ingredients=replace(CASE1.ingredients, screw="rigid"))
-    for scene, names in ((CASE1, [*lin, "mei", "mei-nut"]), (catalogue.scene("lin-case3"), lin), (rigid, lin)):
-        assert [m.name for m in comparison.suited(scene)] == names
-    assert not MODELS["source"].suits(rigid)
-
-
 def test_a_variant_is_the_model_on_the_changed_scene():
     changed = replace(CASE1, ingredients=replace(CASE1.ingredients, partition="source"))
     found, expected = run_model(CASE1, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
@@ -49,20 +37,6 @@ def test_estimate_is_no_part_of_a_run_and_speaks_for_the_source_too():
     assert not hasattr(results[0], "model_form")
     lin, source, mei = (model_form.estimate(CASE1, result).percent for result in results)
     assert (source, mei) == (pytest.approx(lin, rel=0.02), None)
-
-
-def test_a_study_makes_everything_once():
-    study, calls = Study(), []
-
-    def make(of: Study, x: int) -> int:
-        assert of is study
-        calls.append(x)
-        return x + 1
-
-    assert [study.once(make, 1), study.once(make, 1), study.once(make, 2)] == [2, 2, 3]
-    assert calls == [1, 2]
-    assert study.reference("lin-case1") is study.reference("lin-case1")
-    assert list(study.references(("lin-case1", "lin-case3-ux"))) == ["lin-case1"]
 
 
 @pytest.mark.parametrize(("key", "value"), [("nut_inner_diameter", 9e-3), ("hole_diameter", 1.0)])

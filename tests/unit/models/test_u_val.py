@@ -12,17 +12,12 @@ from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.applicability import range_figure, range_table
+from rollbench.compare.sections.applicability import range_table
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
 STUDY = Study()
 SCENE = "lin-case1"
-
-
-def test_parts_combine_by_the_root_of_squares() -> None:
-    parts = uncertainty.Uncertainty({"a": np.array([1.0]), "b": np.array([2.0]), "c": np.array([2.0])})
-    assert (*parts.combined(), *parts.combined("a", "b")) == pytest.approx((3.0, np.sqrt(5.0)))
 
 
 def test_an_unknown_part_leaves_u_val_unknown_and_counts_nothing_where_that_is_said() -> None:
@@ -81,21 +76,6 @@ def test_bias_and_scatter_of_known_ratios() -> None:
     assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
     (none,) = uncertainty.scatter([row(spread, 20.0, 0.5)])
     assert none.scatter == 0.0
-
-
-def test_shares_of_stated_bounds() -> None:
-    rows = [{"model": "a", "measured": 1.0, "expected": 2.0}, {"model": "a", "measured": 3.0, "expected": 2.0}]
-    assert uncertainty.bound_shares(rows) == {"a": (1, 2)}
-
-
-def test_tolerances_change_what_they_name() -> None:
-    scene = STUDY.scene("lin-case3")
-    assert all(x.change(scene) not in (None, scene) for x in uncertainty.INPUTS)
-    assert uncertainty.INPUTS[-1].change(STUDY.scene(SCENE)) is None
-    wider = next(x for x in uncertainty.INPUTS if "conformity" in x.name).change(scene)
-    pairs = (wider.screw, scene.screw), (wider.nut, scene.nut)
-    of_diameter = [(a.groove_radius - b.groove_radius) / (2.0 * scene.balls.radius) for a, b in pairs]
-    assert of_diameter == pytest.approx([0.005, 0.005], rel=1e-9)
 
 
 def test_compared_scenes_are_inside() -> None:
@@ -158,13 +138,6 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
         assert "places.json is absent or damaged" in " ".join(outside(scene))
     finally:
         shipped_places.cache_clear()
-
-
-def test_a_scene_s_place_is_drawn() -> None:
-    scene = STUDY.scene(SCENE)
-    assert len(range_figure(scene).panels[0].series) == 2
-    assert len(range_figure().panels[0].series) == 1
-    assert all(p.low <= p.value <= p.high for p in places(scene))
 
 
 def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:

@@ -1,7 +1,6 @@
 """What a comparison is uncertain by: parts, their words, and whose choices speak for a scene."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -67,12 +66,6 @@ def test_the_total_of_a_preloaded_scene() -> None:
     assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0])[0].max()))
     assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
     assert 0.0 < whole.percent < 15.0
-
-
-@pytest.mark.parametrize(("bar", "percent"), [(True, 2.0), (False, 0.0)])
-def test_discretisation_s_part_is_its_largest_bar_over_the_mean_load(bar: bool, percent: float) -> None:
-    found = SimpleNamespace(uncertainty=np.array([[1.0, 4.0]]), mean=200.0, parts=SimpleNamespace(bar=bar))
-    assert uncertainty_percent(found) == pytest.approx(percent, abs=1e-12)
 
 
 def test_large_displacements_take_more_of_a_heavier_contact() -> None:

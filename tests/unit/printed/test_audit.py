@@ -8,7 +8,7 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.evidence.verdicts import counts, left_out, misprints, sources, trust
+from rollbench.compare.evidence.verdicts import counts, misprints, sources, trust
 from rollbench.compare.printed.printed_data import VERDICTS, Printed, load_table, tables
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
@@ -70,9 +70,3 @@ def test_every_misprint_has_a_command_and_a_test(row):
         assert row["command"].split()[-1] in tables()
     else:
         assert row["command"] == f"pytest {row['test']}"
-
-
-def test_what_is_left_out_has_a_reason():
-    whole = {"Kalker (1990)"}  # whose one table is entered whole
-    assert {row["source"] for row in left_out()} == {*sources(), "all"} - whole
-    assert all(len(row["reason"]) > 10 for row in left_out())

@@ -6,7 +6,6 @@ from rollbench.compare.evidence import computations
 from rollbench.compare.evidence.record import Evidence, Sheet
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, load_table
-from rollbench.compare.sections.finding_table import FAULTS, printed_table
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
@@ -28,32 +27,6 @@ def test_compared_value_follows_the_class():
     e = Evidence(row, value=2.0 * row.value, as_printed=row.value, reading=1.5 * row.value)
     assert (e.verdict, e.error_percent) == ("only as printed", 0.0)
     assert e.reading_error_percent == pytest.approx(50.0)
-
-
-def test_table_has_only_the_columns_that_its_entries_fill():
-    given = [Evidence(row) for row in load_table("lin-3.1")]
-    plain = printed_table("a", "A", [*given, Evidence(load_table("lin-3.2")[0], 1.0)])
-    assert len(plain.rows) == 1
-    assert f"Inputs, {len(given)} of them" in plain.note
-    assert {"as_printed", "reading", "reading_error", "place"}.isdisjoint(c.key for c in plain.columns)
-    assert FAULTS not in plain.note
-    row = load_table("lin-3.7")[0]
-    both = printed_table("b", "B", [Evidence(row, 1.0, 2.0, 3.0)], "Note.", place=True)
-    keys = [c.key for c in both.columns]
-    assert set(both.rows[0]) == set(keys)
-    assert {"as_printed", "reading", "reading_error", "place"} <= set(keys)
-    assert both.note.startswith("Note. As printed:")
-    assert (both.rows[0]["right"], both.rows[0]["as_printed"], both.rows[0]["reading"]) == (1.0, 2.0, 3.0)
-
-
-def test_shared_remarks_stand_once_and_round_off_is_zero():
-    found = [Evidence(row, value=(row.value or 0.0) * (1.0 + 1e-15)) for row in load_table("lin-3.1")]
-    table = printed_table("a", "A", found, place=True)
-    assert [row["remark"] for row in table.rows].count("remark 1") > 2
-    assert "Remark 1: " in table.note
-    assert all(row["error"] == 0.0 for row in table.rows)
-    zero = next(row for row in load_table("lin-3.2") if row.value == 0.0)
-    assert printed_table("a", "A", [Evidence(zero, 1.0, 1.0)]).rows[0]["error"] is None
 
 
 def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():

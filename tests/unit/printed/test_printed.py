@@ -1,18 +1,13 @@
 """Printed tables: values as printed, tolerances, validation, agreement with each other and the scenes."""
 
 import math
-from collections import Counter
 
 import pytest
-from tests.copies import ROOT
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence.record import Evidence, sentences
-from rollbench.compare.evidence.verdicts import counts
+from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.printed import printed_data
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections import verdicts
-from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
 MAKERS = ("MASTA", "NSK", "Jones and Harris", "CONTACT", "Ansys VM63", "SNFA", "GMN", "THK", "HIWIN", "Rexroth")
@@ -132,15 +127,6 @@ def test_faulty_rows_are_refused(text, key):
     assert (caught.value.key, caught.value.file, "\n" in str(caught.value)) == (key, "t.toml", False)
 
 
-def test_remarks_have_one_full_stop_between_them():
-    for parts, text in (
-        (("one", "", "two.", "Band: three."), "one. two. Band: three."),
-        (("one.", ""), "one."),
-        (("", ""), ""),
-    ):
-        assert sentences(*parts) == text
-
-
 def test_a_band_is_not_called_reproduced():
     entry = row("lin-2.4.1", "case1_ratio")
     judged = [Evidence(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
@@ -160,38 +146,3 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         if r.cls == "input":
             judged = [Evidence(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
             assert judged == ["input", "contradicted"]
-
-
-def test_hard_entries_by_kind():
-    lin = [r for r in all_rows() if r.table.startswith("lin")]
-    kinds = Counter(r.kind for r in lin if r.cls == "hard")
-    assert kinds == {"claim": 25, "arithmetic": 6, "zero": 6, "number": 6}
-    numbers = {"gamma_low", "psi", "occupation", *(f"a_{of}_analytic" for of in ("eps1", "eps2", "force"))}
-    assert {r.key for r in lin if r.cls == "hard" and r.kind == "number"} == numbers
-    for r in all_rows():
-        assert (r.kind == "claim") == bool(r.claim)
-        assert r.kind != "zero" or r.value == 0.0
-
-
-def test_counts_of_the_report_keep_kinds_apart():
-    rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
-    values = {"mu": 0.1, "psi": rows["psi"].value, "yaw": 600.0, "speed": 11.0}
-    found = [*(Evidence(rows[key], value=x) for key, x in values.items()), Evidence(rows["worst_increase"], holds=True)]
-    of_all = counts(found)[-1]
-    said = verdicts.total_text(found)
-    assert said.startswith("Of 5 printed entries: 2 reproduced, ")
-    assert all(f"{of_all[key]} {key}" in said for key in printed_data.VERDICTS)
-    assert said.endswith("Those reproduced are 1 computed numbers and 1 claims in words.")
-    table = {row["kind"]: row for row in verdicts.kinds_table(found).rows}
-    over = table["input, taken over"]
-    assert (over["input"], over["contradicted"], table["arithmetic on printed numbers"]["identity"]) == (1, 1, 1)
-    assert sum(row["all"] for row in table.values()) == len(found)
-
-
-def test_manual_and_report_name_what_was_inferred_from_printed_results():
-    text = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
-    manual = " ".join(text.split()).replace("µ", "u")
-    for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
-        assert what in verdicts.INFERRED
-        assert what in manual
-    assert Run.__dataclass_fields__["oversize"].default == 0.0

@@ -11,7 +11,6 @@ from tests.sources.entries import keys
 from rollbench.compare.evidence.computations import by_table, computations, evidence, traces
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import load_table, tables
-from rollbench.compare.scenes import catalogue
 
 #: The cases' modules are imported by the names that ``computations.toml`` gives.
 pytestmark = pytest.mark.further
@@ -36,35 +35,6 @@ def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_e
     assert "check(key)" in ast.unparse(entry)
     (marked,) = import_module(computation.test.removesuffix(".py").replace("/", ".")).test_entry.pytestmark
     assert set(keys(computation.table)) <= set(marked.args[1])
-
-
-def test_scenes_exist_and_every_pattern_is_needed():
-    shipped = set(catalogue.scene_names())
-    used = {(t.table, behind) for t in TRACES for behind in (t.scenes, t.no_scene)}
-    for t in TRACES:
-        assert set(t.scenes) <= shipped, t
-        assert bool(t.scenes) != bool(t.no_scene), t
-    for c in COMPUTATIONS:
-        for _, behind in c.behind:
-            assert (c.table, behind) in used, (c.table, behind)
-
-
-def test_only_what_needs_no_scene_has_none():
-    """Choices, arithmetic on printed numbers, other programs and machines; Smith's formulas but three."""
-    lin = [t for t in TRACES if t.table.startswith("lin")]
-    external = [t for t in TRACES if t.table.startswith("external")]
-    assert [t.key for t in TRACES if t.table.startswith("smith") and t.scenes] == ["total_ball", "total_taper", "supported"]
-    assert {t.key for t in TRACES if t.table.startswith("liu") and not t.scenes} == {
-        *("v_2pi", "ball_error", "profile_error", "e_1", "e_2", "e_3", "plus_or_minus", "load", "free_length", "deviation"),
-        *("spread_100", "spread_1100", "spread_2100", "spread_percent"),
-    }
-    formulas = {"external-contact", "external-vm63", "external-snfa", "external-gmn", "external-equivalent"}
-    assert {t.table for t in external if not t.scenes} == formulas | {"external-sjovall", "external-thk"}
-    assert {t.key for t in external if not t.scenes and t.table not in formulas} == {"thrust", "drag_formula"}
-    without = {t.key for t in lin if not t.scenes and t.table not in NOT_COMPUTED}
-    others = {"speed_ratio", "error_numerical", "reach", "pressure", "a_over_R", "eta", "difference_a", "difference_b"}
-    elsewhere = {t.key for t in TRACES if t.table in ("lin-3.5", "lin-3.7") and ("ansys" in t.key or "time" in t.key)}
-    assert without == others | elsewhere
 
 
 def test_evidence_of_a_table_is_in_its_order_and_computed_once():

@@ -10,8 +10,8 @@ from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.lowfi.random_errors import chain as chains
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.mei import solve_mei
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
 
@@ -161,21 +161,6 @@ def test_motion_grows_and_falls_back_on_energy(law):
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve
     assert 4000.0 * last.motion[0] - work == pytest.approx(held, rel=2e-3)
-
-
-def test_compiled_as_interpreted():
-    for law in chains.LAWS:
-        a, b = (chains.solve_chain(replace(LONG, law=law), long_errors(5), 500.0, compiled=c) for c in (False, True))
-        assert a.load == pytest.approx(b.load, rel=1e-12, abs=1e-12)
-        assert a.stiffness == pytest.approx(b.stiffness, rel=1e-12)
-
-
-def test_displacement_of_the_source_leaves_out_segments_before_the_first_loaded_ball():
-    e = np.zeros(78)
-    e[:10] = -20e-6
-    s = chains.solve_chain(LONG, e, 300.0)
-    assert not s.load[:10].any()
-    assert s.displacement - s.displacement_first_loaded == pytest.approx(10 * LONG.compliance * 300.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("law", chains.LAWS)

@@ -1,6 +1,5 @@
 """Ensembles: the same screws however they are cut, each as solved alone; moments, percentiles and their errors."""
 
-import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -36,17 +35,6 @@ def test_same_numbers_whatever_the_chunk():
     assert not np.array_equal(kept(seed=4), whole)
 
 
-def test_draws_by_number():
-    all_of_it = draw_errors(11, 0, 100, 13, 1e-6)
-    assert np.array_equal(draw_errors(11, 37, 5, 13, 1e-6), all_of_it[37:42])
-    many = draw_errors(11, 0, 4000, 78, 3e-6)
-    assert np.abs(many).max() <= 3e-6
-    # mean and variance of the uniform distribution, to four standard errors
-    assert abs(many.mean()) < 4 * 3e-6 / np.sqrt(3 * many.size)
-    assert many.var() == pytest.approx(9e-12 / 3, rel=4 * np.sqrt(0.8 / many.size))
-    assert abs(np.corrcoef(many[:, 0], many[:, 1])[0, 1]) < 4 / np.sqrt(4000)
-
-
 def test_moments_to_first_order():
     """Small errors against the approach: rigid bodies carry Q (1 + 1.5 (e - mean e)/d), so the mean square is closed."""
     chain = replace(CHAIN, compliance=0.0, law="constant")
@@ -61,15 +49,6 @@ def test_moments_to_first_order():
     touch = found.of("displacement", load) - errors.max(axis=1) / chain.slope
     # motion: that without errors less the mean error
     assert touch == pytest.approx(state.motion[0] - errors.mean(axis=1) / chain.slope, rel=1e-5)
-
-
-def test_memory_is_that_of_a_chunk():
-    solve_ensemble(CHAIN, 1e-6, [5000.0], 10)
-    tracemalloc.start()
-    solve_ensemble(CHAIN, 1e-6, [5000.0], 4000, chunk=100)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 0.3 * 4000 * 78 * 8
 
 
 def test_percentiles_have_the_sampling_error_of_repeated_samples():

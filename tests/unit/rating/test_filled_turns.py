@@ -8,7 +8,6 @@ import pytest
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.like import scene_like
-from rollbench.compare.scenes.template import template
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance
 from rollbench.meshes.parts import Scene
@@ -93,16 +92,6 @@ def test_more_circuits_raise_the_rating_by_the_power_of_the_standard(times: int,
     assert rating(more) / rating(one) == pytest.approx(factor, rel=1e-9)
 
 
-def test_starts_count_each() -> None:
-    text = SCREW.replace("lead =", "starts = 2\nlead =").replace('"5 mm"', '"10 mm"')
-    apart, whole = (
-        scene_file.loads(text.format(balls=balls), "my.toml")
-        for balls in ("count = 96\nturns = 1\ncircuits = 2\ncircuit_gap = 0.5", "count = 96\nturns = 2")
-    )
-    assert filled_turns(apart) == pytest.approx(4.0)
-    assert rating(apart) == pytest.approx(rating(whole), rel=1e-9)
-
-
 def test_unequal_distances_fill_what_the_median_fills_and_no_jump_comes_of_a_moved_ball() -> None:
     whole = screw(WHOLE)
     places = np.array(whole.balls.azimuths)
@@ -132,12 +121,3 @@ def test_a_preload_by_a_share_of_the_rating_does_not_depend_on_gaps() -> None:
 def test_a_size_s_scene_is_rated_by_its_filled_turns() -> None:
     scene = scene_file.loads(scene_like("40x10"), "my.toml")
     assert filled_turns(scene) == pytest.approx(3.0, rel=1e-9)
-
-
-def test_sets_with_arcs_are_rated_as_their_whole_turns() -> None:
-    text = template("axis")
-    arcs = 'arcs = [["-720 deg", "-180 deg"], ["180 deg", "720 deg"]]'
-    assert arcs in text
-    apart, whole = (scene_file.read(x, "my.toml") for x in (text, text.replace(arcs, "turns = 3")))
-    rated = [rating(next(s.parts for s in one.sets if s.parts.track.lead)) for one in (apart, whole)]
-    assert rated[0] == pytest.approx(rated[1], rel=1e-9)

@@ -8,9 +8,8 @@ from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import own_text
 
-from rollbench.compare.models import answers
 from rollbench.compare.models.load_cases import solve_axis
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import Options
 from rollbench.compare.results.scene_json import whole_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.entries import block
@@ -18,7 +17,6 @@ from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.roller_contacts import roller_safety, worst_roller
 from rollbench.lowfi.rollers.roller_slices import slice_contacts
 from rollbench.lowfi.statics.axis.system import tapered
-from rollbench.lowfi.statics.result import Status
 from rollbench.meshes.axis import RollingSet, Segment
 from rollbench.meshes.parts import Load, Support
 
@@ -81,10 +79,6 @@ def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     assert worst.other < worst.pressure
     assert roller_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)
     assert worst_roller(ROLLERS, np.zeros((3, 7))) is None
-
-
-def test_unknown_loads_have_unknown_pressures():
-    assert np.isnan(slice_contacts(tapered(ROLLERS), np.full((2, 7), np.nan))).all()
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.95, False), (1.05, True)])
@@ -180,15 +174,6 @@ def test_load_cases_of_rollers_have_a_worst_pressure(command, tmp_path):
     together = command.answer("solve", path)["summary"]
     assert together["largest_pressure_MPa"] > 0.0
     assert together["least_static_safety"] == pytest.approx((4000.0 / together["largest_pressure_MPa"]) ** 2)
-
-
-def test_a_preload_that_is_not_known_is_not_called_none(monkeypatch, command):
-    def unsolved(scene, model, options):
-        found = run_model(scene, model, options)
-        return found if any(np.any(x.force) for x in scene.loads) else replace(found, status=Status("not converged"))
-
-    monkeypatch.setattr(answers, "run_model", unsolved)
-    assert "preload not known" in " ".join(command.said("solve", "smith-axis-taper").split())
 
 
 def test_the_worst_of_balls_and_the_worst_of_rollers_are_both_told_the_worse_first():

@@ -20,30 +20,6 @@ def test_a_new_process_pays_for_imports_and_first_solve() -> None:
     assert found.memory is None or 30.0 < found.memory < 1000.0
 
 
-def test_caches_of_the_child_are_empty_and_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR"):
-        monkeypatch.setenv(name, "/nowhere")
-    looked = "import os; found = [(p := os.environ[k], os.listdir(p)) for k in ('ROLLBENCH_CACHE', 'NUMBA_CACHE_DIR')]\n"
-    code = looked + "raise SystemExit(repr([(p != '/nowhere', x) for p, x in found]))"
-    monkeypatch.setattr(cold, "CHILD", code.replace("{", "{{").replace("}", "}}"))
-    with pytest.raises(RuntimeError, match=r"\[\(True, \[\]\), \(True, \[\]\)\]"):
-        cold.measure("lin-case1", "lin")
-
-
-def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With a set-up that takes no time, the interpreter, the imports and the cores are left."""
-    known = (
-        "import numpy as np\nlevel = float(Task((catalogue.scene(ask['scene']),), ask['level']).level)\n"
-        "run = type('R', (), dict(peak_MB=level, status='x', load=np.eye(4), solve_seconds=0.5, stages=dict(nut=2.0)))"
-    )
-    lines = [known if "(run,) =" in line else line for line in cold.LEVEL_CHILD.splitlines()]
-    monkeypatch.setattr(cold, "LEVEL_CHILD", "\n".join(lines))
-    found = cold.measure_level("lin-case1", 2)
-    assert (found.level, found.memory, found.status) == (2, 2.0, "x")
-    assert (found.scene, found.contacts, found.load_case, found.stages) == ("lin-case1", 4, 0.5, {"nut": 2.0})
-    assert min(found.process, found.cpu) > 0.1
-
-
 def test_cold_levels_are_kept(tmp_path) -> None:
     stages = {"ball": 0.2, "nut": 1.5, "patches": 5.0, "screw": 3.0}
     level = cold.ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0, stages)

@@ -147,29 +147,3 @@ def test_scatter_alone_does_not_let_the_uncertainty_collapse(levels: int) -> Non
     for _ in range(10):
         y, h = drawn(rng, levels, 1.0, np.inf, 64)
         assert convergence.pool(y, h).min() > 0.8
-
-
-def test_the_uncertainty_is_the_largest_of_all_orders_that_the_data_allow() -> None:
-    """Little but scatter allows many; each quantity's uncertainty comes from whichever of them leaves it most."""
-    y, h = drawn(np.random.default_rng(31), 4, 1.5, 1.0, 8)
-    best = min((convergence.searched(y, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
-    low, high = (min(max(p, 0.5), 2.0) for p in convergence.allowed(y, h, best))
-    assert high - low > 0.2
-    ends = []
-    for p in (low, high):
-        fit = convergence.given(y, h, p, best.weighted)
-        sigma, off = np.maximum(fit.own, fit.deviation), np.abs(fit.residual[-1])
-        ends.append(1.25 * np.abs(y[-1] - fit.residual[-1] - fit.limit) + sigma + off)
-    assert (convergence.pool(y, h) >= np.max(ends, axis=0) - 1e-12).all()
-    assert (ends[0] > ends[1]).any()
-
-
-def test_an_order_above_the_range_counts_as_second_and_one_below_three_times() -> None:
-    """No order that the data allow is believed: the source's fits of first and second order, with its factor of 3."""
-    h, rng = SIZES[4] / SIZES[4][-1], np.random.default_rng(24)
-    alpha = rng.normal(size=30)
-    assert (convergence.pool(alpha * h[:, None] ** 3.5, h) > 2.0 * np.abs(alpha)).all()
-    bars = convergence.pool(alpha * h[:, None] ** -1.0, h)
-    first = min(convergence.fixed(alpha * h[:, None] ** -1.0, h, both=True), key=lambda f: f.deviation)
-    error = np.abs(alpha - first.residual[-1] - first.limit)
-    assert bars == pytest.approx(3.0 * error + np.maximum(first.own, first.deviation) + np.abs(first.residual[-1]))

@@ -79,28 +79,6 @@ def test_progress_says_stage_share_and_time_left() -> None:
     assert progress.line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
 
 
-def test_stages_from_the_cache_say_nothing_of_the_pace() -> None:
-    progress, stages = Progress(TASK), expected(TASK).stages
-    progress.line(StageDone("meshes", "0.0 s, from the cache", cached=True), 0.0)
-    left = expected(TASK).seconds - stages["meshes"] - stages["patches"]
-    assert f"about {duration(left)} left" in progress.line(StageDone("patches", "0.0 s, from the cache", cached=True), 0.1)
-    left -= stages["ball"]
-    assert f"about {duration(3.0 * left)} left" in progress.line(StageDone("ball", "3 s"), 3.0 * stages["ball"])
-
-
-def test_time_left_counts_further_tasks_and_every_load_case() -> None:
-    scenes = CASE1, catalogue.scene("lin-case2")
-    progress, whole = Progress(Task(scenes, 1), after=1000.0), expected(Task(scenes, 1))
-    lines = [progress.line(StageDone(name, "1 s"), 0.0) for name in whole.stages if name != "contact loads"]
-    assert lines[-1].endswith("left in all")
-    loads = whole.stages["contact loads"]
-    for scene, left in zip(scenes, (0.5 * loads, 0.0), strict=True):
-        line = progress.line(StageDone("contact loads", f"1 s, {scene.name} converged"), whole.seconds - left)
-        assert f"about {duration(left + 1000.0)} left in all" in line
-    assert "100%" in line
-    assert progress.under_way == progress.label
-
-
 def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     said = []
     monkeypatch.setattr(jobs, "compute_with_bodies", Mock(side_effect=KeyboardInterrupt))

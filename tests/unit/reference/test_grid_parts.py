@@ -65,16 +65,6 @@ def test_two_levels_count_all_as_what_falls_slower() -> None:
     assert two.bar > three.bar
 
 
-def test_beyond_the_last_level_cells_are_refined_on() -> None:
-    known = Experience(0.0, 0.0, (0.1, 0.2), ())
-    found = parts(drawn_loads(7, (4, 5), bodies=0.05), known)
-    size = LEVELS[5]["fine"] / LEVELS[3]["fine"]
-    assert found.bodies == pytest.approx(0.05 * size**2 * np.sqrt(1.0 + 0.87**4), rel=0.02)
-    three = parts(drawn_loads(7, (3, 4, 5), contact=0.05), known)
-    size = LEVELS[3]["b_over_h"] / LEVELS[5]["b_over_h"]
-    assert np.hypot(three.contact, three.bodies) == pytest.approx(0.05 * size**2 * np.sqrt(1.0 + 0.75**4), rel=0.1)
-
-
 def test_a_part_that_all_contacts_share_counts_where_equilibrium_does_not_hold_the_sum() -> None:
     one, both = (parts(drawn_loads(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True))
     assert (one.common, both.common) == (0.0, pytest.approx(0.015 * np.sqrt(2.0)))

@@ -5,14 +5,12 @@ import socket
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
 import pytest
 from tests.jobs_in_order import run
 
-from rollbench.compare import __version__
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference import jobs, parallel
 
@@ -172,21 +170,6 @@ def test_a_worker_that_dies_is_reported(where):
         run([(os._exit, (3,))] * 2, *where)
 
 
-def test_one_job_at_a_time_in_a_process():
-    running, most = 0, 0
-
-    def watched() -> None:
-        nonlocal running, most
-        running += 1
-        most = max(most, running)
-        time.sleep(0.05)
-        running -= 1
-
-    with ThreadPoolExecutor(3) as pool:
-        list(pool.map(lambda k: parallel._call(k, __version__, watched, ()), range(3)))
-    assert most == 1
-
-
 def test_strange_options_are_refused_and_missing_packages_are_named(monkeypatch):
     for options, message in (
         ({"backend": "mpi"}, r"backend: got mpi; allowed: joblib or dask"),
@@ -287,30 +270,6 @@ def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path
     monkeypatch.setattr(parallel, "_version", only_here.version)
     with pytest.raises(InputError, match=r"workers without rollbench .*only_here"):
         run(JOBS, "dask", scheduler)
-
-
-@pytest.mark.parametrize("backend", ["joblib", "dask"])
-def test_a_worker_of_another_version_that_joins_later_refuses_its_job(where, monkeypatch, tmp_path):
-    monkeypatch.setattr(parallel, "__version__", "99.0")
-    monkeypatch.setattr(parallel, "_version", lambda: "99.0")  # what the workers of the beginning say
-    with pytest.raises(InputError, match=rf"a worker of rollbench {__version__}, .*install version 99\.0 where"):
-        run([(wait, (0.0, tmp_path))] * 2, *where)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("worth", [0.0, 1e9])
-def test_workers_are_started_only_where_they_are_worth_it(monkeypatch, worth):
-    """The first two jobs are done here, and the others too where they take less time than starting processes."""
-    monkeypatch.setattr(jobs, "WORTH_WORKERS", worth)
-    said = []
-    found = dict(jobs.first_here([(os.getpid, ())] * 5, jobs.Engine(workers=2), "samples", said.append))
-    assert sorted(found) == [0, 1, 2, 3, 4]
-    assert found[0] == found[1] == os.getpid()
-    assert (set(found.values()) == {os.getpid()}) == bool(worth)
-    assert [line.startswith("no other processes: the samples left") for line in said] == [True] * bool(worth)
-    alone = jobs.first_here([(os.getpid, ())] * 3, jobs.Engine(), "samples", said.append)
-    assert dict(alone) == dict.fromkeys(range(3), os.getpid())
-    assert list(jobs.first_here([], jobs.Engine(workers=2), "samples", said.append)) == []
 
 
 def test_certificates_come_together_and_can_be_read(tmp_path):

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,16 +12,11 @@ from rollbench.compare.commands.compare import code_of, parse_levels
 from rollbench.compare.commands.mesh_study import run_mesh_study
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
-from rollbench.compare.models import comparison
-from rollbench.compare.models.ladder import DEEP, UNSEEN
-from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import total
-from rollbench.compare.reference import computing, jobs
+from rollbench.compare.reference import jobs
 from rollbench.compare.reference.estimate import reference_of
-from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save, shipped_store
 from rollbench.compare.reference.tasks import Task
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.results.compared import levels_text
 from rollbench.compare.results.comparison import unconverged
 from rollbench.compare.scenes import catalogue
@@ -36,34 +30,6 @@ def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     assert jobs.missing([task], (tmp_path,)) == [task]
     jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
     assert jobs.missing([task], (tmp_path,)) == []
-
-
-def test_a_run_of_several_sets_adds_up_what_they_took(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Unknowns of every set, seconds of each set-up once however many share it, memory with that of the largest helpers."""
-    monkeypatch.setattr(computing, "peak_MB", lambda: 100.0)
-    monkeypatch.setattr(computing, "recorded", lambda _: {})
-
-    def setup(helpers: float, quality: float) -> SimpleNamespace:
-        found = dict.fromkeys(("screw", "nut", "ball"), quality)
-        seconds, dims = {"meshes": 2.0, "bodies": 3.0}, SimpleNamespace(assumed=("a wall",))
-        return SimpleNamespace(sides=(0, 3), seconds=seconds, others_MB=helpers, quality=found, dims=dims)
-
-    one, two = setup(30.0, 0.4), setup(50.0, 0.3)
-    arrays = {"load": np.ones((6, 4)), "contact_angle": np.full((6, 4), np.pi / 4.0), "frozen": np.ones((6, 4))}
-    sums = {"seconds": 1.0, "status": "converged", "moving": 0.0, "balance": 0.0, "along_groove": 0.0, "screw_balance": 0.0}
-    found = SimpleNamespace(**arrays, stations=np.zeros(4), centreline=np.zeros((4, 6)), unknowns=2500, **sums)
-    assembly = SimpleNamespace(name="three")
-    task = SimpleNamespace(level=1, variant="", ablate=False, single=(), scenes=(assembly,))
-    run = computing._run(task, 0, assembly, found, (one, one, two), ())
-    assert (run.unknowns, run.peak_MB) == (2500, 150.0)
-    assert run.stages == {"meshes": 4.0, "bodies": 6.0}
-    assert (run.load.shape, run.angle[0, 0], run.quality["ball"], run.assumed) == ((6, 4), 45.0, 0.3, ("a wall",))
-
-
-def test_cores_are_divided_among_workers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jobs, "cores", lambda: 4)
-    engines = [jobs.Engine(), jobs.Engine(workers=2), jobs.Engine(workers=5), jobs.Engine("dask")]
-    assert [engine.processes for engine in engines] == [4, 2, 1, 1]
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
@@ -81,20 +47,6 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
 def test_the_coarsest_level_comes_first_and_is_told() -> None:
     scene = catalogue.scene("lin-case1")
     assert [t.level for t in jobs.plan([scene], (1, 2, 3), source=True)] == [1, 3, 2, 0]
-
-
-def test_what_is_kept_is_told_while_more_is_to_come(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = catalogue.scene("lin-case1")
-    heard: list[tuple[int, bool]] = []
-    loads = np.ones((32, 4))
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([run_of("lin-case1", task.level, loads)], None))
-    tasks = jobs.plan([scene], (1, 2))
-
-    def note(task: Task) -> None:
-        heard.append((task.level, load(scene, task.level, stores=(tmp_path,)) is not None))
-
-    jobs.ensure(tasks, tmp_path, jobs.Engine(), lambda _: None, stored=note)
-    assert heard == [(1, True)]
 
 
 @pytest.mark.parametrize("command", ["compare", "mesh-study"])
@@ -190,21 +142,3 @@ def test_levels_of_the_command_line() -> None:
     for text in ("6", "0", "", "fine", "1;2"):
         with pytest.raises(InputError, match="levels: "):
             parse_levels(text)
-
-
-def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rollbench.compare.report.report import compute_references
-
-    asked: list[list[Task]] = []
-    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
-    for made in (Study((tmp_path,)), Study((tmp_path,), quick=True), Study(None)):
-        compute_references(made, jobs.Engine(), print)
-    full, quick = asked
-    assert {t.level for t in full if not t.variant} == {0, *LEVELS}
-    assert {t.variant for t in full} == {"", *VARIANTS}
-    cases = [t for t in full if t.scenes[0].name in comparison.REFERENCED]
-    assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
-    unseen = {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN}
-    assert unseen == {(k, n) for n in UNSEEN for k in (*STUDIED, *([max(LEVELS)] if n in DEEP else []))}
-    assert {s.name for t in full for s in t.scenes if t.level == max(LEVELS)} == set(DEEP)
-    assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]

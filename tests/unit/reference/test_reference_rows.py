@@ -1,7 +1,6 @@
 """Shipped runs of the 3D reference: balance, the gate against them, rows, mesh study."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,8 +14,7 @@ from rollbench.compare.reference import grid_parts, near_face, store
 from rollbench.compare.reference.estimate import Reference, reference, reference_of
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.mesh_study_figure import study_figure
-from rollbench.compare.studies.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
+from rollbench.compare.studies.mesh_study.table import SCATTERS, closing, study_table
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
@@ -166,18 +164,6 @@ def test_what_loads_may_still_move_by_is_added_to_every_bar(levels: int) -> None
     np.testing.assert_allclose(left.uncertainty - settled.uncertainty, 0.5, rtol=1e-9)
 
 
-def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
-    found = studied(CASE1, None)
-    enough = [row["enough_for_percent"] for row in level_rows(found)]
-    assert enough == sorted(enough, reverse=True)
-    assert [b <= CLEARLY * a for a, b in pairwise(enough)] == [True, True, False]
-    text = closing(found)
-    assert text.startswith("Enough: level 1 for 0.14 % of the mean contact load, by experience with other scenes (")
-    for level, percent in ((2, "0.096"), (3, "0.072")):
-        assert f", level {level} with those before it for {percent} % (" in text
-    assert text.endswith("Hardly better than the one before: level 4. Times measured with 0.3.0.")
-
-
 def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     scene, coarse = CASE1, np.full((32, 4), 100.0)
     coarse[:, 1:3] = 0.0
@@ -199,25 +185,3 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     assert two.uncertainty[5, 3] == pytest.approx(0.01 * two.parts.bar * finer[finer > 0.0].mean(), rel=1e-3)
     assert two.uncertainty[0, 0] / two.uncertainty[5, 3] == pytest.approx(1.08 ** (1.0 / 3.0), rel=1e-3)
     assert not any(" SR" in row["quantity"] or " NL" in row["quantity"] for row in study_table(scene, (tmp_path,)))
-
-
-def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path) -> None:
-    """The figure of a mesh study: values over the cell size, a bar at the finest, the power law to cells of no size."""
-    for level in STUDIED:
-        h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
-        line = np.array([[z, 0.0, 0.0, 1e-6 * (5.0 + 0.3 * h**1.5)] for z in (0.0, 0.01, 0.02)])
-        store.save(tmp_path, CASE1, replace(run_of("lin-case1", level, np.full((32, 4), 100.0)), centreline=line))
-    whole, table = studied(CASE1, (tmp_path,)), study_table(CASE1, (tmp_path,))
-    row = next(r for r in table if r["quantity"].startswith("centreline uz"))
-    assert row["order"] == pytest.approx(1.5, abs=1e-3)
-    assert row["extrapolated"] == pytest.approx(5.0, rel=1e-5)
-    figure = study_figure("x", table, whole)
-    (panel,) = (p for p in figure.panels if p.title == "centreline")
-    curves = [s for s in panel.series if s.label == row["quantity"]]
-    measured, beyond = sorted(curves, key=lambda s: min(s.x), reverse=True)
-    assert measured.x[-1] == 1.0, "over the cell size, coarsest first"
-    assert list(measured.x) == sorted(measured.x, reverse=True)
-    assert measured.bars[0][-1] < measured.y[-1] < measured.bars[1][-1]
-    assert (beyond.x[0], beyond.x[-1], beyond.y[-1]) == (0.0, 1.0, pytest.approx(0.0, abs=1e-12))
-    finest = row[f"level {max(STUDIED)}"]
-    assert beyond.y[0] == pytest.approx(100.0 * (5.0 - finest) / finest, rel=1e-3)

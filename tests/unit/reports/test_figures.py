@@ -56,21 +56,6 @@ class TestFigures:
             assert used
             assert used <= known
 
-    def test_equal_labels_have_equal_numbers_in_all_panels(self):
-        def panel(*labels):
-            return Panel("", "", "", [Series(label, [], []) for label in labels])
-
-        first, second = figures._orders([panel("a", "b", "c"), panel("d", "c")])
-        assert first["c"] == second["c"]
-        assert (sorted(first.values()), sorted(second.values())) == ([0, 1, 2], [0, 1])
-
-    @pytest.mark.parametrize("count", [1, 3, 4, 6])
-    def test_up_to_six_panels(self, count):
-        panels = [figure().panels[number % 2] for number in range(count)]
-        root = ElementTree.fromstring(figures.draw(figure(panels=panels, columns=3)))
-        axes = [e for e in root.iter(f"{SVG}g") if re.fullmatch(r"fig-loads-axes_\d+", e.get("id", ""))]
-        assert len(axes) == count
-
     @pytest.mark.parametrize("log", ["", "x", "y", "xy"])
     @pytest.mark.parametrize("values", [[], [math.nan, math.nan], [0.0, 0.0], [-1.0, -2.0], [3.0, 3.0]])
     def test_poor_data_are_drawn_without_warning(self, log, values):
@@ -82,11 +67,6 @@ class TestFigures:
     def test_refuses_unknown_styles_and_scales_and_bars_of_another_length(self, series, log, words):
         with pytest.raises(ValueError, match=words):
             figures.draw(figure(panels=[Panel("t", "x", "y", [series], log=log)]))
-
-    @pytest.mark.parametrize("count", [0, 7])
-    def test_refuses_wrong_number_of_panels(self, count):
-        with pytest.raises(ValueError, match=f"{count} panels"):
-            figures.draw(figure(panels=[figure().panels[0]] * count))
 
 
 class TestInAPage:

@@ -2,13 +2,11 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from rollbench.compare.models.applicability import shipped_places, survey
 from rollbench.compare.models.model_form import shipped_points
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.models.study import Study
 from rollbench.compare.report import overview
 from rollbench.compare.sections.reference_time import Largest, TimePoint
 
@@ -51,19 +49,6 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
     assert [s.name for s in overview.front(overview.standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
 
 
-SCREWS = {"refined": np.linspace(0.01, 1.0, 100), "lin": np.linspace(0.1, 10.0, 100)}
-
-
-def test_the_answer_is_of_all_screws_compared_with_what_of_them_was_drawn() -> None:
-    said = overview.answer(SCREWS, 90, [0.12, 0.68], 7.41)
-    assert said == (
-        "On 100 screws, 90 of them drawn by a seed, refined is wrong by 0.5 % of the mean contact load in the median and "
-        "by 1.0 % on 19 of 20, lin is wrong by 5.0 % and by 9.5 %. Uncertainty of the 3D reference: 0.1 to 0.7 %, 7.4 % "
-        "with unprinted choices and tolerances."
-    )
-    assert overview.answer(SCREWS, 90, []).endswith("Uncertainty of the 3D reference: unknown (one mesh level only).")
-
-
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
     screws = overview.screw_errors(shipped_points())
     rows = {row["number"]: row["models"] for row in survey() if row.get("models")}
@@ -76,45 +61,3 @@ def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
         assert (curve.y[-1], sorted(curve.x)) == (pytest.approx(100.0), list(curve.x))
     assert "mean load" in panel.xlabel
     assert not [curve for curve in panel.series if 7.0 in curve.x and len(set(curve.x)) == 1], "no line on the mean load"
-
-
-@pytest.mark.parametrize("all_names", [True, False])
-def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names: bool) -> None:
-    figure = overview.first_figure(SCREWS, POINTS, "f", (8.0, 4.0), all_names=all_names)
-    _, panel = figure.panels
-    (solves,) = overview.further_figure(POINTS).panels
-    light = [s for s in panel.series if s.light]
-    assert sum(len(s.x) for s in light) == 3 * 6 - 1
-    mids = [s for s in panel.series if s.texts]
-    texts = [text for s in mids for text in s.texts if text]
-    wanted = ["refined", "lin", "3D level 1", "3D level 3"] + (["mei", "source"] if all_names else [])
-    assert sorted(texts) == sorted(wanted)
-    assert set(overview.KINDS) <= set(texts)
-    assert all(s.bars is not None for s in mids)
-    line, limit = (s for s in panel.series if s.style == "line")
-    assert set(limit.y) == {7.0}
-    assert "further solve" in solves.xlabel
-    assert list(line.x) == [1.0, 2.0, 40.0, 130.0]
-    assert "gate" in limit.label
-    assert "gate" in panel.ylabel
-
-
-def test_every_model_has_a_family() -> None:
-    families = {overview.family_of(point(model.label, 1.0, 1.0)) for model in MODELS.values()}
-    assert len(families) == 4
-    assert overview.family_of(point("3D reference, the source's mesh", 1.0, 1.0, "source mesh")) == "3D reference"
-
-
-COUNTED = [
-    (("lin-case1", "lin-case2"), "2 case studies of the source.", ("0 screws", "bearings: ", "fixed before")),
-    (("lin-case1", "unseen-four-point"), "1 screws of lead 20 mm, bearings: 1; pitch", ("0 ",)),
-    (("unseen-four-point",), "bearings: 1; pitch", ("screws of lead",)),
-]
-
-
-@pytest.mark.parametrize(("names", "said", "not_said"), COUNTED)
-def test_nothing_that_a_report_has_none_of_is_counted(names, said, not_said) -> None:
-    study = Study()
-    words = " ".join(overview.coverage({name: study.scene(name) for name in names}, study.references(names)))
-    assert said in words
-    assert not [word for word in not_said if f" {word}" in f" {words}".replace("20 ", "").replace("40 ", "")]

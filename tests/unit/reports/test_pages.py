@@ -1,20 +1,17 @@
 """Pages of a report: files, escaping, search, first screen, marks; a report written over another: what is removed, brought
 back or refused."""
 
-import json
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from tests.report_samples import contents, figure, paged, report, screw, table
+from tests.report_samples import contents, figure, report, screw, table
 
-from rollbench.reports import cells, field3d, figures, html, pages, scene3d
-from rollbench.reports.content import FieldPicture, Quantity, Summary, Table, Text
+from rollbench.reports import field3d, html, pages, scene3d
+from rollbench.reports.content import FieldPicture, Quantity, Table
 from rollbench.reports.pages import MARKER, SEARCH
-
-PNG_START = b"\x89PNG\r\n\x1a\n"
 
 
 class Page(HTMLParser):
@@ -78,13 +75,6 @@ COLUMNS = [
 
 @pytest.mark.usefixtures("no_picture")
 class TestPage:
-    def test_files(self, tmp_path):
-        assert html.write(report(), tmp_path / "out") == tmp_path / "out" / "index.html"
-        files = {name.removeprefix("out/") for name in contents(tmp_path)}
-        pages = {"index.html", "first.html", "second.html", "search.js"}
-        assert files == pages | {"tables/printed.csv", "tables/empty.csv", "figures/loads.svg"}
-        assert (tmp_path / "out" / "figures" / "loads.svg").read_text(encoding="utf-8") == figures.draw(figure())
-
     def test_pages_are_balanced_marked_and_load_nothing_from_elsewhere(self, written):
         pages = {p.name: Page(p.read_text(encoding="utf-8")) for p in written.glob("*.html")}
         for name, page in pages.items():
@@ -99,43 +89,6 @@ class TestPage:
                 assert not file or (written / file).is_file(), target
                 if anchor and (not file or file in pages):
                     assert anchor in pages[file or name].attributes("id")
-
-    def test_every_title_and_table_is_found_by_the_search(self, written):
-        text = (written / SEARCH).read_text(encoding="utf-8")
-        entries = json.loads(text.removeprefix("window.rollbenchSearch = ").strip().removesuffix(";"))
-        assert [(e["t"], e["h"]) for e in entries] == [
-            ("Second", "second.html"),
-            ("First & foremost", "first.html"),
-            ("First & foremost", "first.html#section-first"),
-            ("Printed <and> computed", "first.html#table-printed"),
-            ("Loads & errors", "first.html#figure-loads"),
-            ("Second", "second.html#section-second"),
-            ("None", "second.html#table-empty"),
-        ]
-        assert "two lines" in entries[3]["x"]
-        assert "A < B." in entries[2]["x"]
-
-    def test_first_screen_comes_before_all_else(self, tmp_path):
-        small = figure("small", panels=figure().panels[:1])
-        summary = Summary("How far?", "So far: 2 um.", small, figure("narrow", panels=small.panels), ["all"], ["none"])
-        whole = report()
-        whole = replace(whole, pages=paged(replace(whole.sections[0], summary=summary), whole.sections[1]))
-        index = Page(html.write(whole, tmp_path / "out").read_text(encoding="utf-8"))
-        order = ("How far?", "So far: 2 µm.", "Case <1>", "What this covers", "Sub & title", "Where the")
-        places = list(map(index.words.index, order))
-        assert places == sorted(places)
-        assert (tmp_path / "out" / "figures" / "small.svg").is_file()
-        assert len({i for i in index.attributes("id") if i.startswith("fig-")}) > 10
-
-    def test_a_page_opens_with_its_conclusion_and_names_lead_to_tables(self, tmp_path):
-        whole = report(Text(["See table printed, and table nowhere."]), table())
-        page = replace(whole.pages[0], sections=whole.sections, conclusion="All is well.")
-        index = html.write(replace(whole, pages=[page]), tmp_path / "out")
-        text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
-        assert text.index("All is well.") < text.index("See table")
-        assert 'table <a href="first.html#table-printed">printed</a>, and table nowhere.' in text
-        assert "First &amp; foremost</a>: All is well." in index.read_text(encoding="utf-8")
-        assert not (tmp_path / "out" / "second.html").exists()
 
     @pytest.mark.parametrize(("whole", "shown", "rows", "columns"), [(False, 6, 6, 8), (False, 2, 2, 8), (True, 6, 12, 11)])
     def test_a_long_table_shows_its_first_rows_and_the_verdict(self, tmp_path, whole, shown, rows, columns):
@@ -161,17 +114,6 @@ class TestPage:
         assert "b" not in {tag for tag, attrs in page.elements if attrs.get("class") == "text"}
         assert "i" not in {tag for tag, _ in page.elements}
 
-    def test_classes_and_verdicts_are_marked(self, written):
-        page = Page((written / "first.html").read_text(encoding="utf-8"))
-        marks = [attrs["class"] for tag, attrs in page.elements if tag == "span" and "class" in attrs]
-        wanted = ["tag tag-hard", "verdict verdict-good", "tag tag-open", "verdict verdict-bad"]
-        wanted += ["tag tag-as-printed", "verdict verdict-open"]
-        assert [mark for mark in marks if mark.startswith(("tag", "verdict"))] == wanted
-
-    @pytest.mark.parametrize(("text", "kind"), VERDICTS)
-    def test_verdicts(self, text, kind):
-        assert cells.verdict(text) == kind
-
     @pytest.mark.parametrize("picture", [screw(), FieldPicture("cube", "A cube", (), (), (), (), 2.0)])
     def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path, picture):
         lines = []
@@ -181,27 +123,6 @@ class TestPage:
         assert lines[0] == "report: 1/2 First & foremost"
         assert "libgl1" in lines[1]
         assert not list((tmp_path / "out" / "figures").iterdir())
-
-    def test_a_picture_is_a_file_of_its_own(self, tmp_path, monkeypatch):
-        monkeypatch.setattr(scene3d, "draw_loaded_screw", lambda _, path: path.write_bytes(PNG_START))
-        html.write(report(screw()), tmp_path / "out")
-        page = Page((tmp_path / "out" / "first.html").read_text(encoding="utf-8"))
-        assert page.attributes("src") == ["figures/screw.png", SEARCH]
-        assert (tmp_path / "out" / "figures" / "screw.png").read_bytes() == PNG_START
-
-    def test_columns_without_an_entry_are_left_out_and_named(self, tmp_path):
-        columns = (Quantity("a", "ball", format="s"), Quantity("b", "as printed"), Quantity("c", "claim", format="s"))
-        rows = [{"a": 7, "b": None, "c": "words"}, {"a": "12", "b": None, "c": "more"}]
-        html.write(report(Table("t", "T", columns, rows)), tmp_path / "out")
-        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
-        assert page.count("<th ") == 2 + page.count('class="text">A</th>')
-        assert "No row has an entry under: as printed." in page
-        assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").startswith("ball,as printed,claim")
-
-    @pytest.mark.parametrize(("cells_", "number"), COLUMNS)
-    def test_whole_numbers_and_numbers_as_text_are_set_to_the_right(self, cells_, number):
-        column = Quantity("a", "a", format="s")
-        assert cells.is_number(column, Table("t", "T", (column,), [{"a": c} for c in cells_])) is number
 
     def test_same_report_same_bytes(self, tmp_path, written):
         html.write(report(), tmp_path / "b")

@@ -17,9 +17,6 @@ ENDS = [
 ]
 
 
-SCALES = [(215.1, 230.1, (215.0, 235.0, 5)), (0.0, 100.0, (0.0, 100.0, 5)), (5.0, 5.0, (4.5, 5.5, 5))]
-
-
 class TestScene:
     @pytest.mark.parametrize(("name", "starts"), [("lin-case1", 1), ("unseen-63x20", 2), ("unseen-four-point", 1)])
     def test_grooves_hold_the_balls_and_leave_the_lands(self, name, starts):
@@ -33,12 +30,6 @@ class TestScene:
         assert np.all(grooves.surface(phi, z, 1.01 * scene.track.pitch_radius) > scene.track.pitch_radius + radius)
         aside = 0.5 * scene.track.lead / starts or 1.5 * radius
         np.testing.assert_allclose(grooves.surface(phi, z + aside, land), land)
-
-    @pytest.mark.parametrize(("low", "high", "expected"), SCALES)
-    def test_colour_scale_has_round_ends(self, low, high, expected):
-        first, last, labels = scene3d._round_scale(low, high)
-        assert first <= low <= high <= last
-        assert (first, last, labels) == pytest.approx(expected)
 
     @pytest.mark.parametrize(("code", "stderr", "words"), ENDS)
     def test_says_why_a_picture_cannot_be_drawn(self, tmp_path, monkeypatch, code, stderr, words):

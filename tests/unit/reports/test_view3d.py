@@ -1,6 +1,5 @@
 """The page on which a loaded screw can be turned, in Debian's Chromium: it draws, and says nothing on its console."""
 
-import json
 import re
 from unittest.mock import Mock
 
@@ -15,14 +14,6 @@ from rollbench.reports.html import write
 
 #: A ring, whose surfaces come from the same functions as those of pictures (test_scene3d draws a screw).
 PICTURE = screw("unseen-four-point", name="bearing", title="A short <screw>", turns=True)
-
-
-def test_finished_surfaces_show_both_sides_and_have_some_light():
-    material = {"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.5, 0.0, 1.0], "metallicFactor": 0.0}}
-    (found,) = json.loads(view3d._finished(json.dumps({"materials": [material]})))["materials"]
-    assert found["doubleSided"] is True
-    assert found["pbrMetallicRoughness"] == {"baseColorFactor": [0.45, 0.225, 0.0, 1.0], "metallicFactor": 0.0}
-    assert found["emissiveFactor"] == [0.2, 0.1, 0.0]
 
 
 def test_without_the_viewer_the_report_is_whole_and_says_what_installs_it(tmp_path, monkeypatch):

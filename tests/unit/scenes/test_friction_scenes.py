@@ -5,7 +5,6 @@ import pytest
 from tests.shipped_texts import axis_names, changed
 
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.kind_table import KINDS
 from rollbench.compare.studies.friction.answer import left_out_of_kind
 from rollbench.compare.studies.friction.kind_solvers import solve_kind
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
@@ -145,15 +144,3 @@ def test_without_friction_nothing_is_lost_and_motion_is_that_of_a_vanishing_coef
     assert all(pair["force_N"] == pair["loss_mW"] == 0.0 for pair in smooth.data.get("pairs", ()))
     ratios = ("friction_increase_percent", "ball_to_ball_percent")
     assert [smooth.data.get(k) for k in ratios] == [None, None], "no ratio of round-off"
-
-
-@pytest.mark.parametrize("kind", list(KINDS))
-def test_every_kind_says_what_it_leaves_out(kind):
-    """A screw whose friction moves all leaves no feedback out."""
-    lines = left_out_of_kind(kind, "none" if kind.startswith("screw") else None)
-    assert len(set(lines)) == len(lines) >= 9
-    words = "lubricant", "hysteresis", "Heathcote", "cage", "gyroscopic", "yielding", "friction in the balance of loads"
-    assert [sum(word in line for line in lines) for word in words] == [1] * len(words)
-    for coupling, count in (("none", 1), ("ball", 1), ("ball and screw", 0)):
-        lines = left_out_of_kind("screw pair", coupling)
-        assert sum("friction in the balance of loads" in line for line in lines) == count

@@ -8,17 +8,8 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import SceneError
-from rollbench.compare.models import comparison, ladder
 from rollbench.compare.reference.store import key_of
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.crosscheck.study import STUDIES
-
-
-def test_roles_group_the_scenes_of_the_report():
-    assert comparison.REFERENCED == ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
-    assert {catalogue.scene(name).role for name in comparison.REFERENCED} == {"referenced"}
-    assert [name.startswith("unseen-") for name in ladder.UNSEEN] == 11 * [True]
-    assert set(ladder.DEEP) < {*ladder.UNSEEN, *STUDIES}
 
 
 def test_hash_and_key_do_not_know_the_role():
@@ -33,12 +24,6 @@ def test_hash_and_key_do_not_know_the_role():
     assert key_of(other, "", {"b_over_h": 2.0}, (0, 3)) == key_of(scene, "", {"b_over_h": 2.0}, (0, 3))
     with pytest.raises(SceneError, match="role"):
         scene_file.loads(text.replace('role = "referenced"', 'role = "seen"'), "mine.toml")
-
-
-def test_headings_say_what_whole_scenes_say():
-    for name in catalogue.scene_names():
-        scene = catalogue.shipped(name)
-        assert (catalogue.heading(name)["title"], catalogue.kind(name)) == (scene.title, scene_file.kind_of(scene)), name
 
 
 DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial"}

@@ -1,6 +1,5 @@
 """Scene files: shipped scenes, conversion to parts, bytes and names."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -8,36 +7,12 @@ import pytest
 from tests.shipped_texts import axis_names
 
 from rollbench.compare.errors import InputError, SceneError
-from rollbench.compare.scenes import catalogue, scene_file, scene_tables, schema
-from rollbench.compare.scenes import kind_table as table
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.friction_kinds import screw_balls
 from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.template import template
-from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_shipped_scene_loads(name):
-    scene = catalogue.scene(name)
-    assert scene.name == name
-    assert scene.title
-    sources = {"unseen": "rollbench, ", "two": "rollbench, made", "lin-case1-cut": "rollbench, cut out of"}
-    sources |= dict.fromkeys(("clearance", "near-face", "wide-ellipse"), "rollbench, made")
-    sources |= {"liu": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
-    sources |= {"external": "Catalogue of "}
-    assert scene.source.startswith(sources.get(name, sources.get(name.split("-")[0], "Lin (2019)")))
-    assert all(sentence.endswith(".") for sentence in scene.assumed)
-    assert len(scene.assumed) >= (1 if scene.source.startswith("rollbench") else 5)
-
-
-def test_case_3_supports():
-    held = {"": {"ux": 0.0, "uy": 0.0}, "-offset": {"ux": 3e-4, "uy": 0.0}, "-ux": {"ux": 0.0}, "-offset-ux": {"ux": 3e-4}}
-    held |= {"-offset-clamped": {"ux": 3e-4, "uy": 0.0, "rx": 0.0, "ry": 0.0}}
-    for end, fixed in held.items():
-        assert catalogue.scene(f"lin-case3{end}").supports[1].fixed == tuple(fixed.items())
-    assert catalogue.scene("lin-case3").errors.balls.oversize == 7e-6
 
 
 @pytest.mark.parametrize("name", ["lin-case3", "lin-case3-offset"])
@@ -49,12 +24,6 @@ def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_t
     assert bare(ours) == bare(text) == bare(catalogue.scene(f"{name}-clamped"))
     assert any("the text's own reading" in sentence for sentence in text.assumed)
     assert any("The text sets only the x-displacement" in sentence for sentence in ours.assumed)
-
-
-def test_bearing_load_is_3_kn_at_9_degrees():
-    x, y, z = catalogue.scene("bearing-9").loads[0].force
-    assert (math.hypot(x, z), math.degrees(math.atan2(x, z))) == pytest.approx((3000.0, 9.0), abs=1e-6)
-    assert y == 0.0
 
 
 def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
@@ -81,14 +50,6 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     with pytest.raises(SceneError, match="rollbench friction"):
         scene_file.load(path)
     assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
-
-
-def test_tables_that_tell_a_missing_kind_are_no_whole_scene_s():
-    assert not scene_tables.FOREIGN & schema.SceneKeys.model_fields.keys()
-    for kind in FRICTION_ONLY:
-        assert scene_tables.FOREIGN & table.KINDS[kind].keys.model_fields.keys(), kind
-    with pytest.raises(SceneError, match=r"load: got .*did you mean loads"):
-        scene_file.loads(template().replace("[[loads]]", "[[load]]"), "a.toml")
 
 
 def test_conformity_part_of_a_material_and_starts():
@@ -121,29 +82,3 @@ def test_unknown_name_suggests_near_ones(tmp_path):
     assert "\n" not in str(caught.value)
     (tmp_path / "mine.toml").write_text(template())
     assert catalogue.scene(str(tmp_path / "mine.toml")).name == "mine"
-
-
-def test_case_1_in_si_units():
-    scene = catalogue.scene("lin-case1")
-    assert (scene.track.pitch_radius, scene.track.lead, scene.track.contact_angle) == (16.5e-3, 20e-3, math.pi / 4)
-    assert scene.balls.radius == 2.778e-3
-    assert scene.screw.groove_radius == scene.nut.groove_radius == 3.254e-3
-    assert (scene.nut.position, scene.nut.length, scene.nut.outer_diameter) == (0.4, 54e-3, 48e-3)
-    assert scene.screw.material == scene.nut.material == scene.balls.material
-    assert scene.screw.material.youngs_modulus == 210e9
-    assert scene.supports[0].fixed == (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
-    assert scene.loads[0].force == (0.0, 0.0, 5000.0)
-    azimuth = scene.balls.azimuths
-    assert len(azimuth) == 32
-    assert sum(azimuth) == pytest.approx(0.0, abs=1e-12)
-    steps = [math.degrees(b - a) for a, b in itertools.pairwise(azimuth)]
-    assert steps == pytest.approx([22.5] * 31)
-
-
-def test_errors_of_2_4_2():
-    errors = catalogue.scene("lin-combined").errors
-    assert [errors.side(s).profile for s in SIDES] == [(3e-6, -1e-6), (3e-6, -0.5e-6), (2e-6, -1e-6), (2e-6, -0.25e-6)]
-    assert [errors.side(s).pitch[0].harmonic for s in SIDES] == [1.0, 1.0, 0.5, 0.5]
-    assert [errors.side(s).pitch[0].sin for s in SIDES] == [3e-6, 3e-6, -2e-6, -2e-6]
-    assert (errors.balls.sigma, errors.seed, errors.random) == (1e-6, 2019, True)
-    assert catalogue.scene("lin-case2").errors.balls.listed == ((17, 1e-6),)

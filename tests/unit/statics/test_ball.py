@@ -7,11 +7,12 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import hertz_C, pack_geometry
+from rollbench.lowfi.statics.problem import pack_geometry
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
@@ -105,22 +106,6 @@ def test_minimum_of_the_energy(state, profile):
     assert counts >= counts_to_meet
 
 
-@pytest.mark.parametrize("pair", [0, 1])
-def test_starting_centre_of_a_two_point_contact_is_its_solution(pair):
-    """One diagonal pair closed: nothing is left to iterate, however the flanks move."""
-    b = ball("arcs", -1e-6)
-    kernels, p, contact = jit.kernels(jit.STATICS, compiled=False).ball, np.zeros(2), np.zeros((4, 5))
-    for shift in random_shifts(3e-6, 10):
-        shift[pair] += 1e-5 * np.array([1.0, 1.0 if pair == 0 else -1.0])
-        shift[1 - pair] -= 3e-5
-        geometry = b.geometry.copy()
-        geometry[[1 - pair, 2 + pair], 5] = 0.0
-        assert kernels.start_centre(p, shift, geometry, b.closure) == 1
-        kernels.touch(*p, 0.0, shift, geometry, RIGID, b.radius, b.drawn.profile, contact)
-        net, scale = kernels.net_force(contact)
-        assert net < 1e-13 * scale
-
-
 @each_state
 def test_forces_and_balance_of_both_engines(state, profile):
     """Each force is (delta/C)^1.5 at the settled centre, and they balance; both engines give the same numbers."""
@@ -148,50 +133,6 @@ def test_forces_and_balance_of_both_engines(state, profile):
             assert not force.any()
 
 
-@each_state
-def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
-    """dE/dv = -F m of each screw flank; ``flank_hessian`` its derivative: both by central differences."""
-    oversize, size, _ = STATES[state]
-    b, h, checked = ball(profile, oversize), 2e-10, 0
-    for shift in random_shifts(size, 16, seed=7):
-        energy, _, contact = b.settle(shift)
-        gap = contact[:, 0][contact[:, 0] > 0]
-        if energy == 0.0 or gap.min() < 0.05:  # no contact, or one so faint that its stiffness changes within h
-            continue
-        checked += 1
-        hessian = np.empty((4, 4))
-        jit.kernels(jit.STATICS, compiled=False).ball.flank_hessian(contact, hessian)
-        gradient = -(contact[:2, :1] * contact[:2, 1:3]).ravel()
-        for k in range(4):
-            sides = []
-            for sign in (-1, 1):
-                moved = shift.copy()
-                moved[k // 2, k % 2] += sign * h
-                e, _, c = b.settle(moved)
-                sides.append((e, -(c[:2, :1] * c[:2, 1:3]).ravel()))
-            slope = (sides[1][0] - sides[0][0]) / (2 * h)
-            assert slope == pytest.approx(gradient[k], abs=1e-5 * np.abs(gradient).max())
-            bend = (sides[1][1] - sides[0][1]) / (2 * h)
-            assert hessian[:, k] == pytest.approx(bend, abs=1e-4 * np.abs(hessian).max())
-        assert hessian == pytest.approx(hessian.T, abs=1e-13 * np.abs(hessian).max())
-        assert np.linalg.eigvalsh(hessian).min() > -1e-12 * np.abs(hessian).max()
-    assert checked >= 3
-
-
-def test_nominal_approach_and_closure_of_the_pairs():
-    """r_B - r_G + |o| per flank, and |o_a - o_b| + 2 r_B - r_a - r_b per diagonal pair, with every error present."""
-    scene = small_screw()
-    scene = replace(scene, errors=replace(FLANK_ERRORS, balls=BallErrors(3e-6, ((2, 1e-6),)), **NO_PROFILES))
-    drawn = specimen(scene, ball_layout(scene))
-    rows, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), np.ones(4, dtype=bool))
-    radii, size = np.array([3.254e-3, 3.254e-3, 3.3e-3, 3.3e-3]), np.linalg.norm(drawn.centre, axis=-1)
-    assert rows[..., 2] == pytest.approx(size, rel=1e-14)
-    assert rows[..., 3] == pytest.approx(drawn.ball_radius[:, None] - radii + size, abs=2e-18)
-    for a in range(2):
-        apart = np.linalg.norm(drawn.centre[:, a] - drawn.centre[:, 3 - a], axis=1)
-        assert closure[:, a] == pytest.approx(apart + 2 * drawn.ball_radius - radii[a] - radii[3 - a], abs=2e-18)
-
-
 def two_flanks(b, shift):
     """Contact rows with SL and NR alone taking part."""
     geometry = b.geometry.copy()
@@ -210,12 +151,3 @@ def test_force_grows_with_the_power_three_halves_and_a_flank_that_takes_no_part_
     expected = ((pressed + 2.0 * oversize) / (b.C[0] + b.C[3])) ** 1.5
     found = two_flanks(b, shift)[:, 0]
     assert found == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6 if pressed else 1e-9)
-
-
-@pytest.mark.parametrize("motion", [1e-7, 1e-5, 1e-3, 2e-3, 4e-3, 1e-2, 1.0])
-def test_flank_without_profile_is_the_arc(motion):
-    """Also where a long step of the iteration pushes the ball through the groove: the approach must keep growing."""
-    row, moved = ball("arcs", 0.0).geometry[0], motion * np.array([-0.6, -0.8])
-    kernels = jit.kernels(jit.STATICS, compiled=False).contact
-    found = kernels.flank(*moved, *row[:2], 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
-    assert found == pytest.approx(kernels.arc(*moved, *row[:4]), rel=1e-9, abs=1e-17)

@@ -2,17 +2,13 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import qr
 from tests.helpers import STEEL, dense, relative, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import element_stiffness
-from rollbench.lowfi.statics.kernel import banded, beam, newton
-from rollbench.lowfi.statics.kernel_types import BeamArrays
-from rollbench.lowfi.statics.shape import motions_at, pivots, rigid_transport, shape_polynomials
-from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.partition import beam_nodes, contact_stations, fixed_partition
+from rollbench.lowfi.statics.kernel import beam, matrices
+from rollbench.lowfi.statics.shape import rigid_transport, shape_polynomials
+from rollbench.meshes.partition import fixed_partition
 from rollbench.meshes.section import tube_section
 
 SECTION = tube_section(30e-3, 8e-3, STEEL)
@@ -38,8 +34,8 @@ def cantilever(nodes, load):
     band = assembled(nodes)[6:]
     b = np.zeros(band.shape[0])
     b[-6:] = load
-    assert banded.factor_band(band)
-    banded.substitute_band(band, b)
+    assert matrices.factor_band(band)
+    matrices.substitute_band(band, b)
     return b.reshape(-1, 6)
 
 
@@ -83,17 +79,6 @@ def test_rigid_motion_strains_nothing(nodes):
     assert np.linalg.matrix_rank(k / np.sqrt(np.outer(np.diag(k), np.diag(k))), tol=1e-12) <= k.shape[0] - 6
 
 
-def test_positions_of_a_rigid_beam():
-    lengths, q, nothing = np.array([0.1, 0.25]), np.zeros((3, 6)), np.zeros((3, 6))
-    constants = np.array([beam.element_constants(length, STIFFNESSES) for length in lengths])
-    shaft = BeamArrays(lengths, nothing > 0.0, nothing, constants, np.zeros((18, 12)))
-    q[0] = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]
-    assert newton.evaluate_beam(shaft, q, np.zeros((2, 6)), np.zeros((3, 6))) == (0.0, 0.0)
-    assert q[2] == pytest.approx([1e-3 + 0.35 * 5e-3, 2e-3 - 0.35 * 4e-3, 3e-3, 4e-3, 5e-3, 6e-3], rel=1e-14)
-    newton.evaluate_beam(shaft, q, np.array([[0, 0, 1e-6, 0, 0, 0], [7e-6, 0, 0, 0, 0, 0]]), np.zeros((3, 6)))
-    assert q[2, :3] == pytest.approx([1e-3 + 0.35 * 5e-3 + 7e-6, 2e-3 - 0.35 * 4e-3, 3.001e-3], rel=1e-14)
-
-
 @pytest.mark.parametrize("nodes", PARTITIONS.values(), ids=PARTITIONS)
 def test_cantilever(nodes):
     """Tip: F L3/3EI + F L/(kappa G A), slope F L2/2EI; by a moment M L2/2EI and M L/EI; F L/EA and T L/GJ."""
@@ -132,61 +117,6 @@ def test_shape_functions_are_the_exact_interior(length, xi):
     assert np.abs((n - expected) / size[:, None] * np.tile(size, 2)).max() < 1e-10
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_shape_derivatives(order):
-    length, h = 5e-3, 1e-4
-    for xi in (0.1, 0.5, 0.8):
-        low, high = (interpolation(xi + x, length, order - 1) for x in (-h, h))
-        found = interpolation(xi, length, order)
-        assert relative(found, (high - low) / (2 * h)) < 1e-7  # cubic polynomials: the difference errs by h2 u'''/6
-
-
-@pytest.mark.parametrize("order", [0, 1, 2])
-def test_shape_functions_for_many_points(order):
-    rng = np.random.default_rng(0)
-    xi, length = rng.uniform(size=8), rng.uniform(1e-3, 0.1, 8)
-    found = shape_polynomials(xi, length, SECTION, order)
-    for i in range(8):
-        assert relative(found[i], interpolation(xi[i], length[i], order)) < 1e-14
-
-
-def test_motion_beyond_the_ends_is_rigid():
-    nodes, q = np.array([0.1, 0.2, 0.4]), np.arange(1.0, 19.0).reshape(3, 6)
-    for z, end in ((0.05, 0), (0.45, 2)):
-        found = motions_at(np.array([z]), nodes, SECTION, q)[0]
-        assert found == pytest.approx(rigid_transport(z - nodes[end]) @ q[end], rel=1e-14)
-    assert motions_at(np.array([0.2]), nodes, SECTION, q)[0] == pytest.approx(q[1], rel=1e-14)
-
-
-@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
-def test_banded_solver(engine):
-    """Both engines against a dense solution of a random band, scaled like the beam; round-off of the dense solution is
-    up to 1.4e-11 of one of its values, by the processor."""
-    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").banded
-    rng = np.random.default_rng(1)
-    for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
-        band = rng.uniform(-1.0, 1.0, (n, width))
-        band[:, 0] = 2.0 * width
-        for j in range(n):
-            band[j, n - j :] = 0.0
-        scale = 10.0 ** rng.uniform(-3, 3, n)
-        for j in range(n):
-            m = min(width, n - j)
-            band[j, :m] *= scale[j] * scale[j : j + m]
-        b = rng.normal(size=n)
-        expected = np.linalg.solve(dense(band) / np.outer(scale, scale), b / scale) / scale
-        assert kernels.factor_band(band)
-        kernels.substitute_band(band, b)
-        assert b * scale == pytest.approx(expected * scale, rel=3e-11, abs=1e-13 * np.abs(expected * scale).max())
-
-
-@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
-def test_banded_solver_refuses_an_indefinite_matrix(engine):
-    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton
-    assert not kernels.factor_band(np.array([[1.0, 2.0], [1.0, 0.0]]))
-    assert not kernels.factor_band(np.array([[-1.0, 0.0], [-1.0, 0.0]]))  # a positive determinant
-
-
 def test_the_sources_partition_has_27_elements():
     """Table 2.2: 12 + 3 + 12, 15 mm inside the nut."""
     scene = with_ingredients(catalogue.scene("lin-case1"), partition="source")
@@ -195,24 +125,3 @@ def test_the_sources_partition_has_27_elements():
     assert nodes[[0, -1]] == pytest.approx([0.0, 0.8])
     assert nodes[12:16] == pytest.approx([0.3775, 0.3925, 0.4075, 0.4225])
     assert np.diff(nodes)[[*range(12), *range(15, 27)]] == pytest.approx(0.3775 / 12)
-
-
-def test_nodal_partition_has_a_node_at_every_contact_support_and_load_and_no_idle_end():
-    at_ends, scene = catalogue.scene("lin-case3-offset"), catalogue.scene("lin-case1")
-    (full, first), (short, stations) = ((s, contact_stations(s, ball_layout(s))) for s in (at_ends, scene))
-    nodes, _ = beam_nodes(full, first)
-    assert np.abs(nodes[None, :] - first.ravel()[:, None]).min(axis=1).max() < 1e-5
-    assert nodes[[0, -1]] == pytest.approx([0.0, 0.8])
-    (nodes, left_out), (everything, none) = (beam_nodes(short, stations, everything=e) for e in (False, True))
-    assert (left_out, none) == (1, 0)
-    assert everything.size == nodes.size + 1
-    assert nodes[-1] == pytest.approx(stations.max())
-
-
-def test_pivots_are_those_of_qr_with_column_pivoting():
-    rng = np.random.default_rng(5)
-    for rows in (rng.normal(size=(3, 6)), np.outer([1.0, 2.0], rng.normal(size=6)), np.zeros((2, 4))):
-        _, r, order = qr(rows, pivoting=True)
-        rank = int((np.abs(np.diag(r)) > 1e-12).sum())
-        assert pivots(rows)[:rank] == order[:rank].tolist()
-        assert rank or not pivots(rows)

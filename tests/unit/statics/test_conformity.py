@@ -7,9 +7,8 @@ import pytest
 from scipy.signal import fftconvolve
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
-from rollbench.lowfi.hertz import HertzConstants, hertz_constants
-from rollbench.lowfi.statics.conformity import curvature_changes, oblique_term
-from rollbench.lowfi.statics.problem import drawn_hertz, hertz_C, nominal_hertz
+from rollbench.lowfi.hertz import hertz_constants
+from rollbench.lowfi.statics.contacts import curvature_changes, drawn_hertz, hertz_C, nominal_hertz, oblique_term
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, SideErrors
@@ -118,25 +117,12 @@ def test_oblique_pressure_softens_the_contact():
     assert increase == pytest.approx(expected, rel=0.02, abs=0.0)
 
 
-def test_oblique_term_vanishes_for_a_flat_contact_and_scales():
-    flat = HertzConstants(np.array(1e-7), np.array(1e-4), np.array(1e-5), np.array(0.9))
-    assert oblique_term(flat, 1e3) == pytest.approx(0.0, abs=1e-20)
-    small, large = oblique_term(nominal_hertz(small_screw()), 1.0), oblique_term(nominal_hertz(small_screw()), 2.0)
-    assert small == pytest.approx(4.0 * large, rel=1e-14)
-
-
 def drawn_of(scene):
     return specimen(scene, ball_layout(scene))
 
 
 def changes_of(scene):
     return curvature_changes(scene, drawn_of(scene), drawn_of(scene).ball_radius)
-
-
-def test_without_errors_of_radius_nothing_changes():
-    scene = small_screw()
-    assert not changes_of(scene).any()
-    assert np.array_equal(drawn_hertz(scene, drawn_of(scene)).C, np.repeat(nominal_hertz(scene).C[None], 6, axis=0))
 
 
 def test_every_contact_has_its_own_radii():

@@ -12,14 +12,12 @@ from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
-from rollbench.lowfi.statics import elastic_system as model
+from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import contact as laws
-from rollbench.lowfi.statics.kernel import elastic_balls
 from rollbench.lowfi.statics.kernel_types import BodyState
-from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build
-from rollbench.lowfi.statics.response import LENT, positive
 from rollbench.lowfi.statics.shaft import flank_motions_by_loads, flank_response, node_motions, shaft_of
 from rollbench.lowfi.statics.static import pin, solve_static
 from rollbench.meshes.errors import specimen
@@ -229,96 +227,12 @@ def test_contact_law_is_one_energy(c, e, h):
         assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
 
 
-@pytest.mark.parametrize(("c", "e", "h"), [law for law in LAWS if turn(*law) < 1e3])
-def test_contact_law_is_smooth_where_it_changes(c, e, h):
-    most = turn(c, e, h)
-    edge = c * most**2 + e * most**3 + h * most**4
-    below, above = (laws.contact_law(edge * (1.0 + s * 1e-12), c, e, h) for s in (-1.0, 1.0))
-    assert above == pytest.approx(below, rel=1e-9, abs=0.0)
-    slopes = [laws.contact_law(d, c, e, h)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
-    assert np.all(np.array(slopes) > 0.0)
-    assert h > 0.0 or np.all(np.diff(slopes) > 0.0)
-
-
-def test_contact_law_takes_few_rounds(monkeypatch):
-    """Rounding leaves steps above 1e-16 of the root for ever: to wait for less took all sixty rounds."""
-    rounds = []
-    monkeypatch.setattr(laws, "abs", lambda x: rounds.append(x) or abs(x), raising=False)
-    for law in LAWS:
-        for delta in np.geomspace(1e-9, 1e-4, 50):
-            rounds.clear()
-            laws.contact_law(delta, *law)
-            assert len(rounds) <= 12
-
-
 def test_contact_law_is_the_same_in_both_engines():
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 15):
             interpreted = laws.contact_law(delta, *law)
             compiled = jit.kernels(jit.STATICS, compiled=True).contact_law
             assert compiled(delta, *law) == pytest.approx(interpreted, rel=1e-13, abs=0.0)
-
-
-def energy_hessians(elastic, v, step=3e-9):
-    """Hessian of each ball's energy by the motions of its flanks, by differences of its forces: (N, d, d)."""
-    H = np.empty((*v.shape, v.shape[1]))
-    for a, shift in enumerate(step * np.eye(v.shape[1])):
-        H[:, :, a] = (balls(elastic, v - shift)[1] - balls(elastic, v + shift)[1]) / (2.0 * step)
-    return H
-
-
-@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "lin-combined", "uneven flanks"])
-def test_flank_rows_square_to_the_hessian(case):
-    elastic = assembled(SCENES[case]())
-    elastic.iterate()
-    v = motions(elastic, elastic.state.phi, elastic.state.a)
-    _, _, state = balls(elastic, v)
-    S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.given.contacts, state.contact, S, counts)
-    worst = 0.0
-    for i, H in enumerate(energy_hessians(elastic, v)):
-        rows = S[i, : counts[i]]
-        worst = max(worst, np.abs(rows.T @ rows - H).max() / max(np.abs(H).max(), 1.0))
-        shift = np.tile(np.eye(2), 4)  # moving all flanks alike moves the ball along
-        assert np.abs(rows @ shift.T).max(initial=0.0) < 1e-9 * np.abs(rows).max(initial=1.0)
-    assert worst < 1e-5
-
-
-def test_pair_rows_square_to_the_hessian():
-    elastic = assembled(catalogue.scene("lin-case1"), use=(True, False, False, True))
-    elastic.iterate()
-    v = motions(elastic, elastic.state.phi, elastic.state.a)
-    S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.given.contacts, balls(elastic, v)[2].contact, S, counts)
-    for i, H in enumerate(energy_hessians(elastic, v)):
-        assert np.abs(S[i].T @ S[i] - H).max() < 1e-6 * np.abs(H).max()
-
-
-@pytest.mark.parametrize("count", [0, 1, 2, 3, 4])
-def test_rows_of_any_number_of_contacts(count):
-    """Schur complement of the dense Hessian by centre and amplitude, for made-up contacts."""
-    rng = np.random.default_rng(count)
-    contact, local = np.zeros((4, 5)), np.zeros((4, 2))
-    angle = np.array([3.9, 2.4, -0.8, 0.8]) + rng.uniform(-0.2, 0.2, 4)
-    contact[:, 1], contact[:, 2] = np.cos(angle), np.sin(angle)
-    contact[:count, 0] = rng.uniform(10.0, 200.0, count)
-    contact[:, 3], contact[:, 4] = rng.uniform(2e7, 6e7, 4), rng.uniform(1e4, 1e5, 4)
-    local[:, 1] = 1e-5 * np.array([1.0, -1.0, -1.0, 1.0])
-    rows = np.zeros((6, 8))
-    n = elastic_balls.flank_rows(contact, local, rows)
-    full = np.zeros((11, 11))
-    full[2, 2] = 1.0
-    for s in range(count):
-        m, t = contact[s, 1:3], np.array([-contact[s, 2], contact[s, 1]])
-        for k, d, g in ((contact[s, 3], m, local[s, 1]), (contact[s, 4], t, 0.0)):
-            u = np.zeros(11)
-            u[:2], u[2], u[3 + 2 * s : 5 + 2 * s] = d, -g, -d
-            full += k * np.outer(u, u)
-    expected = np.zeros((8, 8))
-    if count:
-        expected = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
-    assert n == (0 if count == 0 else max(2 * count + 1 - 3, 0))
-    assert np.abs(rows[:n].T @ rows[:n] - expected).max() < 1e-9 * max(np.abs(full).max(), 1.0)
 
 
 SHAFTS = {
@@ -383,45 +297,6 @@ def test_shaft_against_the_dense_beam(case):
     else:
         still = node_motions(shaft, rows.T @ forces, 0.0 * amplitudes).ravel()
         assert np.abs(K @ (found - still)).max() < 1e-6
-
-
-@pytest.mark.parametrize(("case", "count"), [("held", 1), ("one support", 4), ("free", 6), ("pushed and loose", 3)])
-def test_free_motions_are_rigid_and_work_is_the_loads(case, count):
-    shaft = shaft_of(problem_of(case))
-    problem = shaft.problem
-    assert shaft.motions.shape == (6, shaft.work.size)
-    assert shaft.work.size == count
-    z = problem.nodes
-    for k in range(shaft.work.size):
-        motion = shaft.motions[:, k]
-        moved = np.tile(motion, (z.size, 1))
-        moved[:, :3] += np.cross(motion[3:], np.array([0.0, 0.0, 1.0])) * (z - z[shaft.pin])[:, None]
-        assert np.abs(moved[problem.fixed]).max(initial=0.0) < 1e-12
-        assert shaft.work[k] == pytest.approx((moved * problem.load).sum(), rel=1e-9, abs=1e-9)
-
-
-def test_negative_compliance_is_lent_by_contacts_or_cut_away():
-    """Along a contact's normal it is lent, as far as a contact can; across, or where that is not enough, it is cut away."""
-    rng = np.random.default_rng(1)
-    Q = np.linalg.qr(rng.normal(size=(6, 6)))[0]
-    values = np.array([5.0, 3.0, 2.0, 1.0, 0.5, -0.2]) * 1e-9
-    found, lent, cut = positive((Q * values) @ Q.T, np.zeros((3, 2)), 1e-8)
-    assert cut == pytest.approx(0.2e-9, rel=1e-9, abs=0.0)
-    assert not lent.any()
-    assert relative(found, (Q * np.maximum(values, 0.0)) @ Q.T) < 1e-12
-    whole = (Q * np.abs(values)) @ Q.T
-    assert positive(whole, np.zeros((3, 2)), 1e-8)[0] is whole
-    normals = np.array([[0.6, 0.8], [1.0, 0.0], [0.8, -0.6]])
-    rows = np.zeros((3, 6))
-    rows[np.arange(3)[:, None], 2 * np.arange(3)[:, None] + [0, 1]] = normals
-    plain = 1e-9 * np.eye(6) - 1.5e-9 * np.outer(rows[1], rows[1])
-    found, lent, cut = positive(plain, normals, 1e-8)
-    assert cut == 0.0
-    assert lent == pytest.approx(np.array([0.0, 0.5, 0.0]) * 1e-9, abs=1e-18)
-    assert relative(found - (rows.T * lent) @ rows, plain) < 1e-12
-    lent, cut = positive(plain, normals, 1e-9)[1:]
-    assert lent[1] == LENT * 1e-9
-    assert cut == pytest.approx(0.25e-9)
 
 
 def test_a_contact_beside_a_held_face_keeps_what_its_body_takes_from_it():

@@ -12,10 +12,9 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.like import scene_like
 from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
 from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
-from rollbench.meshes.canonical import canonical
-from rollbench.meshes.errors import beyond_step, draw, specimen, specimens
+from rollbench.meshes.errors import beyond_step, draw
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Errors, Load, Support
 
@@ -69,18 +68,6 @@ def test_one_nut_is_two_nuts_of_which_one_is_shifted():
     assert (found.load[:, :2] > 0.0).any(axis=0).all()
 
 
-def test_members_drawn_at_once_are_those_drawn_one_by_one():
-    scene = halves()
-    balls = replace(scene.errors.balls, sigma=0.5e-6)
-    scene = replace(scene, errors=replace(scene.errors, balls=balls, seed=3))
-    layout = ball_layout(scene)
-    many = specimens(scene, layout, 0, 3)
-    for m in range(3):
-        one = specimen(scene, layout, m)
-        np.testing.assert_allclose(many.ball_radius[m], one.ball_radius, atol=1e-15)
-        np.testing.assert_allclose(np.broadcast_to(many.centre, (3, 12, 4, 2))[m], one.centre, atol=1e-15)
-
-
 def test_a_ball_that_travels_meets_the_half_it_is_in():
     scene = halves()
     z = np.array([-9e-3, 9e-3]) + scene.nut.position
@@ -105,12 +92,6 @@ def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
     assert elastic.status == "converged"
     assert elastic.load.mean() == pytest.approx(rigid.load.mean(), rel=0.02)
     assert ((elastic.load > 0.0) == (rigid.load > 0.0)).all()
-
-
-def test_keys_of_stored_runs_without_an_offset_are_what_they_were():
-    assert canonical(Errors()) == "Errors()"
-    assert canonical(Errors(lead_offset=OFFSET)) == f"Errors(lead_offset={OFFSET!r})"
-    assert "lead_offset=0.0" in repr(Errors())
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])

@@ -15,11 +15,6 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import bodies_path, load, shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.imported import Condensed
-from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.meshes.condensed import load_condensed
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 
 QUIET = Options(discretisation=False, engine="compiled")
@@ -97,26 +92,6 @@ def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
         if study.scene(name).track.lead:  # rings are short: their wall is what little both models lack
             assert rungs["lin"].error.max_percent > 3.0 * rungs["refined"].error.max_percent
         assert rungs["condensed"].error.max_percent <= max(0.8, 1.1 * bar)  # hollow: 0.75 with preload and offset, +- 0.39
-
-
-def test_what_the_file_says_along_the_normals_is_taken_over() -> None:
-    from rollbench.lowfi.compliance.bodies import whole_body
-    from rollbench.lowfi.compliance.imported import directions, normal_rows
-
-    scene = catalogue.scene("lin-case1")
-    layout = ball_layout(scene)
-    sides = [3]
-    condensed = Condensed(load_condensed(bodies()))
-    N = layout.z.size
-    whole = whole_body(scene, layout, False, REFINED)
-    order = np.arange(2 * N, 4 * N)
-    low = whole[np.ix_(order, order)]
-    got = condensed.correct(scene, layout, sides, low, REFINED)
-    along, _ = directions(scene, N, sides, sides)
-    right = np.arange(1, 2 * N, 2)  # NR of NL, NR
-    assert normal_rows(scene, N, [2, 3]).shape == (2 * N, 4 * N)
-    np.testing.assert_allclose(along @ got @ along.T, condensed.bodies.nut[np.ix_(right, right)], rtol=0, atol=1e-14)
-    assert np.linalg.eigvalsh(got).min() > -1e-3 * np.linalg.eigvalsh(got).max()
 
 
 def test_kept_points_are_what_the_ladder_gives_now() -> None:
@@ -234,11 +209,3 @@ def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:
         replace(scene, ingredients=replace(scene.ingredients, screw="rigid")),
     ):
         assert model_form.estimate(other, result).percent is None
-
-
-def test_every_rung_of_the_ladder_is_a_model() -> None:
-    assert set(LADDER) < {m.name for m in ladder.RUNGS}
-    scene = catalogue.scene("lin-case1")
-    for name, backend in LADDER.items():
-        a, b = run_model(scene, name, QUIET), solve_elastic(scene, backend=backend, engine="compiled")
-        np.testing.assert_allclose(a.load, b.load, rtol=1e-9, atol=1e-6)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from tests.helpers import small_screw, solved, with_ingredients
+from tests.helpers import small_screw, solved
 
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.load_cases import Solved
@@ -15,9 +15,8 @@ from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.solved import case_table
 from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
-from rollbench.lowfi.statics.settle import Prepared
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Support
@@ -118,37 +117,6 @@ def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
     with pytest.raises(Refusal, match=words):
         run_model(scene, "refined")
     assert run_model(small_screw(8, beta=np.radians(5.0), force=(0.0, 0.0, 1250.0)), "refined").converged
-
-
-@pytest.mark.parametrize("status", [2, 3])
-@pytest.mark.parametrize("model", ["lin", "elastic"])
-def test_a_screw_that_is_not_held_has_no_loads(monkeypatch, status, model):
-    """Whatever the kernel's last state was: a status of no equilibrium comes without numbers."""
-    real = Prepared.iterate
-    monkeypatch.setattr(Prepared, "iterate", lambda *a: real(*a)._replace(status=status))
-    result = (solve_static if model == "lin" else solve_elastic)(small_screw(force=(0.0, 0.0, 100.0)))
-    assert not result.converged
-    # this screw is held: the linear program finds the forces, so that running away proves nothing
-    assert result.status.startswith("not converged: the screw ran away" if status == 2 else "stopped")
-    assert np.isnan(result.load).all()
-    assert np.isnan(result.contact_angle).all()
-
-
-@pytest.mark.parametrize("model", ["lin", "lin-cell", "refined"])
-def test_a_rigid_screw_is_not_called_a_beam(model):
-    scene = small_screw(force=(0.0, 0.0, 500.0))
-    beam = " ".join(run_model(scene, model).assumed)
-    rigid = " ".join(run_model(with_ingredients(scene, screw="rigid"), model).assumed)
-    assert re.search(r"(screw|shaft)[^;]* is a (straight )?Timoshenko beam", beam)
-    assert not re.search(r"(screw|shaft)[^;]* is a (straight )?Timoshenko beam", rigid)
-    assert "rigid" in rigid
-
-
-def test_a_rigid_nut_is_not_called_a_tube():
-    scene = small_screw(force=(0.0, 0.0, 500.0))
-    rigid = replace(scene, solid=replace(scene.solid, nut="rigid"))
-    text = " ".join(run_model(rigid, "refined").assumed)
-    assert "the nut or outer ring is rigid apart from the Hertzian contacts" in text
 
 
 @pytest.mark.parametrize("solve", [solve_static, solve_elastic])

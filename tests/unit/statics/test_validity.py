@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.problem import SolvedState, build, nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings, tilt_warning, warnings_of
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
 from rollbench.lowfi.warned import Warned, above
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 
 
@@ -45,27 +42,6 @@ def test_ellipses_too_large_for_a_half_space_are_told_from_there_on():
     radius = 3e-3
     assert size_warnings(np.full((2, 4), 0.999 * LARGE * radius), radius) == []
     assert size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].kind == "size"
-
-
-@pytest.mark.parametrize(("ratio", "words"), [(0.009, None), (0.05, "5 % of the largest"), (40.0, "more than the largest")])
-def test_what_small_rotations_neglect_is_a_share_of_the_approach_or_more_than_it(ratio, words):
-    """A tilt t moves a groove by R t^2 / 2 beyond its linear motion, R the pitch radius; C F^(2/3) is the approach."""
-    scene, tilt = pressed(500.0), 2e-3
-    layout = ball_layout(scene)
-    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
-    approach = 0.5 * scene.track.pitch_radius * tilt**2 / ratio
-    force = np.full((layout.z.size, 4), (approach / problem.C.max()) ** 1.5)
-    motion = np.zeros((2, 6))
-    motion[:, 4] = tilt
-    found = tilt_warning(problem, force, np.array([0.0, scene.screw.length]), motion)
-    assert [words in str(one) for one in found] == ([True] if words else [])
-
-
-def test_the_long_axis_of_the_ellipse_lies_across_the_groove():
-    curvature = nominal_curvatures(pressed(1.0))
-    assert (curvature[:, 0] < curvature[:, 1]).all()
-    found = hertz_constants(curvature[:, 0], curvature[:, 1], 1e11)
-    assert (found.C_a > found.C_b).all()
 
 
 def test_an_ellipse_beyond_the_land_is_told():
@@ -113,18 +89,3 @@ def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
         "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
     )
     assert above((Warned("tilt", "tilted"),)) == ""
-
-
-@pytest.mark.parametrize(("share", "far"), [(0.099, False), (0.101, True)])
-def test_a_ball_that_moves_by_a_tenth_of_its_radius_is_told(share, far):
-    scene = pressed(500.0)
-    layout = ball_layout(scene)
-    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
-    force, centre = np.zeros((8, 4)), np.zeros((8, 2))
-    force[:, [0, 3]] = 1.0
-    centre[3, 1] = -share * scene.balls.radius
-    rest, z = np.zeros((2, 6)), np.array([0.0, scene.screw.length])
-    state = SolvedState(problem, rest, centre, force, np.zeros((8, 4, 2)), rest, None, 1.0)
-    found = warnings_of(state, np.full((8, 4), scene.track.contact_angle), z, rest)
-    assert [str(one) for one in found if "tenth of its radius" in str(one)] == [str(one) for one in found]
-    assert bool(found) is far

@@ -137,11 +137,6 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
         run(tmp_path / "b")
 
 
-def test_workers_that_do_not_see_the_folder_send_their_records_back(tmp_path, monkeypatch):
-    monkeypatch.setattr(store, "current", lambda *_: False)
-    assert len(run(tmp_path / "a")[0]) == 40
-
-
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     sweep = sweep_of("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
     found = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
@@ -273,33 +268,3 @@ def test_outputs_of_load_cases_and_of_several_sets_can_be_left_out():
     text = catalogue.scene_text("double-nut")
     found = sampling.solve_sample(text, "double-nut.toml", (), (), "lin", "compiled", ["idle_balls"])
     assert set(found) == {"status", "largest_load_N", "idle_balls", "at"}
-
-
-def test_a_batch_looks_at_the_folder_once_and_writes_once(tmp_path, monkeypatch):
-    said = {"read": 0, "written": 0}
-    looked, wrote = store.current, store.Writer.append
-
-    def look(*arguments):
-        said["read"] += 1
-        return looked(*arguments)
-
-    def write(self, records):
-        said["written"] += 1
-        wrote(self, records)
-
-    monkeypatch.setattr(store, "current", look)
-    monkeypatch.setattr(store.Writer, "append", write)
-    monkeypatch.setattr(sweeping, "BATCHES", 2)
-    found, _ = run(tmp_path / "a", 40)
-    assert (sorted(found), said) == (list(range(40)), {"read": 2, "written": 2})
-
-
-@pytest.mark.parametrize(("engine", "least"), [(Engine("dask", "tcp://x:1"), 1000), (Engine(), 100)])
-def test_there_are_jobs_enough_for_workers_that_may_join(tmp_path, monkeypatch, engine, least):
-    """Ten thousand samples make as many jobs as a large cluster can share, whether or not its size is known."""
-    given = []
-    monkeypatch.setattr(sweeping, "_try_first", lambda *_: None)
-    monkeypatch.setattr(sweeping, "first_here", lambda jobs, *_: given.extend(jobs) or iter(()))
-    sweeping.run_samples(what(10_000), tmp_path / "a", engine, lambda _: None)
-    assert len(given) >= least
-    assert sorted(n for _, (_, _, _, batch) in given for n, _ in batch) == list(range(10_000))

@@ -14,7 +14,7 @@ from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.studies.members.ensemble import of_study
-from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

@@ -11,7 +11,7 @@ from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study, with_groove
-from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 

@@ -32,7 +32,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import value_of
 from rollbench.compare.reference.store import Run
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 

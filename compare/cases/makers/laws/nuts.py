@@ -17,7 +17,7 @@ from rollbench.compare.scenes.like import BEYOND, STOCK, WALL
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
 from rollbench.lowfi.rating.static import static_rating
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.parts import Scene
 
 #: Conformity: middle and ends of what is usual; contact angle [deg]. Neither is printed.
