@@ -194,7 +194,7 @@ def _balls(scene: Scene, shared: Material) -> Table:
     turns = 1.0 if each == 1 else float(f"{each * apart[0] / (2.0 * pi):.9g}")
     circuits = len(at) // each
     gap = float(f"{(at[each] - at[0]) / (2.0 * pi) - turns:.9g}") if circuits > 1 else 0.0
-    table = {"radius": text_of(Size, balls.radius)}
+    table: Table = {"radius": text_of(Size, balls.radius)}
     if at == spread_over_turns(each, turns, track.phase, circuits, gap):
         table |= {"count": len(at) * track.starts, "turns": turns}
         table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
@@ -304,8 +304,8 @@ def _inside(hint: Any) -> Iterator[Quantity]:
 
 def table_of(record: Any, *left_out: str) -> Table:
     """Fields of a record as keys, but those that are as usual."""
-    kind: type[object] = type(record)
-    quantities = _quantities(kind)
+    of: type = type(record)
+    quantities = _quantities(of)
     out = {}
     for each in fields(record):
         value = getattr(record, each.name)
