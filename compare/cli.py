@@ -1,7 +1,8 @@
-"""The command line: options and help of a command stand in ``compare.commands.arguments``."""
+"""The command line: its commands in one table, each a module of ``compare.commands``, and how a run of one ends."""
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import signal
@@ -11,13 +12,14 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from copy import copy
+from importlib import import_module
 from types import FrameType
 
-from cyclopts import CycloptsError
+from cyclopts import App, CycloptsError, Group
 
-from rollbench.compare.commands.arguments import commands
-from rollbench.compare.commands.printing import OutputLost, writing
+from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
+from rollbench.compare.text.printing import OutputLost, writing
 from rollbench.meshes import kept
 from rollbench.meshes.threads import one_thread
 
@@ -33,6 +35,71 @@ OPTIONS = {
     "scene": "scene",
     "scenes": "scenes",
 }
+
+
+#: Commands and their modules in ``compare.commands`` under the headings of ``rollbench --help``, by what one wants.
+COMMANDS = {
+    "Start here": {
+        "new": "new",
+        "solve": "solve",
+        "friction": "friction",
+        "report": "report",
+        "verify": "verify",
+        "doctor": "doctor",
+    },
+    "How far to trust it": {"compare": "compare", "check": "check", "mesh-study": "mesh_study"},
+    "Many scenes": {"sweep": "sweep"},
+    "To and from other programs": {
+        "export": "export",
+        "condense": "condense",
+        "crosscheck": "crosscheck",
+        "schema": "schema",
+    },
+    "This program and its sources": {
+        "list": "list",
+        "audit": "audit",
+        "stability": "stability",
+        "bench": "bench",
+        "completion": "completion",
+    },
+}
+#: The command that knows all others.
+OF_ALL = "completion"
+
+
+def commands(first: str = "") -> App:
+    """The application with the command that the command line begins with, all of them where it begins with none that is
+    known, or with one that knows all."""
+    modules = {name: module for group in COMMANDS.values() for name, module in group.items()}
+    for name in modules if first not in modules or first == OF_ALL else (first,):
+        import_module(f"rollbench.compare.commands.{modules[name]}")
+    arrange(app)
+    return app
+
+
+def unwrapped(doc: str | None) -> str:
+    """A docstring with every paragraph on one line, for help to wrap at the width of the terminal.
+
+    >>> unwrapped("Solve.\\n\\nParameters\\n----------\\nscene\\n    A name,\\n    or a file.").splitlines()[-1]
+    '    A name, or a file.'
+    """
+    paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"
+    return re.sub(paragraph, lambda match: re.sub(r"\n *", " ", match[0]), inspect.cleandoc(doc or ""))
+
+
+def arrange(app: App) -> None:
+    """Put the commands of ``app`` under the headings of `COMMANDS`."""
+    for place, (heading, names) in enumerate(COMMANDS.items()):
+        group = Group(heading, sort_key=place)
+        for number, name in enumerate(names):
+            if name in app:
+                app[name].group = (group,)
+                app[name].sort_key = number
+                command = app[name].default_command
+                command.__doc__ = unwrapped(command.__doc__)
+    besides = Group("Besides", sort_key=len(COMMANDS))
+    for flag in ("--help", "--version"):
+        app[flag].group = (besides,)
 
 
 def option(argument: str) -> str:
@@ -124,7 +191,7 @@ def main(tokens: list[str] | None = None) -> None:
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        from rollbench.compare.scenes.units import COMMA, has_comma
+        from rollbench.meshes.units import COMMA, has_comma
 
         given = re.search('convert "(.*)" into (?:int|float)', text)
         advice = COMMA if given and has_comma(given[1]) else "see rollbench --help"

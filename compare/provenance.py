@@ -8,13 +8,14 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from rollbench.compare.registration import ROOT, data_files, source_files
+from rollbench.compare import data
+from rollbench.compare.case import files_named, shipped_files
 from rollbench.reports.manifest import sha256
 
 #: Packages whose sources are part of what a page rests on.
 PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
-#: Files of a store that are no run of the 3D reference, and of printed data.
-STORED, PRINTED = ("*.json", "*.npz", "*.toml"), ("*.toml", "*.json")
+#: Files of a store.
+STORED = ("*.json", "*.npz", "*.toml")
 #: Name under which the sources stand in a manifest.
 SOURCES = "sources of rollbench"
 #: How the others begin there: scenes, printed data, files of a store.
@@ -39,7 +40,7 @@ def commit() -> str:
 
 
 def _source_folder(package: str) -> Path:
-    """Where a folder of the repository, as ``compare/wings/rolling``, stands in the installed package."""
+    """Where a folder of the repository, as ``compare/studies/rolling``, stands in the installed package."""
     first, *rest = package.split("/")
     return Path(str(resources.files("rollbench").joinpath(first, *rest)))
 
@@ -55,10 +56,10 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
 
 
 def printed_files() -> dict[str, Path]:
-    """Printed data by the name that manifests have: tables, misprints of a source, what the audit holds them against."""
-    files = {f"{name}.toml": path for name, path in data_files("printed").items()}
-    files |= {f"misprints/{path.parent.name}.toml": path for path in source_files("misprints.toml")}
-    return files | {f"audit/{path.name}": path for pattern in PRINTED for path in ROOT.glob(f"printed/audit/{pattern}")}
+    """Printed data by the name that manifests have: tables, misprints of a source, what is left out."""
+    files = {f"{name}.toml": path for name, path in shipped_files("printed").items()}
+    files |= {f"misprints/{case.name}.toml": path for case, path in files_named("misprints.toml").items()}
+    return files | {"left-out.toml": data.place("cases/left-out.toml")}
 
 
 def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:

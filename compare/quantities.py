@@ -1,16 +1,18 @@
-"""Quantities of results, described once: key, heading, unit, format, and how to get them from a record in SI units.
+"""Quantities of results, as they are stated at the fields of records (`meshes.quantity`), in the units of their keys.
 
-The ending of a key says the unit: ``approach_um`` is 1e6 times the attribute ``approach`` in m. JSON, terminal, comparison
+The ending of a key says the unit: ``approach_um`` is 1e6 times the field ``approach`` in m. JSON, terminal, comparison
 and the tables of the library take them from here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from operator import attrgetter
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache, reduce
 from typing import Any, NamedTuple
 
+from rollbench.meshes.quantity import Stated, stated_in
 from rollbench.reports.quantity import Quantity
 
 
@@ -68,19 +70,53 @@ def split_unit(key: str) -> tuple[str, str]:
     return name.replace("_", " "), "" if unit is None else unit.text
 
 
-def quantity(key: str, get: str | Callable[[Any], Any] = "", heading: str = "", form: str = "g5") -> Quantity:
-    """A quantity in the unit that its key ends with. get: the attribute of a record that holds it in SI units, or a
-    function of the record; the key without its unit unless given."""
-    name, unit = unit_of(key)
-    getter = get if callable(get) else attrgetter(get or name)
-    factor = 1.0 if unit is None else unit.factor
-    text = "" if unit is None else unit.text
-    return Quantity(key, heading or name.replace("_", " "), text, form, lambda holder: _ready(getter(holder), factor))
+@cache
+def quantities(kind: type) -> dict[str, Quantity]:
+    """The quantities that are stated at the fields of a record, by their keys."""
+    return {x.key: _column(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
-def record(quantities: Sequence[Quantity], holder: Any) -> dict[str, Any] | None:
-    """The quantities of a record by their keys, ready for JSON; None without a record."""
-    return None if holder is None else {q.key: q.value(holder) for q in quantities}
+def _unit(key: str) -> tuple[str, Unit | None]:
+    """Name and unit of a key; of one in a table of one unit, which the table's name ends with."""
+    *tables, last = map(unit_of, key.split("."))
+    return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
+
+
+def _column(name: str, x: Stated) -> Quantity:
+    words, unit = _unit(x.key)
+    text, factor = ("", 1.0) if unit is None else unit
+
+    def value(holder: Any) -> Any:
+        return _ready(x.shown(getattr(holder, name)), factor)
+
+    return Quantity(x.key, x.heading or words.replace("_", " "), text, x.form, value)
+
+
+def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
+    """The quantities of a record by their keys, ready for JSON, but for those ``without``; None without a record."""
+    if holder is None:
+        return None
+    out: dict[str, Any] = {}
+    kind: Any = type(holder)
+    for key, one in quantities(kind).items():
+        if key not in without:
+            *tables, last = key.split(".")
+            reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = one.value(holder)
+    return out
+
+
+def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a record that are quantities, in SI units, from JSON with their keys; None where that has no value."""
+    out: dict[str, Any] = {}
+    for field in fields(kind):
+        one = next(iter(field.metadata.get("stated", ())), None)
+        if one is not None and one.show is None:
+            value: Any = data
+            for key in one.key.split("."):
+                value = value.get(key) if isinstance(value, Mapping) else None
+            unit = _unit(one.key)[1]
+            out[field.name] = _ready(value, 1.0 if unit is None else 1.0 / unit.factor)
+    return out
 
 
 def number(value: float) -> float | None:
@@ -106,9 +142,11 @@ def shown(value: float, error: float | None = None, digits: int = 4) -> str:
 
 def _ready(value: Any, factor: float) -> Any:
     """A value in its unit: numbers by ``factor``, also those of a mapping, tuple or array; words, truth values and counts
-    stay."""
+    stay; records by their keys."""
+    if is_dataclass(value):
+        return as_json(value)
     if isinstance(value, Mapping):
         return {key: _ready(inner, factor) for key, inner in value.items()}
-    if isinstance(value, tuple) or getattr(value, "ndim", False):
+    if isinstance(value, tuple | list) or getattr(value, "ndim", False):
         return [_ready(inner, factor) for inner in value]
     return value if value is None or isinstance(value, str | int) else number(factor * value)

@@ -71,11 +71,11 @@ def write(app: Sphinx) -> None:
     """Writes the pages and drawings that the program makes."""
     import drawings
     import generate
-    import house
+    import layers
 
     generate.pages(Path(app.srcdir) / "reference")
     drawings.draw(Path(app.srcdir) / "_static")
-    house.draw(Path(app.srcdir) / "_static/house.svg")
+    layers.draw(Path(app.srcdir) / "_static/layers.svg")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

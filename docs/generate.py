@@ -7,12 +7,12 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from rollbench.compare.case import files_named
 from rollbench.compare.quantities import unit_of
-from rollbench.compare.registration import source_files
+from rollbench.compare.results.definitions import TABLES
 
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
@@ -128,19 +128,17 @@ def _cell(text: str) -> str:
 
 
 def quantities() -> Iterator[str]:
-    """Every quantity of the output: from the one file of definitions."""
+    """Every quantity of the output: from the fields that state it."""
     yield (
         "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path in"
-        " their JSON (`--json`) and in Python: `solution[path]`. The ending of a path is its unit. Axes: z along the screw,"
-        " azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
+        " their JSON (`--json`); in Python `result.definition(path)` says the same. The ending of a path is its unit. Axes:"
+        " z along the screw, azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
     )
-    text = resources.files("rollbench.compare").joinpath("definitions.toml").read_text()
-    for table in tomllib.loads(text)["table"]:
+    for table in TABLES:
         head = "| path | unit | definition | its error |\n|---|---|---|---|"
-        yield f"\n## {table['title']}\n\n{table.get('about', '')}\n\n{head}"
-        for one in table["quantity"]:
-            unit = unit_of_path(one["path"])
-            yield f"| `{one['path']}` | {unit} | {_cell(one['is'])} | {_cell(one.get('error', '–'))} |"
+        yield f"\n## {table.title}\n\n{table.about}\n\n{head}"
+        for path, one in table.paths():
+            yield f"| `{path}` | {unit_of_path(path)} | {_cell(one.definition)} | {_cell(one.error or '–')} |"
 
 
 def unit_of_path(path: str) -> str:
@@ -152,7 +150,7 @@ def unit_of_path(path: str) -> str:
 def misprints() -> Iterator[str]:
     """The sources' misprints, from the data of each source."""
     yield "# Misprints of the sources\n\nThe right value stands in the models; as-printed modes show what a misprint does."
-    for path in source_files("misprints.toml"):
+    for path in files_named("misprints.toml").values():
         found = tomllib.loads(path.read_text())
         yield f"\n## {found['title']}\n\n| where | printed | right | evidence |\n|---|---|---|---|"
         for row in found["row"]:

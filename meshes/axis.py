@@ -12,7 +12,9 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.meshes.fields import about, keyed, usual
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.ranges import Bore, ContactAngle, Size, Station
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -36,16 +38,21 @@ ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
 }
 
 
+@keyed
 @dataclass(frozen=True)
 class Segment:
-    """Plain stretch of the shaft from ``start`` to ``end`` [m]: diameter and bore [m]."""
+    """A plain stretch of the shaft.
 
-    start: float
-    end: float
-    diameter: float
-    bore: float = 0.0
+    Stations, diameter and bore [m].
+    """
+
+    start: Station = field(metadata=about("station where it begins", "0 mm"))
+    end: Station = field(metadata=about("station where it ends", "60 mm"))
+    diameter: Size = field(metadata=about("its diameter", "25 mm"))
+    bore: Bore = usual(0.0, "diameter of its hole", "6 mm")
 
 
+@keyed
 @dataclass(frozen=True)
 class Housing:
     """Rigid body that carries nuts or outer rings; its motion is taken at station ``at`` [m] on the shaft's axis.
@@ -56,10 +63,10 @@ class Housing:
 
     name: str
     at: float
-    fixed: tuple[tuple[str, float], ...] = ()
-    stiffness: Stiffness | None = None
-    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    fixed: tuple[tuple[str, float], ...] = usual(())
+    stiffness: Stiffness | None = usual(None)
+    force: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
+    moment: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
 
     @property
     def stands(self) -> bool:
@@ -77,6 +84,7 @@ class Joint:
     stiffness: Stiffness
 
 
+@keyed
 @dataclass(frozen=True)
 class RollerRow:
     """One row of tapered rollers, every cone of it with its apex on the axis: number, mean diameter and effective length of
@@ -85,17 +93,18 @@ class RollerRow:
     azimuth of the first one [rad]."""
 
     count: int
-    diameter: float
-    length: float
-    cup_angle: float
-    roller_angle: float
-    depth: float
+    diameter: Size
+    length: Size
+    cup_angle: ContactAngle
+    roller_angle: ContactAngle
+    depth: Size
     material: Material
-    crown: float = float("inf")
-    slices: int = 15
-    phase: float = 0.0
+    crown: float = usual(float("inf"))
+    slices: int = usual(15)
+    phase: float = usual(0.0)
 
 
+@keyed
 @dataclass(frozen=True)
 class RollingSet:
     """One set on the shaft. parts: its track, grooves, balls and errors as a scene without supports and loads whose screw
@@ -112,13 +121,14 @@ class RollingSet:
     kind: Literal["ball nut", "bearing", "tapered roller bearing"]
     parts: Scene | RollerRow
     position: float
-    housing: str | None = None
-    offset: float = 0.0
-    preload: float = 0.0
-    thrust: Thrust = "both"
-    carrier: str | None = None
+    housing: str | None = usual(None)
+    offset: float = usual(0.0)
+    preload: float = usual(0.0)
+    thrust: Thrust = usual("both")
+    carrier: str | None = usual(None)
 
 
+@keyed
 @dataclass(frozen=True)
 class Assembly:
     """One load case of a shaft with its rolling sets. screw: the shaft; segments: its plain stretches.
@@ -131,19 +141,25 @@ class Assembly:
     title: str
     screw: Screw
     sets: tuple[RollingSet, ...]
-    segments: tuple[Segment, ...] = ()
-    housings: tuple[Housing, ...] = ()
-    joints: tuple[Joint, ...] = ()
-    supports: tuple[Support, ...] = ()
-    loads: tuple[Load, ...] = ()
-    ingredients: Ingredients = field(default_factory=Ingredients)
-    source: str = ""
-    assumed: tuple[str, ...] = ()
-    friction: Friction | None = None
-    motion: Motion | None = None
-    stiffness_at: float | str | None = None
-    thermal_strain: float = 0.0
+    segments: tuple[Segment, ...] = usual(())
+    housings: tuple[Housing, ...] = usual(())
+    joints: tuple[Joint, ...] = usual(())
+    supports: tuple[Support, ...] = usual(())
+    loads: tuple[Load, ...] = usual(())
+    ingredients: Ingredients = usual(Ingredients())
+    source: str = usual("")
+    assumed: tuple[str, ...] = usual(())
+    friction: Friction | None = usual(None)
+    motion: Motion | None = usual(None)
+    stiffness_at: float | str | None = usual(None)
+    thermal_strain: float = usual(0.0)
     kind: ClassVar[str] = "axis"
+
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this shaft with its sets."""
+        from rollbench.meshes.scene_text import axis_tables, to_toml
+
+        return to_toml(axis_tables(self))
 
     @property
     def ball_count(self) -> int:

@@ -1,7 +1,7 @@
 """One exact text for what results depend on, and its digest: keys of stored runs and of cached parts.
 
 A record (dataclass or named tuple) is its name and, by name, those fields that differ from their frozen default: that of
-the day they were added (`frozen_defaults`). So a field that is added changes no key, and a default that is changed later
+the day they were added (`meshes.fields`). So a field that is added changes no key, and a default that is changed later
 changes the key of all that relied on it. Numbers that are equal have one text, whatever their type; a negative zero is not
 zero, and not-a-number is one value. Where a record's class lives does not count, its name does.
 """
@@ -13,11 +13,12 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from rollbench.meshes.frozen_defaults import FROZEN
+from rollbench.meshes.fields import FROZEN
 
 #: Version of the form, part of every digest: bump it when the same value gets another text.
 FORM = 1
@@ -25,9 +26,9 @@ FORM = 1
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields of a record as they come back from a file: name of its class and values; one that is absent is as usual."""
+    """Fields of a record as they come back from a file: its class and values; one that is absent is as usual."""
 
-    record: str
+    record: type
     values: Mapping[str, object]
 
 
@@ -49,9 +50,9 @@ def canonical(value: object) -> str:
     if write is not None:
         return write(value)
     if is_dataclass(value) and not isinstance(value, type):
-        return _record(type(value).__name__, {f.name: getattr(value, f.name) for f in fields(value)})
+        return _record(type(value), {f.name: getattr(value, f.name) for f in fields(value)})
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return _record(type(value).__name__, value._asdict())
+        return _record(type(value), value._asdict())
     if isinstance(value, str):  # a text that knows more of itself, as a status
         return canonical(str(value))
     if isinstance(value, type):
@@ -64,10 +65,17 @@ def canonical(value: object) -> str:
     raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
 
 
-def _record(name: str, values: Mapping[str, object]) -> str:
-    usual = FROZEN.get(name, {})
+def _record(record: type, values: Mapping[str, object]) -> str:
+    name, usual = record.__name__, _usual(record)
     texts = {field: canonical(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
+
+
+@cache
+def _usual(record: type) -> Mapping[str, str]:
+    """Texts of the frozen defaults of a record, by field; none of one that only caches know."""
+    frozen = FROZEN.get(record.__name__, {})
+    return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 
 
 def _float(value: float) -> str:

@@ -15,11 +15,13 @@ from typing import Literal
 import numpy as np
 
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
 from rollbench.meshes.one_arc import near_apex, sides_of_arcs
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 
+@keyed
 @dataclass(frozen=True, eq=False)
 class GrooveMap:
     """Track of one scene: pitch radius R, reduced lead rg [m/rad], lead angle alpha, contact angle beta [rad], ball
@@ -37,7 +39,7 @@ class GrooveMap:
     z0: float
     phase: float
     starts: int
-    arcs: Literal["two", "+z", "-z"] = "two"
+    arcs: Literal["two", "+z", "-z"] = usual("two")
 
     @staticmethod
     def of(scene: Scene) -> GrooveMap:

@@ -87,3 +87,11 @@ def _along_contacts(scene: Scene, distance: list[float]) -> Array:
     """Points ``(4, 2)`` [m] so far along the contact direction of each side."""
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
+
+
+def spread_over_turns(balls: int, turns: float, phase: float, circuits: int = 1, gap: float = 0.0) -> tuple[float, ...]:
+    """Azimuths [rad] of balls spread evenly over the turns of each circuit, circuits with gaps of some turns between them,
+    centred on a phase [rad]."""
+    spacing, pitch = 2.0 * pi * turns / balls, 2.0 * pi * (turns + gap)
+    middles = (phase + (k - (circuits - 1) / 2.0) * pitch for k in range(circuits))
+    return tuple(middle + (i - (balls - 1) / 2.0) * spacing for middle in middles for i in range(balls))

@@ -3,10 +3,11 @@ so near a contact angle of zero that both flanks' contacts lie within one patch.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import acos, asin, cos, degrees, sin
 
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
 
 #: Distance of the contact from the apex between both arcs, over the ball's radius, below which they count as one: there a
 #: third of a contact of usual size lies beyond the apex.
@@ -60,14 +61,22 @@ def as_one_arc(scene: Scene) -> Scene:
     return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, statement))
 
 
-@dataclass(frozen=True)
+@record
 class Clearance:
     """Play between rings of one arc each: radial and axial internal clearance [m], both the whole way that one ring goes
     against the other, and the contact angle [rad] at which the balls touch at either end of the axial one."""
 
-    radial: float
-    axial: float
-    angle: float
+    radial: float = quantity(
+        "radial_um",
+        "radial internal clearance P_d of that row, all the way that one ring goes across the other, with the balls' "
+        "oversize",
+    )
+    axial: float = quantity("axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of that row")
+    angle: float = quantity(
+        "rest_angle_deg",
+        "contact angle at which the balls of a deep-groove row touch at either end of its axial play, "
+        "without load: cos alpha_0 = 1 - P_d/(2 A), A = r_i + r_o - D; null without play",
+    )
 
 
 def distance_of_centres(scene: Scene) -> float:

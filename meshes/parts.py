@@ -6,7 +6,37 @@ Both fidelities read these records and nothing else of each other.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from rollbench.meshes.fields import about, keyed, usual
+from rollbench.meshes.ranges import (
+    MAX_BALLS,
+    Azimuth,
+    Bore,
+    Clearance,
+    ContactAngle,
+    Deviation,
+    Duration,
+    Element,
+    Filling,
+    Forces,
+    Harmonic,
+    Lead,
+    Modulus,
+    Moments,
+    Percent,
+    Poisson,
+    Radius,
+    Several,
+    Size,
+    Spread,
+    Station,
+    StepGoal,
+    Travel,
+    Turning,
+    Turns,
+    Whole,
+)
 
 #: Contact sides in the order of every ``(n, 4)`` array: screw left, screw right, nut left, nut right.
 SIDES = ("SL", "SR", "NL", "NR")
@@ -49,8 +79,8 @@ class UnfitKey(ValueError):
 class Material:
     """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio."""
 
-    youngs_modulus: float
-    poissons_ratio: float
+    youngs_modulus: Modulus
+    poissons_ratio: Poisson
 
     @property
     def shear_modulus(self) -> float:
@@ -58,6 +88,7 @@ class Material:
         return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
 
 
+@keyed
 @dataclass(frozen=True)
 class Track:
     """Nominal ball path (Lin 2.1, 2.2, 2.5): pitch radius [m], lead [m], hand, starts, contact angle [rad].
@@ -66,26 +97,28 @@ class Track:
     is a gothic arch of two arcs, or, of a bearing, one arc, whose contacts then carry thrust on the screw this way.
     """
 
-    pitch_radius: float
-    lead: float
-    contact_angle: float
-    hand: Literal["right", "left"] = "right"
-    starts: int = 1
-    phase: float = 0.0
-    arcs: Literal["two", "+z", "-z"] = "two"
+    pitch_radius: Radius
+    lead: Lead
+    contact_angle: ContactAngle
+    hand: Literal["right", "left"] = usual("right")
+    starts: int = usual(1)
+    phase: Azimuth = usual(0.0)
+    arcs: Literal["two", "+z", "-z"] = usual("two")
 
 
+@keyed
 @dataclass(frozen=True)
 class Screw:
     """Screw shaft or inner ring: length, outer diameter, bore and groove radius [m], material."""
 
-    length: float
-    outer_diameter: float
-    groove_radius: float
+    length: Size
+    outer_diameter: Size
+    groove_radius: Radius
     material: Material
-    bore: float = 0.0
+    bore: Bore = usual(0.0)
 
 
+@keyed
 @dataclass(frozen=True)
 class Flange:
     """Flange at an end of a nut, within its length: outer diameter and thickness [m], ``side`` of the nut.
@@ -96,13 +129,13 @@ class Flange:
     the first at azimuth 0 (0: all of the seat, as in low-order models).
     """
 
-    diameter: float
-    thickness: float
+    diameter: Size
+    thickness: Size
     seat: tuple[float, float]
-    side: Literal["left", "right"] = "left"
-    centring: float = 0.0
-    bonded: bool = False
-    bolts: int = 0
+    side: Literal["left", "right"] = usual("left")
+    centring: Bore = usual(0.0)
+    bonded: bool = usual(False)
+    bolts: int = usual(0)
 
     def stations(self, low: float, high: float) -> tuple[float, float, float]:
         """Stations [m] of its outer face, of the face that may be held, and of the end of the fit, on a nut from ``low``
@@ -111,6 +144,7 @@ class Flange:
         return end, end + inwards * self.thickness, end + inwards * (self.thickness + self.centring)
 
 
+@keyed
 @dataclass(frozen=True)
 class Nut:
     """Nut or outer ring: axial position of its centre, length, outer diameter and groove radius [m], material.
@@ -118,64 +152,74 @@ class Nut:
     ``azimuth`` [rad] is the angle psi_N between the axes of nut and screw (Lin 2.9), on which the nut's errors depend.
     """
 
-    position: float
-    length: float
-    outer_diameter: float
-    groove_radius: float
+    position: Station
+    length: Size
+    outer_diameter: Size
+    groove_radius: Radius
     material: Material
-    azimuth: float = 0.0
-    flange: Flange | None = None
+    azimuth: Azimuth = usual(0.0)
+    flange: Flange | None = usual(None)
 
 
 @dataclass(frozen=True)
 class Balls:
     """Balls: nominal radius [m], material, and the unwrapped azimuths [rad] of one start (each start has the same)."""
 
-    radius: float
+    radius: Radius
     material: Material
-    azimuths: tuple[float, ...]
+    azimuths: tuple[Azimuth, ...]
 
 
+@keyed
 @dataclass(frozen=True)
 class FourierTerm:
-    """One term ``sin * sin(h phi) + cos * cos(h phi)`` [m] of an error along the track; ``h`` may be a fraction.
+    """One harmonic of an error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
 
-    ``sigma`` [m] > 0 adds independent normal draws to both amplitudes.
+    Amplitudes and sigma [m].
     """
 
-    harmonic: float
-    sin: float = 0.0
-    cos: float = 0.0
-    sigma: float = 0.0
+    harmonic: Harmonic = field(metadata=about("cycles per turn; may be a fraction"))
+    sin: Deviation = usual(0.0, "amplitude of the sine", "3 um")
+    cos: Deviation = usual(0.0, "amplitude of the cosine", "3 um")
+    sigma: Spread = usual(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
 
 
+Terms = Annotated[tuple[FourierTerm, ...], Several(0, 1000)]
+
+
+@keyed
 @dataclass(frozen=True)
 class SideErrors:
-    """Geometric errors of one groove flank (Lin 2.27, 4.1, 4.3).
+    """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR).
 
-    ``profile``: coefficients [m] of the inward offset of the groove radius, a polynomial in gamma [rad];
-    ``profile_sigma``: standard deviations [m] of normal draws added to those coefficients;
-    ``pitch``: displacement of the groove centre along z3 (``pitch_along = "section"``, Lin 2.27) or along the
-    screw's axis (``"axis"``, Lin 4.1); ``roundness``: displacement of the groove centre along the radius (Lin 4.3).
+    All in m (Lin 2.27, 4.1, 4.3); gamma in rad.
     """
 
-    profile: tuple[float, ...] = ()
-    profile_sigma: tuple[float, ...] = ()
-    pitch: tuple[FourierTerm, ...] = ()
-    pitch_along: Literal["section", "axis"] = "section"
-    roundness: tuple[FourierTerm, ...] = ()
+    profile: Annotated[tuple[Deviation, ...], Several(0, 7)] = usual(
+        (), "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", ["3 um", "-1 um"]
+    )
+    profile_sigma: Annotated[tuple[Spread, ...], Several(0, 7)] = usual(
+        (), "standard deviations of normal draws added to the coefficients of profile", ["1 um", "0 um"]
+    )
+    pitch: Terms = usual((), "displacement of the groove centre along the screw", [{"harmonic": 1, "sin": "3 um"}])
+    pitch_along: Literal["section", "axis"] = usual(
+        "section", "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)", "section"
+    )
+    roundness: Terms = usual((), "displacement of the groove centre along the radius", [{"harmonic": 2, "cos": "5 um"}])
 
 
+@keyed
 @dataclass(frozen=True)
 class BallErrors:
     """Errors of the ball radii [m]: the same ``oversize`` for all, ``listed`` by ball number (from 1), and random."""
 
-    oversize: float = 0.0
-    listed: tuple[tuple[int, float], ...] = ()
-    sigma: float = 0.0
-    distribution: Literal["normal", "uniform"] = "normal"
+    oversize: Deviation = usual(0.0)
+    listed: tuple[tuple[int, float], ...] = usual(())
+    sigma: Spread = usual(0.0)
+    distribution: Literal["normal", "uniform"] = usual("normal")
 
 
+@keyed
 @dataclass(frozen=True)
 class Errors:
     """All geometric errors of a scene, and the seed of every random one.
@@ -184,13 +228,13 @@ class Errors:
     rest of it, by which a single nut is preloaded in two-point contact.
     """
 
-    balls: BallErrors = field(default_factory=BallErrors)
-    SL: SideErrors = field(default_factory=SideErrors)
-    SR: SideErrors = field(default_factory=SideErrors)
-    NL: SideErrors = field(default_factory=SideErrors)
-    NR: SideErrors = field(default_factory=SideErrors)
-    seed: int = 0
-    lead_offset: float = 0.0
+    balls: BallErrors = usual(BallErrors())
+    SL: SideErrors = usual(SideErrors())
+    SR: SideErrors = usual(SideErrors())
+    NL: SideErrors = usual(SideErrors())
+    NR: SideErrors = usual(SideErrors())
+    seed: int = usual(0)
+    lead_offset: float = usual(0.0)
 
     def side(self, name: str) -> SideErrors:
         """Errors of the flank ``name`` (one of SIDES)."""
@@ -210,64 +254,79 @@ class Errors:
 class Support:
     """Support of the screw at station ``at`` [m]: pairs (freedom, prescribed displacement [m] or rotation [rad])."""
 
-    at: float
+    at: Station
     fixed: tuple[tuple[str, float], ...]
 
 
+@keyed
 @dataclass(frozen=True)
 class Load:
-    """Load on the screw at station ``at`` [m]: force [N] and moment [N m] vectors, applied on the axis."""
+    """Load on the screw at one station, applied on the axis.
 
-    at: float
-    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    Station [m], force [N], moment [N m].
+    """
+
+    at: Station = field(metadata=about("station along the screw", "0 mm"))
+    force: Forces = usual((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
+    moment: Moments = usual((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
 
 
+@keyed
 @dataclass(frozen=True)
 class Ingredients:
-    """Which parts of the low-order model a scene uses.
+    """Which parts of the low-order model are used.
 
-    hertz: constants at the ``"nominal"`` contact angle with each contact's own radii, of ``"error-free"`` parts there, at
-    the ``"actual"`` geometry of each contact, or ``"as printed"`` (Table B.1's faults).
-    screw: ``"beam"`` (Timoshenko) or ``"rigid"``.
-    partition: ``"nodal"`` (a node at every contact station, exact), ``"source"`` (15 mm in the nut, about the pitch
-    diameter outside), or ``"uniform"`` with ``element_length`` inside the nut.
-    section: ``"groove"`` (Lin C.8: diameters scaled by k_r), ``"groove squared"`` (k_r without the root), ``"full"``.
-    arm: lever arm of the contact force: ``"current"`` contact point, ``"nominal"`` contact point (frozen), or
-    ``"ball"`` (current contact point, but the force enters the beam at the ball's station).
+    Constants at the nominal angle are those of each contact's own radii; a source's nodes outside the nut are about the
+    pitch diameter apart; with the arm of the ball's station the force still acts at the current contact point.
     """
 
-    hertz: Literal["nominal", "error-free", "actual", "as printed"] = "nominal"
-    screw: Literal["beam", "rigid"] = "beam"
-    partition: Literal["nodal", "source", "uniform"] = "nodal"
-    element_length: float = 1.0e-3
-    section: Literal["groove", "groove squared", "full"] = "groove"
-    arm: Literal["current", "nominal", "ball"] = "current"
+    hertz: Literal["nominal", "error-free", "actual", "as printed"] = usual(
+        "nominal",
+        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
+        "actual",
+    )
+    screw: Literal["beam", "rigid"] = usual("beam", "screw as Timoshenko beam or rigid", "rigid")
+    partition: Literal["nodal", "source", "uniform"] = usual(
+        "nodal", "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length", "source"
+    )
+    element_length: Element = usual(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
+    section: Literal["groove", "groove squared", "full"] = usual(
+        "groove", "beam section: diameters scaled by k_r (Lin C.8), by k_r without the root, or full", "full"
+    )
+    arm: Literal["current", "nominal", "ball"] = usual(
+        "current",
+        "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
+        "nominal",
+    )
 
 
+@keyed
 @dataclass(frozen=True)
 class Solid:
-    """What a 3D model needs beyond a low-order one; ``None`` stands for the assumption of ``meshes.solid``.
+    """What the 3D reference needs beyond the low-order model; a key left out stands for an assumption, which is printed.
 
-    ``nut_inner_diameter``: lands of the nut [m]; ``hole_diameter``: hole along the axis of the meshed screw [m];
-    ``shaft``: length of the 3D stretch beyond the nut on each side [m]; ``shaft_diameter``: diameter of the equivalent
-    plain shaft beyond it [m] (``None``: the section is homogenised from the grooved shaft);
-    ``nut_held``: where the nut is held (half a face: the inner or outer half of its width; the flange's: at its ``seat``);
-    ``screw_held``: at the ends of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid
-    beyond the contact patches; ``nut_groove``: through the whole nut, or filled beyond the loaded balls
-    (`meshes.groove.GrooveEnds`).
+    Lengths in m; assumptions by `meshes.solid`; a groove that is not through: `meshes.groove.GrooveEnds`.
     """
 
-    nut_inner_diameter: float | None = None
-    hole_diameter: float | None = None
-    shaft: float | None = None
-    shaft_diameter: float | None = None
-    nut_held: NutHeld | None = None
-    screw_held: Literal["ends", "bore"] | None = None
-    nut: Literal["elastic", "rigid"] = "elastic"
-    nut_groove: Literal["through", "loaded"] = "through"
+    nut_inner_diameter: Size | None = usual(None, "diameter of the nut's lands; mirrors the screw's if left out", "34 mm")
+    hole_diameter: Size | None = usual(None, "hole along the meshed screw where it has no bore", "3 mm")
+    shaft: Station | None = usual(None, "length of 3D shaft beyond each face of the nut; a beam continues it", "20 mm")
+    shaft_diameter: Size | None = usual(
+        None, "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", "31 mm"
+    )
+    nut_held: NutHeld | None = usual(None, "former key of nut.held.at", "left face")
+    screw_held: Literal["ends", "bore"] | None = usual(
+        None, "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", "ends"
+    )
+    nut: Literal["elastic", "rigid"] = usual("elastic", "nut elastic, or rigid beyond its contact patches", "elastic")
+    nut_groove: Literal["through", "loaded"] = usual(
+        "through",
+        "groove through the whole nut, or filled from two ball diameters beyond the outermost balls on",
+        "through",
+    )
 
 
+@keyed
 @dataclass(frozen=True)
 class Friction:
     """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
@@ -279,10 +338,10 @@ class Friction:
 
     screw: float
     nut: float
-    assumed: tuple[str, ...] = ()
-    feedback: bool = True
-    balls: float | None = None
-    neighbours: bool = False
+    assumed: tuple[str, ...] = usual(())
+    feedback: bool = usual(True)
+    balls: float | None = usual(None)
+    neighbours: bool = usual(False)
 
     @property
     def between_balls(self) -> float:
@@ -290,43 +349,56 @@ class Friction:
         return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
+@keyed
 @dataclass(frozen=True)
 class Motion:
-    """Which part turns, and its angular speed about +z [rad/s]; the other part does not turn."""
+    """Which part turns and how fast, for: rollbench friction.
 
-    speed: float
-    turns: Literal["screw", "nut"] = "screw"
+    Angular speed [rad/s].
+    """
+
+    speed: Turning = field(metadata=about("angular speed of the part that turns, about +z; negative: the other way"))
+    turns: Literal["screw", "nut"] = usual(
+        "screw", "the part that turns; the other one does not, and they move apart along the axis by the lead", "nut"
+    )
 
 
+@keyed
 @dataclass(frozen=True)
 class Circulation:
-    """How the balls of a screw go round: ``circuits`` closed tracks per start, each a loaded arc and a return.
+    """How the balls of a screw go round, for: rollbench friction.
 
-    turns: loaded turns of each start over all its circuits (``None``: as many as its balls fill); returning: balls in the
-    return of each circuit; gap: mean clearance between neighbouring balls of a circuit along its track [m], or filling: the
-    fraction of a circuit that its balls would fill if they touched (neither: spaced in the return as on the loaded arc).
+    Each circuit is a loaded arc and a return; without gap [m] and filling the balls in the return are spaced as on the arc.
     """
 
-    circuits: int = 1
-    turns: float | None = None
-    returning: int = 0
-    gap: float | None = None
-    filling: float | None = None
+    circuits: Annotated[int, Whole(1, 1000)] = usual(1, "closed circuits that share the balls of each start equally", 1)
+    turns: Turns | None = usual(
+        None, "loaded turns of each start, all circuits together; left out: those that its balls fill"
+    )
+    returning: Annotated[int, Whole(0, MAX_BALLS)] = usual(0, "balls in the return of each circuit", 4)
+    gap: Clearance | None = usual(None, "mean clearance between neighbouring balls along a circuit (or filling)", "50 um")
+    filling: Filling | None = usual(None, "part of a circuit that its balls would fill if they touched (or gap)", 0.8)
 
 
+@keyed
 @dataclass(frozen=True)
 class Time:
-    """A run over an ``angle`` [rad] of the part that turns, or a ``duration`` [s]; one of them is given.
+    """A run in time, for: rollbench friction. Give angle or duration.
 
-    steps: ``None`` for as many as keep the error of the steps below ``goal``, a fraction of the mean friction torque;
-    output: histories of torque and balls, or only of the torque.
+    Angle [rad], duration [s].
     """
 
-    angle: float | None = None
-    duration: float | None = None
-    steps: int | None = None
-    goal: float = 0.01
-    output: Literal["balls", "torque"] = "balls"
+    angle: Travel | None = usual(None, "angle that the part that turns covers", "360 deg")
+    duration: Duration | None = usual(None, "duration (or angle)", "1 s")
+    steps: Annotated[int, Whole(1, 100_000)] | None = usual(
+        None, "number of steps, from 4; left out: as many as keep the errors of the steps below goal", 200
+    )
+    goal: StepGoal = usual(
+        0.01, "largest error of the steps, as a part of the mean friction torque: beyond it the run has not converged", 0.01
+    )
+    output: Literal["balls", "torque"] = usual(
+        "balls", "histories in the JSON result: of torque and balls, or of torque", "balls"
+    )
 
     def span(self, motion: Motion) -> float:
         """Duration of the run [s] at a motion's speed."""
@@ -335,15 +407,18 @@ class Time:
         return abs((self.angle or 0.0) / motion.speed)
 
 
+@keyed
 @dataclass(frozen=True)
 class GateLimits:
-    """Limits [%] that a scene sets on errors against its 3D reference, ``None`` for the gate's own: ``max_error`` of any
-    contact load, ``rms_error`` of all of them over the mean load."""
+    """Limits of this scene for: rollbench check."""
 
-    max_error: float | None = None
-    rms_error: float | None = None
+    max_error: Percent | None = usual(
+        None, "limit of the error of any contact load against the 3D reference, in per cent", 7
+    )
+    rms_error: Percent | None = usual(None, "limit of the RMS error of the contact loads, in per cent of the mean load", 3)
 
 
+@keyed
 @dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
@@ -354,20 +429,20 @@ class Scene:
     screw: Screw
     nut: Nut
     balls: Balls
-    errors: Errors = field(default_factory=Errors)
-    supports: tuple[Support, ...] = ()
-    loads: tuple[Load, ...] = ()
-    ingredients: Ingredients = field(default_factory=Ingredients)
-    solid: Solid = field(default_factory=Solid)
-    source: str = ""
-    assumed: tuple[str, ...] = ()
-    members: int = 1
-    friction: Friction | None = None
-    motion: Motion | None = None
-    role: str = field(default="", compare=False)
-    circulation: Circulation | None = None
-    time: Time | None = None
-    gate: GateLimits = field(default_factory=GateLimits, compare=False)
+    errors: Errors = usual(Errors())
+    supports: tuple[Support, ...] = usual(())
+    loads: tuple[Load, ...] = usual(())
+    ingredients: Ingredients = usual(Ingredients())
+    solid: Solid = usual(Solid())
+    source: str = usual("")
+    assumed: tuple[str, ...] = usual(())
+    members: int = usual(1)
+    friction: Friction | None = usual(None)
+    motion: Motion | None = usual(None)
+    role: str = usual("", compare=False)
+    circulation: Circulation | None = usual(None)
+    time: Time | None = usual(None)
+    gate: GateLimits = usual(GateLimits(), compare=False)
 
     def __hash__(self) -> int:
         """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""
@@ -379,6 +454,12 @@ class Scene:
     def __getstate__(self) -> dict[str, Any]:
         """Only the fields: words have another hash in another process."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this scene."""
+        from rollbench.meshes.scene_text import scene_tables, to_toml
+
+        return to_toml(scene_tables(self))
 
     @property
     def stations(self) -> list[float]:

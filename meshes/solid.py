@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import groove_radii, nominal_groove_centres
 from rollbench.meshes.parts import Scene, UnfitKey
 
@@ -22,6 +23,7 @@ SHAFT = 1.5
 WHOLE, RUN_OUT = 1.0, 1.0
 
 
+@keyed
 @dataclass(frozen=True)
 class Dimensions:
     """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
@@ -37,7 +39,7 @@ class Dimensions:
     held_radii: tuple[float, float]
     groove_ends: bool
     assumed: tuple[str, ...]
-    mesh_only: tuple[str, ...] = ()
+    mesh_only: tuple[str, ...] = usual(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:
         """Stations [m] of the flat ends of the 3D stretch of the screw.

@@ -74,6 +74,10 @@ _RC = {
 LINE, AWAY = 10.0, 10.0
 #: Width of a letter of these texts, about [points].
 LETTER = 4.1
+#: Room for the label of a power on an abscissa [points].
+TICK = 32.0
+#: Width below which a figure has one column of names in its legend [inches].
+NARROW = 5.0
 #: Share of a panel's width whose points have their texts on the left.
 LEFT = 0.4
 
@@ -108,7 +112,9 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
     long = np.array([LETTER * len(text) + 2.0 * AWAY for *_, text in points])
     room = np.array([long.max(initial=0.0, where=left), long.max(initial=0.0, where=~left)])
     _widen(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
-    place, _, height = _places(axes, [*points, *ends])
+    place, width, height = _places(axes, [*points, *ends])
+    if axes.get_xscale() == "log":  # over more decades than before
+        axes.xaxis.set_major_locator(LogLocator(numticks=max(3, int(width / TICK))))
     for side, column, align in ((left, place[-2, 0] - AWAY, "right"), (~left, place[-1, 0] + AWAY, "left")):
         heights = apart(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
         for at, up in zip(np.flatnonzero(side), heights, strict=True):
@@ -195,7 +201,8 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
             axes = canvas.add_subplot(rows, columns, number, sharey=first)
             _draw_panel(axes, panel, order)
             if not shared:
-                legends = max(legends, _legend_below(axes, 2 if columns > 1 else 3))
+                narrow = figure.size is not None and figure.size[0] < NARROW
+                legends = max(legends, _legend_below(axes, 1 if narrow else 2 if columns > 1 else 3))
         if shared:
             handles, labels = canvas.axes[0].get_legend_handles_labels()
             if labels:

@@ -32,34 +32,34 @@ def begin() -> None:
 begin()
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test starts compiles all modules again
 
-#: Packages that the core does without: a module of tests that imports one of them, or a helper that does, is the wing's.
-WING = re.compile(
+#: What one solve does without: a module of tests that imports one of these packages, or a helper that does, is marked so.
+FURTHER = re.compile(
     r"^\s*(?:from|import) rollbench\."
-    r"(?:compare\.(?:wings|sources)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling|meshes\.exchange)\b",
+    r"(?:compare\.(?:cases|evidence|report|studies)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling|meshes\.exchange)\b",
     re.MULTILINE,
 )
 HELPER = re.compile(r"^from (tests\.[\w.]+) import ", re.MULTILINE)
 
 
 @cache
-def imports_a_wing(path: Path) -> bool:
-    """Whether a module of tests, or a helper of it, imports a package that the core does without."""
+def is_further(path: Path) -> bool:
+    """Whether a module of tests, or a helper of it, imports a package that one solve does without."""
     text = path.read_text(encoding="utf-8")
     helpers = (TESTS.parent.joinpath(*name.split(".")).with_suffix(".py") for name in HELPER.findall(text))
-    return WING.search(text) is not None or any(map(imports_a_wing, helpers))
+    return FURTHER.search(text) is not None or any(map(is_further, helpers))
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Leave out wings, sources and what is slow where the command names neither paths nor marks."""
+    """Leave out further tests and what is slow where the command names neither paths nor marks."""
     as_configured = config.option.markexpr == config.getini("addopts")[-1]
     if as_configured and config.args_source is pytest.Config.ArgsSource.TESTPATHS:
-        config.option.markexpr += " and (every_run or not wing and not slow)"
+        config.option.markexpr += " and (every_run or not further and not slow)"
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """Mark the tests of wings and sources."""
-    if "sources" in item.path.parts or imports_a_wing(item.path):
-        item.add_marker("wing")
+    """Mark the tests of cases, studies, the report and their physics."""
+    if "sources" in item.path.parts or is_further(item.path):
+        item.add_marker("further")
 
 
 def begun(item: pytest.Item) -> tuple[float, bool]:

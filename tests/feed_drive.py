@@ -3,7 +3,7 @@
 from tests.shipped_texts import changed, own_text
 
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.wings.friction.whole import Choices, solve_scene
+from rollbench.compare.studies.friction.whole import Choices, solve_scene
 
 MINE = own_text("feed-drive")
 

@@ -9,7 +9,7 @@ from rollbench.lowfi.friction.screw.groove import contact_spacing, pair_geometry
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.losses import ball_path
 from rollbench.lowfi.friction.whole.run import Setting
-from rollbench.lowfi.statics.again import beam_loads
+from rollbench.lowfi.statics.nominal import beam_loads
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
 

@@ -14,7 +14,7 @@ from rollbench.compare.reference.near_face import FILE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation.responses import nut_response
 from rollbench.hifi.meshing.fit import patch_lines, socket_size

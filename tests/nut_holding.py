@@ -11,12 +11,12 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from rollbench.compare.models.compared_point import pull
+from rollbench.compare.cases.external.evidence.screws import scene_name
+from rollbench.compare.cases.external.holding import FILE, ways
+from rollbench.compare.models.model_form import pull
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.external.evidence.screws import scene_name
-from rollbench.compare.sources.external.holding import FILE, ways
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache

@@ -9,8 +9,8 @@ from rollbench.compare.models.model_form import features
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.wings.extremes.survey import run
-from rollbench.compare.wings.extremes.survey.draw import scene_text
+from rollbench.compare.studies.survey import run
+from rollbench.compare.studies.survey.draw import scene_text
 
 
 def main() -> None:

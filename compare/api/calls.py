@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import ArgumentError, named
-from rollbench.compare.registration import needed
 from rollbench.compare.results.data import (
     Ensemble,
     Friction,
@@ -83,20 +82,26 @@ def solve(
     options = Options(everything, member, condensed=None if condensed is None else Path(condensed))
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
     chosen = model or ("" if condensed is None else "condensed")
-    return solve_described(_described(scene), chosen, options, stiffness_at, origin)
+    return solve_described(_described(scene), chosen, options, stiffness_at, origin, stiffness=True)
 
 
 def solve_described(
-    described: Described, model: str, options: Options, stiffness_at: float | None = None, origin: str = ""
+    described: Described,
+    model: str,
+    options: Options,
+    stiffness_at: float | None = None,
+    origin: str = "",
+    *,
+    stiffness: bool = False,
 ) -> Result:
-    """The same of a scene that is read; origin: what errors name it, its name unless given."""
-    from rollbench.compare.models.answers import tangent_of
-    from rollbench.compare.models.load_cases import solve_any
+    """The same of a scene that is read; origin: what errors name it, its name unless given; stiffness: compute that at the
+    nut's centre even where nothing that is printed needs it: without axial force."""
+    from rollbench.compare.models.answers import Answers, tangent_at_nut, tangent_of
+    from rollbench.compare.models.load_cases import solve_any, together
     from rollbench.compare.models.registry import default_model
-    from rollbench.compare.models.together import together
     from rollbench.compare.results.solved import result_of
 
-    solved, tangents = [], []
+    solved, tangents, at_nut = [], [], []
     for scene in each_case(described, origin or described.name):
         with named(scene.name, origin or scene.name):
             chosen, tangent = model or default_model(scene), None
@@ -105,11 +110,15 @@ def solve_described(
             one = solve_any(scene, chosen, options)
             if isinstance(scene, Scene) and stiffness_at is not None and one.answers is not None:
                 tangent = tangent_of(scene, stiffness_at, chosen, options)
+            K = one.answers.at_nut if isinstance(one.answers, Answers) else None
+            if K is None and stiffness and isinstance(scene, Scene) and one.answers is not None:
+                K, _ = tangent_at_nut(scene, chosen, options)
             solved.append(one)
             tangents.append(tangent)
+            at_nut.append(K)
     if not isinstance(described, DutyCycle):
-        return result_of(solved, tangents)
-    return result_of(solved, tangents, described, together(described, solved))
+        return result_of(solved, tangents, at_nut)
+    return result_of(solved, tangents, at_nut, described, together(described, solved))
 
 
 @held_to_one_thread()
@@ -119,7 +128,9 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    data = needed("friction of a scene", "friction", "scene", str(scene))(_described(scene), tuple(mu), model)
+    from rollbench.compare.studies.friction.solve import library
+
+    data = library(_described(scene), tuple(mu), model)
     return friction_of(data)
 
 
@@ -132,8 +143,9 @@ def ensemble(
     members: how many; model: refined unless given; seed: of the random errors in place of the scene's; workers: parallel
     processes. Raises InputError.
     """
-    found = needed("ensemble", "ensemble", "members", str(members))
-    return ensemble_of(found(_described(scene), model, members, seed, workers, LOG.info))
+    from rollbench.compare.studies.members.answer import library
+
+    return ensemble_of(library(_described(scene), model, members, seed, workers, LOG.info))
 
 
 @held_to_one_thread()
@@ -232,9 +244,10 @@ def mesh_study(
     that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
     computed. Raises InputError, Refusal where no run converged.
     """
+    from rollbench.compare.studies.mesh_study.study import library
+
     described = _described(scene)
-    study = needed("mesh study", "mesh_study", "scene", described.name)
-    found = study(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+    found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 
 
@@ -256,8 +269,9 @@ def sweep(
     samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
     computed, all unless given. Raises InputError.
     """
-    swept = needed("sweep", "sweep", "vary", " ".join(vary))
-    data = swept(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
+    from rollbench.compare.studies.sweep.study import library
+
+    data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_of(data, Path(out))
 
 

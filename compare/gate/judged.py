@@ -15,21 +15,20 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import load_answers, unloaded_place
-from rollbench.compare.models.compared_point import pull
 from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
 from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.model_form import pull
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.compare.reference.convergence import observe
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.registration import offered
-from rollbench.compare.scenes.units import COMMA, has_comma
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import COMMA, has_comma
 
 #: Options of the solution that gives the place without loads, and lends its contacts to friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
@@ -185,10 +184,10 @@ class Whole:
         if self.scene.friction is None or not lent.converged:
             return None
         result = replace(lent, load=load, contact_angle=np.where(np.isfinite(angle), angle, lent.contact_angle))
-        for torque in offered("torque"):
-            value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
-            return None if value is None else 1e-3 * float(value)
-        return None
+        from rollbench.compare.models.friction_sums import torque
+
+        value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
+        return None if value is None else 1e-3 * value
 
     @cached_property
     def _lent(self) -> StaticResult:

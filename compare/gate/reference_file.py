@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.gate.given_files import EVERY, GivenLoads, Only, comma_or, read_loads
 from rollbench.compare.gate.judged import OF_CONTACTS
-from rollbench.compare.gate.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import gate_points
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
 from rollbench.compare.reference.store import Run
-from rollbench.compare.scenes.units import parse
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.units import parse
 
 #: Notes above the table.
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
@@ -28,7 +28,7 @@ UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 def read_reference(
     path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
-    """The reference of a file with the columns of `loads_file`, of every flank; headings that nothing is known of. only:
+    """The reference of a file with the columns of `given_files`, of every flank; headings that nothing is known of. only:
     rows that are read; contacts: how many the nominal screw loads, where the scene itself does not tell.
 
     Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or one note above the table,

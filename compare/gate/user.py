@@ -7,15 +7,32 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
+from rollbench.compare.gate.given_files import GivenLoads, GivenValue, Only, read_loads, read_values
 from rollbench.compare.gate.judged import ANGLE, LIFE, limit_of, parse_limits
-from rollbench.compare.gate.loads_file import GivenLoads, Only, read_loads
 from rollbench.compare.gate.reference_file import exceeding, read_reference
-from rollbench.compare.gate.values_file import GivenValue, read_values
-from rollbench.compare.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge, looks
-from rollbench.compare.models.comparison import compared_models, from_result, options_for
+from rollbench.compare.gate.verdict import (
+    LARGEST,
+    LIMIT,
+    Contacts,
+    Limits,
+    Verdict,
+    contact_verdicts,
+    contacts_by,
+    judge,
+    looks,
+    value_verdict,
+    values_by,
+)
+from rollbench.compare.models.comparison import (
+    Referenced,
+    SetOf,
+    answered,
+    compared_models,
+    from_result,
+    options_for,
+    referenced,
+)
 from rollbench.compare.models.loading import scaled
-from rollbench.compare.models.referenced import Referenced, SetOf, answered, referenced
 from rollbench.compare.models.registry import DEFAULT, MODELS, run_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.jobs import Engine, ensure, plan

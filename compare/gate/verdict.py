@@ -1,4 +1,7 @@
-"""Whether loads agree with a reference within a limit, the reference's own uncertainty counted openly."""
+"""Whether loads agree with a reference within a limit, the reference's own uncertainty counted openly.
+
+Also other quantities: angle, approach and pressure of every contact, and those of the whole screw.
+"""
 
 from __future__ import annotations
 
@@ -8,28 +11,39 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.measure import LoadError, error_percent, load_error
-from rollbench.compare.models.comparison import RULE, gate_points
+from rollbench.compare.gate.given_files import GivenValue
+from rollbench.compare.gate.judged import ANGLE, OF_CONTACTS, QUANTITIES, Whole, hertz_of, limit_of, of_contacts
+from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error
+from rollbench.compare.models.comparison import RULE, Loads, gate_points
 from rollbench.compare.quantities import split_unit
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import bearing, mean_load
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.quantity import Stated, record
+from rollbench.meshes.quantity import quantity as stated
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
 #: Limit [%] where neither the command line nor the scene gives one.
 LIMIT = 7.0
+
 #: Exit code of each verdict; of several verdicts the first of these counts.
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
+
 #: Balls on either side of the worst that a picture shows.
 NEAR = 6
+
 #: Newtons of other units of force.
 UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
+
 #: Relative distance from a unit within which the sums of loads look like it.
 ALIKE = 0.2
+
 LARGEST = "largest error of a contact load"
+
 RMS = "RMS error of the contact loads"
+
 #: What is said where the reference has one mesh level.
 ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; two or three levels give its own"
 
@@ -50,7 +64,7 @@ def of_whom(scene: str, case: str | None, set_: str | None) -> str:
     return ", ".join(filter(None, (scene, case, set_)))
 
 
-@dataclass(frozen=True)
+@record
 class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty of it (None: not known) and the
     limit, all in one unit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
@@ -63,15 +77,32 @@ class Verdict:
     judged: str
     quantity: str
     word: Word
-    error: float | None
-    uncertainty: float | None
-    limit: float
+    error: float | None = stated(
+        "error_percent",
+        "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
+        "tenth of it",
+        Stated(
+            "error_deg",
+            "error of the contact angle that decides, of contacts that bear load in both",
+            error="`uncertainty_deg` beside it",
+        ),
+        error="`uncertainty_percent` beside it",
+    )
+    uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
+    limit: float = stated(
+        "limit_percent", "limit of the scene or of the command line", Stated("limit_deg", "its limit, 1 deg unless given")
+    )
     ball: int | None = None
     flank: str | None = None
     levels: tuple[int, ...] = ()
     contacts: int = 0
     detail: str = ""
-    of_mean: LoadError | None = None
+    of_mean: LoadError | None = stated(
+        "max_percent_of_mean",
+        "error of the worst contact load in per cent of the mean load",
+        Stated("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
+        default=None,
+    )
     set: str | None = None
     case: str | None = None
     unit: str = "%"
@@ -263,3 +294,87 @@ def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) ->
 
 def _largest(given: Array, right: Array, mean: float) -> float:
     return float(np.abs(error_percent(given, right, mean)).max())
+
+
+#: What is said of approaches and pressures that the reference does not hold itself.
+BY_HERTZ = "the reference's by Hertz from its loads, each contact's own radii"
+
+
+class Contacts(NamedTuple):
+    """What is judged of contacts beside their loads ``(n, 4)`` [N]: other quantities ``(n, 4)`` [SI] by the columns of
+    `OF_CONTACTS`, nan where they are not given; the flanks that are named."""
+
+    load: Array
+    further: Mapping[str, Array]
+    flanks: Sequence[str] = SIDES
+
+
+def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
+    """What a model says of contacts, of the quantities that are given a limit."""
+    limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
+    further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
+    return Contacts(answer.load, further)
+
+
+def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
+    """What a model says of the whole, of the quantities that are given a limit and that it has."""
+    whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
+    values = ((q, whole.of(q, answer)) for q in limited)
+    return [GivenValue(q, value) for q, value in values if value is not None]
+
+
+def contact_verdicts(judged: str, given: Contacts, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
+    """A verdict on each quantity of contacts that is given and that the reference has, on the contact that decides."""
+    without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
+    names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
+    return [_of_contacts(judged, given, name, scene, ref, limits) for name in names]
+
+
+def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
+    """In per cent of a contact's own value, of that at the mean load for contacts below a tenth of it; of angles in
+    degrees, of contacts that bear load in both."""
+    q, value = OF_CONTACTS[name], given.further[name]
+    limit, unit = limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
+    reference, bars = of_contacts(scene, ref, q)
+    chosen = np.array([side in given.flanks for side in SIDES])
+    if q is ANGLE:
+        judge = bearing(ref.load) & bearing(given.load) & chosen & np.isfinite(reference)
+        errors, shares = np.degrees(value - reference), np.degrees(bars)
+    else:
+        judge = ((ref.load > 0.0) | (value > 0.0)) & chosen
+        value = np.where(np.isnan(value) & (given.load == 0.0), 0.0, value)  # of a contact that is lost
+        mean = hertz_of(scene, q, np.full(value.shape, ref.mean))
+        scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
+        errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
+    if not judge.any():
+        return blank(ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit)
+    points = [
+        At(float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]])
+        for k in zip(*np.nonzero(judge), strict=True)
+    ]
+    kind, at = decisive(points, limit)
+    k = at.ball - 1, SIDES.index(at.side)
+    pair = (q.key, q.factor * float(value[k]), q.factor * float(reference[k]))
+    detail = about(ref) if q is ANGLE or q.name in ref.further else "; ".join(filter(None, [BY_HERTZ, about(ref)]))
+    where = (at.ball, at.side, ref.levels, len(points), detail)
+    return Verdict(ref.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
+
+
+def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
+    """The verdict on a value of the whole, in per cent of the reference's."""
+    whole, q = Whole(scene), given.quantity
+    limit = limit_of(q, limits.others, limits.largest)
+    reference, bar = whole.reference(q, ref, given.station)
+    if not reference:
+        return blank(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
+    error = float(error_percent(given.value, reference))
+    share = None if bar is None else float(error_percent(bar, 0.0, reference))
+    detail = "; ".join(filter(None, (whole.words(q), about(ref))))
+    pair = (q.key, q.factor * given.value, q.factor * reference)
+    kind = word(error, share, limit)
+    return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
+
+
+def not_judged(verdicts: Sequence[Verdict]) -> list[str]:
+    """Quantities that no verdict is on."""
+    return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

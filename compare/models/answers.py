@@ -1,12 +1,13 @@
 """What an engineer asks of a solved scene of one set or several: contacts, rigidity, safety, preload, friction, life.
 
-Also where the answers leave what the models mean.
+Also where the answers leave what the models mean, and what rows of deep-groove bearings rest at by their clearance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import degrees, sin
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,6 @@ from rollbench.compare.models import loading
 from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
 from rollbench.compare.models.loading import LiftOff, Preload, preload
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
-from rollbench.compare.models.ring_play import play_warnings
-from rollbench.compare.registration import offered
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life, rating
@@ -28,11 +27,66 @@ from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres
+from rollbench.meshes.parts import Scene, Support
+from rollbench.meshes.quantity import Stated, quantity, record
+
+#: Part of the way from the middle of the play to its end from which on a ring is called to be at the end.
+AT_END = 0.9
+
+
+def clearance_in(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
+    """Clearance of a row that carries thrust both ways by one arc; None of other rows, and where there is no play."""
+    found = clearance_of(parts) if thrust == "deep groove" else None
+    return found if found is not None and found.axial > 0.0 else None
+
+
+def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
+    """A note on each deep-groove row between whose rings the axial place is held, at one end of its play."""
+    shaft = _held(scene.supports)
+    if shaft is None:
+        return
+    if isinstance(scene, Scene):
+        yield from _of_row(scene, shaft)
+        return
+    for row in scene.sets:
+        outer = _outer(scene, row)
+        if isinstance(row.parts, Scene) and row.carrier is None and row.thrust == "deep groove" and outer is not None:
+            yield from (w.of(row.name) for w in _of_row(row.parts, shaft - outer))
+
+
+def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
+    """The note on a row whose inner ring is held at a place [m] against its outer one."""
+    clearance = clearance_in(parts)
+    if clearance is None:
+        return
+    middle = -distance_of_centres(parts) * sin(parts.track.contact_angle)
+    if abs(place - middle) < AT_END * 0.5 * clearance.axial:
+        return
+    yield Warned(
+        "play",
+        f"the held uz keeps a ring at one end of its axial play of {1e6 * clearance.axial:.4g} um, where balls touch "
+        f"at {degrees(clearance.angle):.3g} deg at rest, so that it moves less across than its clearance lets it; free "
+        f"uz, or hold it {1e6 * (middle - place):+.4g} um from there, in the middle of the play",
+    )
+
+
+def _held(supports: tuple[Support, ...]) -> float | None:
+    """Axial displacement [m] at which supports hold the shaft; None where it is free."""
+    return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
+
+
+def _outer(assembly: Assembly, row: RollingSet) -> float | None:
+    """Axial place [m] of a row's outer part; None where its housing moves."""
+    if row.housing is None:
+        return row.offset
+    housing = next(h for h in assembly.housings if h.name == row.housing)
+    return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
+
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
@@ -42,17 +96,17 @@ TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source
 WIDEST = 0.6
 
 
-@dataclass(frozen=True)
+@record
 class LoadAnswers:
     """What contact loads alone answer, of any model or of the 3D reference: the worst contact, its static safety, where the
     ellipses reach, and the life; None without load, words where a formula does not take the scene."""
 
-    worst: Contact | None
-    safety: StaticSafety | None
-    reach: Truncation | None
-    life: Life | None
-    ratings: Ratings | None
-    words: str = ""
+    worst: Contact | None = quantity("worst_contact")
+    safety: StaticSafety | None = quantity("static_safety")
+    reach: Truncation | None = quantity("truncation")
+    life: Life | None = quantity("life")
+    ratings: Ratings | None = quantity("ratings")
+    words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
 
 
 @dataclass(frozen=True)
@@ -182,10 +236,9 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     do."""
     if scene.friction is None:
         return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
-    for friction in offered("friction"):
-        sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
-        return sums
-    return None, "friction is left out of this installation"
+    from rollbench.compare.models.friction_sums import kept_sums
+
+    return kept_sums(scene, result, options)
 
 
 def roller_answers(row: RollerRow, line_loads: Array) -> RollerAnswers:
@@ -250,6 +303,19 @@ class AxisAnswers:
     motion: Array | None
     path: LoadPath | None = None
     paths: tuple[LoadPath, ...] = ()
+
+    @property
+    def by_pressure(self) -> list[int]:
+        """Numbers (from 0) of the loaded sets, first that whose highest pressure is most of what is allowed."""
+        found = [x.loads for x in self.sets]
+        shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
+        return sorted(shares, key=lambda i: -shares[i])
+
+    @property
+    @Stated("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
+    def worst_set(self) -> int | None:
+        """The first of these, from 1; None without load."""
+        return next((i + 1 for i in self.by_pressure), None)
 
     @property
     def displacement(self) -> float | None:

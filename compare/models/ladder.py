@@ -9,9 +9,8 @@ from time import perf_counter
 from typing import Any
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
-from rollbench.compare.models.compared_point import point
 from rollbench.compare.models.comparison import REFERENCED, finest_bodies
-from rollbench.compare.models.model_form import Point, left_out, surveyed_points
+from rollbench.compare.models.model_form import Point, left_out, point, surveyed_points
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference

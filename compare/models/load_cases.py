@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from rollbench.compare.models.answers import Answers, AxisAnswers, LoadAnswers, RollerAnswers, gather, outside, solve_sets
+import numpy as np
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.answers import (
+    Answers,
+    AxisAnswers,
+    LoadAnswers,
+    RollerAnswers,
+    gather,
+    outside,
+    play_warnings,
+    solve_sets,
+)
 from rollbench.compare.models.load_path import path_warnings
 from rollbench.compare.models.loading import axial_of
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.ring_play import play_warnings
+from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
+from rollbench.lowfi.rating.life import Life, life, over_cases
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 
 
 @dataclass(frozen=True)
@@ -104,3 +120,144 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     warned += [*path_warnings(answers.path), *play_warnings(scene)]
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))
+
+
+#: What is said of a shaft without a set of balls.
+NO_BALLS = "none: rollers are not rated"
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """An extreme value over the cases in SI units (errors in per cent), and the case that has it."""
+
+    value: float
+    case: str
+
+
+@record
+class Lives:
+    """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
+    None with words that say why; set: its name, empty where it is the only one."""
+
+    life: Life | None
+    life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
+    standard: EquivalentLife | None = quantity("standard_life")
+    standard_words: str = quantity(
+        "standard_life_words", "why the standard does not apply", show=lambda words: words or None
+    )
+    set: str = ""
+
+    @property
+    @Stated(
+        "life_difference_percent",
+        "life over the duty cycle by the contact loads against that by the standard; a result, not an error",
+    )
+    def difference_percent(self) -> float | None:
+        """Of the life by the loads from that by the standard [%]."""
+        if self.life is None or self.standard is None:
+            return None
+        return float(error_percent(self.life.revolutions, self.standard.revolutions))
+
+
+@record
+class Together:
+    """What the cases of a duty cycle say together.
+
+    pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
+    the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
+    of every set of balls, in order; speed: mean one [rad/s].
+    """
+
+    pressure: Extreme | None = quantity(
+        "largest_pressure_MPa",
+        "largest pressure of all cases",
+        Stated("largest_pressure_case", "its case", show=lambda found: found and found.case),
+        error="`model_form.pressure_percent` of its case",
+        show=lambda found: found and found.value,
+    )
+    safety: Extreme | None = quantity(
+        "least_static_safety",
+        "least static safety of all cases",
+        Stated("least_static_safety_case", "its case", show=lambda found: found and found.case),
+        error="that of the load",
+        show=lambda found: found and found.value,
+    )
+    error: Extreme | None = quantity(
+        "largest_expected_error_percent",
+        "largest error to expect of a contact load in any case, in per cent of the mean load",
+        Stated("largest_expected_error_case", "its case", show=lambda found: found and found.case),
+        show=lambda found: found and found.value,
+    )
+    uncovered: tuple[str, ...] = quantity("expected_error_not_covered")
+    unsolved: dict[str, str] = quantity("unsolved")
+    lives: tuple[Lives, ...]
+    speed: float | None
+
+    @property
+    @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
+    def shortest(self) -> str:
+        """Name of `least`."""
+        return self.least.set
+
+    @property
+    def least(self) -> Lives:
+        """Of the set that lives shortest; the first of which nothing is known, where there is one."""
+        none = Lives(None, NO_BALLS, None, NO_BALLS)
+        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions, default=none)
+
+
+def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
+    """Extremes and lives of the solved cases of a cycle, in its order."""
+    pairs = list(zip(cycle.cases, solved, strict=True))
+    answers = [(case, x) for case, one in pairs for x in one.contacts]
+    errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
+    return Together(
+        _extreme(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
+        _extreme(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
+        _extreme(max, errors),
+        tuple(case.name for case, percent in errors if percent is None),
+        {case.name: one.result.status for case, one in pairs if one.answers is None},
+        tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
+        cycle.speed,
+    )
+
+
+def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
+    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set in every case (None: it has none), or why there is
+    none; name: of the set (`DutyCycle.sets`)."""
+    lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
+    if lacking:
+        return None, f"none, because case {lacking[0]} has no loads"
+    try:
+        known = [np.zeros((1, 4)) if load is None else load for load in loads]
+        rated = life(cycle.sets[name], over_cases(known, cycle.shares))
+    except ValueError as error:
+        return None, str(error)
+    return rated, "" if rated is not None else "no load"
+
+
+def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
+    """Contact loads ``(n, 4)`` [N] of each set of balls by its name in `DutyCycle.sets`."""
+    if isinstance(result, StaticResult):
+        return {"": result.load}
+    return {s.of.name: s.balls.load for s in result.sets if s.balls is not None}
+
+
+def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
+    """Lives of a set; each: in every case, None where it has no loads."""
+    rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
+    if rated is None:
+        return Lives(rated, words, None, words, name)
+    used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
+    parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
+    try:
+        standard = equivalent_life(parts, shares, forces, max(s.preload for s, _ in used))
+    except ValueError as error:
+        return Lives(rated, words, None, str(error), name)
+    return Lives(rated, words, standard, "" if standard is not None else "no load", name)
+
+
+def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:
+    """The extreme of the values that are known."""
+    known = [(value, case.name) for case, value in values if value is not None]
+    return Extreme(*pick(known, key=lambda one: one[0])) if known else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Part of a load below which it is called little.
 LITTLE = 0.05
@@ -22,15 +23,22 @@ NOTHING = 5e-4
 COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xyz")
 
 
-@dataclass(frozen=True)
+@record
 class Taker:
     """What holds shaft or housing, by its name, and what it takes of the loads: force and moment (6,) [N, N m]."""
 
-    name: str
-    part: Array
+    name: str = quantity("name", "support of the shaft by its station, or frame of a housing")
+    part: Array = quantity(
+        "force_N",
+        "what the support of this name (of several sets also the frame of a housing) takes of the loads: the force on it, "
+        "less that without the loads",
+        Stated("moment_Nm", "the same of the moment on it, at its station", show=lambda part: part[3:], parts="[]"),
+        show=lambda part: part[:3],
+        parts="[]",
+    )
 
 
-@dataclass(frozen=True)
+@record
 class LoadPath:
     """applied: force and couple (6,) of all loads [N, N m]; on_shaft: of those on the shaft; takers: supports of the shaft,
     frames of housings; contacts: what the loads change of the forces and moments (6,) of the contacts, moments about their
@@ -40,10 +48,33 @@ class LoadPath:
     what the loads act on, of those on one body only; empty for all.
     """
 
-    applied: Array
+    applied: Array = quantity(
+        "applied.force_N",
+        "sum of the forces of the scene's loads, on shaft and housings, along x, y, z",
+        Stated(
+            "applied.moment_Nm",
+            "sum of the couples of its loads about x, y, z, as they are written",
+            show=lambda applied: applied[3:],
+            parts="[]",
+        ),
+        show=lambda applied: applied[:3],
+        parts="[]",
+    )
     on_shaft: Array
-    takers: tuple[Taker, ...]
-    contacts: Array
+    takers: tuple[Taker, ...] = quantity("supports")
+    contacts: Array = quantity(
+        "contacts.force_N",
+        "what the loads change of the force that the contacts take from the screw; of several sets the sum of the changes' "
+        "sizes",
+        Stated(
+            "contacts.moment_Nm",
+            "the same of the moment about the centre of the nut or ring",
+            show=lambda contacts: contacts[3:],
+            parts="[]",
+        ),
+        show=lambda contacts: contacts[:3],
+        parts="[]",
+    )
     arm: float
     where: str = ""
 

@@ -16,6 +16,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Load, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 
 Loaded = TypeVar("Loaded", Load, Housing)
 #: Relative accuracy of the factor at which a contact is lost, the largest one looked for, and how often is solved for it.
@@ -24,7 +25,7 @@ TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 NEAR = 0.9
 
 
-@dataclass(frozen=True)
+@record
 class Preload:
     """Loads that the scene's own errors and supports press the contacts with when its loads are away.
 
@@ -32,13 +33,22 @@ class Preload:
     the lesser of what the flanks push the screw either way (zero where only one way is pushed).
     """
 
-    mean: float
-    largest: float
-    loaded: int
-    axial: float
+    mean: float = quantity(
+        "mean_N",
+        "mean load of a contact or roller without the scene's loads",
+        error="as `loads.max_N`; the input's tolerance is larger",
+    )
+    largest: float = quantity("max_N", "largest load of a contact or roller without the scene's loads", error="as above")
+    loaded: int = quantity("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
+    axial: float = quantity(
+        "axial_N",
+        "axial sum of one direction's contacts without the scene's loads; of one of several sets the axial force on the "
+        "shaft then",
+        error="as above",
+    )
 
 
-@dataclass(frozen=True)
+@record
 class LiftOff:
     """Where the first contact that is preloaded opens as the loads grow in proportion.
 
@@ -46,12 +56,18 @@ class LiftOff:
     axial [N]: axial force on the nut there, in proportion; solves: how often the scene was solved for it.
     """
 
-    factor: float | None
-    ball: int = 0
-    side: str = ""
+    factor: float | None = quantity("load_factor", "factor of the scene's loads at which the first preloaded contact opens")
+    ball: int = quantity("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
+    side: str = quantity("side", "its flank", show=lambda side: side or None, default="")
     axial: float = 0.0
     solves: int = 0
-    words: str = ""
+    words: str = quantity("words", "why no such load was found", show=lambda words: words or None, default="")
+
+    @property
+    @Stated("axial_force_N", "axial force at that factor")
+    def force(self) -> float | None:
+        """`axial`; None where no factor was found."""
+        return None if self.factor is None else self.axial
 
 
 @dataclass(frozen=True)
@@ -83,7 +99,7 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     loads = tuple(map(times, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
-    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
 
@@ -98,7 +114,7 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0)))
+    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0), bare))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, bare))
 
 
@@ -178,7 +194,7 @@ def along_axis(assembly: Assembly, result: AxisResult) -> float:
 
 def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
     """Motion ``(6,)`` [m, rad] of what is asked about: a station of the shaft, or a housing."""
-    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     at = asked(assembly)
     if isinstance(at, str):

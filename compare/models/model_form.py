@@ -10,6 +10,11 @@ factor and all, from the others, and at least nine of ten were within it in each
 table ladder-estimate; tests/unit/models/test_covered.py). A scene that lies beyond the compared ones in any feature is not
 covered.
 `rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its own (survey.json).
+
+What one compared scene tells of a model is its errors against a run of the 3D reference (`point`). Displacement and
+rigidity are those of the section of the screw that the axial load acts on. Beyond the nut a beam and a 3D shaft agree on
+what a section's motion is (Saint-Venant); within it contacts move material on their own, and a section's motion is a matter
+of definition.
 """
 
 from __future__ import annotations
@@ -24,30 +29,42 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare import data
+from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
+from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.registry import MODELS
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.compare.reference.store import Run
+from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 from rollbench.meshes.solid import dimensions
 
 #: File of the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
+
 #: Errors that are expected, each by itself: loads (largest and RMS, of the mean load), axial displacement and tangent
 #: rigidity of the section that the axial load acts on, largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
+
 #: Share of compared scenes that an expected error holds, each judged without itself.
 SHARE = 0.92
+
 #: Errors [%] below which all count alike: those of loads are sizes, the others change their sign from scene to scene.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
+
 #: Weight of a coefficient of one per unit of a feature against the misfit of one scene.
 RIDGE = 2.0
+
 #: Fewest compared scenes of a kind from which anything is expected.
 FEWEST = 3
+
 #: How far beyond the compared range of a feature a scene is still like it, in the feature's units.
 MARGIN = 0.5
+
 #: Features with the difference that counts as one unit.
 SCALES: dict[str, tuple[str, float]] = {
     "wall": ("wall of the nut over the pitch radius", 0.1),
@@ -71,13 +88,15 @@ SCALES: dict[str, tuple[str, float]] = {
     "turn": ("angle between neighbouring balls [rad]", 0.3),
     "few": ("one over the number of balls", 0.2),
 }
+
 #: Feature that only scenes with a nut held by its flange have. Their errors are expected from those of all screws, with it;
 #: those of other screws from others without a flange, as before.
 FLANGE = "flange"
+
 WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 
 
-@dataclass(frozen=True)
+@record
 class ModelForm:
     """Model-form error to expect of a result: errors of the same model against a 3D reference on other scenes.
 
@@ -88,15 +107,25 @@ class ModelForm:
     in, and what is unlike.
     """
 
-    percent: float | None
-    rms_percent: float | None
-    distance: float
-    nearest: str
-    compared: int
-    words: tuple[str, ...]
-    displacement_percent: float | None = None
-    rigidity_percent: float | None = None
-    pressure_percent: float | None = None
+    percent: float | None = quantity(
+        "covered",
+        "whether scenes like this one were compared with the 3D reference",
+        Stated(
+            "largest_percent_of_mean",
+            "error of the worst contact load that holds for nine of ten such scenes, in per cent of the mean load",
+        ),
+        show=lambda percent: percent is not None,
+    )
+    rms_percent: float | None = quantity("rms_percent_of_mean", "the same of the root mean square over all contacts")
+    distance: float = quantity("distance", "distance to the nearest compared scene, in the space of what decides the error")
+    nearest: str = quantity("nearest", "its name")
+    compared: int = quantity("compared", "number of compared scenes")
+    words: tuple[str, ...] = quantity("words")
+    displacement_percent: float | None = quantity(
+        "displacement_percent", "the same of the axial displacement", default=None
+    )
+    rigidity_percent: float | None = quantity("rigidity_percent", "the same of the tangent rigidity", default=None)
+    pressure_percent: float | None = quantity("pressure_percent", "the same of the largest pressure", default=None)
 
 
 @dataclass(frozen=True)
@@ -277,11 +306,11 @@ def _beyond(known: Array, here: Array) -> list[str]:
 def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
     """Expected errors [%] by quantity."""
     out: dict[str, float | None] = {}
-    for quantity in QUANTITIES:
-        errors = np.array([np.nan if (e := getattr(p, quantity)) is None else e for p in like], dtype=float)
+    for name in QUANTITIES:
+        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
         finite = np.isfinite(errors)
         enough = finite.sum() >= FEWEST
-        out[quantity] = bound(known[finite], errors[finite], here, LEAST[quantity]) if enough else None
+        out[name] = bound(known[finite], errors[finite], here, LEAST[name]) if enough else None
     return out
 
 
@@ -304,3 +333,65 @@ def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
                 others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
                 out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
     return out
+
+
+#: Scene, result of a model and run of the reference with the loads raised.
+Raised = tuple[Scene, StaticResult, Run]
+
+
+@dataclass(frozen=True)
+class SectionAnswer:
+    """Axial motion [m] of the section that the axial load acts on, and axial force [N] of the screw on the nut."""
+
+    moved: float
+    force: float
+
+
+def section(scene: Scene, answer: Loads) -> SectionAnswer:
+    """That of a low-order model or of a run of the 3D reference: at the largest axial load, else at the nut's centre."""
+    place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
+    moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
+    return SectionAnswer(moved, pull(scene, answer.load, np.radians(answer.angle)))
+
+
+def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
+    """Tangent axial rigidity [N/m] between two states; None where nothing moves."""
+    first, second = answers
+    step = second.moved - first.moved
+    return (second.force - first.force) / step if step != 0.0 else None
+
+
+def pull(scene: Scene, load: Array, angle: Array) -> float:
+    """Axial force [N] of the screw on the nut by loads and contact angles ``(n, 4)`` [N, rad]."""
+    along = np.where(load > 0.0, load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
+    return float(along[0] - along[1])
+
+
+def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
+    """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
+    error = load_error(result.load, run.load, nominal_contacts(scene))
+    answer, reference = section(scene, from_result(result)), section(scene, from_run(run, ""))
+    stiff: tuple[float | None, float | None] = (None, None)
+    if raised is not None:
+        heavier, modelled, computed = raised
+        stiff = (
+            rigidity((answer, section(heavier, from_result(modelled)))),
+            rigidity((reference, section(heavier, from_run(computed, "")))),
+        )
+    heaviest = run.load.max()
+    return Point(
+        name,
+        result.model,
+        round(error.max_percent, 4),
+        round(error.rms_percent, 4),
+        {name: round(value, 4) for name, value in features(scene, result).items()},
+        off(answer.moved, reference.moved),
+        off(*stiff),
+        off(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
+        gate_percent=round(error.gate_percent, 4),
+    )
+
+
+def off(value: float | None, reference: float | None) -> float | None:
+    """Error of a value [%]; None where either has none."""
+    return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -10,8 +10,8 @@ from decimal import Decimal, InvalidOperation
 from functools import cache
 from typing import Any, Literal, cast
 
+from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
-from rollbench.compare.registration import data_files
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
 CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
@@ -25,10 +25,24 @@ KINDS: dict[Kind, str] = {
     "input": "input, taken over",
 }
 NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
+Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
+#: Verdicts in words; those that say something of a model first.
+VERDICTS: dict[Verdict, str] = {
+    "reproduced": "the text determines it, and it comes out to the digits printed",
+    "only as printed": "it comes out only when a fault of the source is repeated",
+    "band": "under-specified or random, and within a range of stated origin",
+    "contradicted": "computation, or the source itself, says otherwise",
+    "not identifiable": "the text does not determine it: measured, of another program, resting on what is not printed, "
+    "or within a range too wide for a wrong number to fall outside",
+    "input": "given by the source and taken over",
+    "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
+}
 #: Half width of a band over its middle at most: a range from 0.6 to 1.67 times a number says something of it, a wider one
 #: holds nearly whatever is computed.
 WIDEST = 0.25
-_TEXTS = ("key", "label", "printed", "unit", "place", "class", "kind", "remark", "origin", "claim")
+_TEXTS = (
+    *("key", "label", "printed", "unit", "place", "class", "kind", "verdict", "contradicted", "remark", "origin", "claim"),
+)
 _NUMBERS = ("tolerance", "low", "high")
 
 
@@ -44,7 +58,9 @@ class Printed:
     holds it, nothing reproduces it);
     kind: a key of ``KINDS``;
     tolerance: absolute, in ``unit``, half a unit of the last printed digit unless the table says otherwise;
-    remark: what to know about it; claim: the statement in words, where there is no number.
+    remark: what to know about it; claim: the statement in words, where there is no number;
+    verdict: the one that is expected of it, one of `VERDICTS`, None where it was never judged; contradicted: of an open
+    entry, what contradicts it.
     """
 
     table: str
@@ -62,20 +78,29 @@ class Printed:
     origin: str = ""
     claim: str = ""
     kind: Kind = "number"
+    verdict: Verdict | None = None
+    contradicted: str = ""
+
+    @property
+    def name(self) -> str:
+        """ "table:key"."""
+        return f"{self.table}:{self.key}"
 
 
 def tables() -> list[str]:
     """Names of the shipped tables, sorted."""
-    return list(data_files("printed"))
+    return list(shipped_files("printed"))
 
 
 @cache
 def load_table(name: str) -> tuple[Printed, ...]:
-    """Rows of the shipped table ``name``, in order, read once. Raises InputError for an unknown name or a bad row."""
-    if name not in tables():
+    """Rows of the table ``name``, shipped or of another package's case, in order, read once. Raises InputError for an
+    unknown name or a bad row."""
+    path = file_of("printed", name)
+    if path is None:
         advice = "list the tables with: rollbench list"
         raise InputError("printed tables", "name", f'"{name}"', ", ".join(tables()), advice)
-    return parse_table(data_files("printed")[name].read_text(encoding="utf-8"), name)
+    return parse_table(path.read_text(encoding="utf-8"), name)
 
 
 def entry(table: str, key: str) -> Printed:
@@ -148,6 +173,10 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
         raise refuse("low" if "low" in raw else "high", "only in class band", "remove it, or make it a band")
     if cls == "as-printed" and not raw.get("remark"):
         raise refuse("remark", "a sentence", "say which fault of the source the number repeats")
+    if "verdict" in raw and raw["verdict"] not in VERDICTS:
+        raise refuse("verdict", ", ".join(VERDICTS), "give the verdict of: rollbench check --printed")
+    if "contradicted" in raw and cls != "open":
+        raise refuse("contradicted", "only in class open", "remove it: any other entry is contradicted by what is computed")
     try:
         tolerance = raw.get("tolerance", last_digit(printed) if printed else 0.0)
         value = float(printed) if printed else None
@@ -175,6 +204,8 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
         origin=raw.get("origin", ""),
         claim=claim,
         kind=cast(Kind, kind),
+        verdict=raw.get("verdict"),
+        contradicted=raw.get("contradicted", ""),
     )
 
 

@@ -18,7 +18,7 @@ The bar is twice the root of the sum for the finest level and a next one togethe
 between two neighbouring levels alone): in 95 % of contacts it holds what a finer mesh finds. What bodies and sockets get
 wrong are displacements, which a contact turns into load by its own stiffness, dF / dx ~ F^(1/3) (Hertz): these two parts
 are shared out among the contacts so. No bar holds what all meshes have in common
-(`compare.models.total_uncertainty`).
+(`compare.models.uncertainty`).
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from rollbench.compare.reference.measured import Measured
 from rollbench.compare.reference.sealing import sealed, unsealed
 from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
 from rollbench.compare.writing import replace_file
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical, digest
@@ -155,7 +156,7 @@ def _meshed(
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
     hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0
     marks = ((SECTIONS,) if inner else ()) + ((HOLLOW,) if hollow else ())
-    return replace(dims, assumed=(), mesh_only=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *marks
+    return replace(dims, assumed=(), mesh_only=()), Fields(Settings, plain(settings)), tuple(sides), made_by, *marks
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
@@ -255,7 +256,7 @@ def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
     try:
         run = unsealed(path)
         settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])
-        text = canonical((Fields("Settings", settings), sides, programs))
+        text = canonical((Fields(Settings, settings), sides, programs))
         return _Mesh(len(run["load"]), settings, sides, programs, text)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None

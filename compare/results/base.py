@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from rollbench.compare.definitions import definition
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.reports.cells import micro
 
@@ -79,9 +78,11 @@ class Record(ABC):
     def definition(self, path: str) -> str:
         """What the number at a path of keys in the JSON is, and what its error is; empty where nothing is known of it.
         Raises KeyError for a path that is not there."""
+        from rollbench.compare.results.definitions import definition
+
         self._at(path)
-        meaning = definition(path)
-        return "" if meaning is None else meaning.text + (f"; its error: {meaning.error}" if meaning.error else "")
+        stated = definition(path)
+        return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
     def table(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every single value that the table shows."""

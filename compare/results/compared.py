@@ -15,7 +15,10 @@ from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
 from rollbench.compare.models.comparison import (
     RULE,
+    Answered,
     Loads,
+    SetOf,
+    answered,
     from_result,
     from_run,
     gate_points,
@@ -25,16 +28,14 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.compare.models.referenced import Answered, SetOf, answered
 from rollbench.compare.models.registry import DEFAULT, MODELS, Model
-from rollbench.compare.models.total_uncertainty import Total, total
-from rollbench.compare.quantities import number
+from rollbench.compare.models.uncertainty import Total, total
+from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load
-from rollbench.compare.results.answers_json import contacts_json, loads_json
-from rollbench.compare.results.solved_json import expected_json
+from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
@@ -150,8 +151,7 @@ def others_than(reference: Reference) -> list[Point]:
 def answers_of(b: Beside) -> dict[str, Any]:
     """What the loads of a model or of the reference answer, as JSON has it; null where there is no such answer."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
-    axial = {"force_N": number(b.force), "displacement_um": number(1e6 * b.displacement)}
-    axial["rigidity_N_per_um"] = None if stiff is None else number(1e-6 * stiff)
+    axial = as_json(Axial(b.force, b.displacement, stiff), "tangent_N_per_um", "tangent_words", "lost_motion_um_per_100N")
     return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
 
 
@@ -164,7 +164,7 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
         "levels": list(reference.levels),
         "uncertainty_percent": uncertainty_percent(reference),
         "reference_status": reference.unsettled or "converged",
-        "uncertainty": whole.total.as_json(),
+        "uncertainty": as_json(whole.total),
         "model": whole.spoken.label,
         "expected_error_percent": None if expected is None else expected.percent,
         **expected_json(expected, "expected_{}_error_percent"),

@@ -12,11 +12,10 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by, stored_beside
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import suited
-from rollbench.compare.models.referenced import Referenced, referenced
+from rollbench.compare.models.comparison import Referenced, referenced, suited
+from rollbench.compare.models.load_cases import cycle_life
 from rollbench.compare.models.registry import Model
-from rollbench.compare.models.together import cycle_life
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import as_json, number
 from rollbench.compare.reference.jobs import Engine, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
@@ -27,6 +26,7 @@ from rollbench.compare.results.solved import ExpectedError, expected_error
 from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.quantity import quantity, record
 
 #: What is compared of each case and set, by the names of their scene and set.
 ByCase = Mapping[tuple[str, str], Compared]
@@ -56,13 +56,17 @@ class Loads:
     """What the time was measured with; empty: with this version, here."""
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+@record(eq=False, repr=False, kw_only=True)
 class ModelLoads(Loads):
     """A model, or a coarser mesh, compared with the reference."""
 
     errors: Array
     """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
-    largest_error: float
+    largest_error: float = quantity(
+        "measured_error_percent",
+        "measured error of the worst contact load, in per cent of the reference's mean load",
+        error="`uncertainty.discretisation_percent`",
+    )
     """Largest of them in size [% of the mean contact load]."""
     rms_error: float
     """Root of the mean of their squares over the loaded contacts [% of the mean contact load]."""
@@ -78,13 +82,15 @@ class ModelLoads(Loads):
         return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
 
 
-@dataclass(frozen=True)
+@record
 class Uncertainty:
     """What a comparison is uncertain by, of the largest contact load [% of the mean contact load]; None: not known."""
 
     total: float
     """All parts, by the root of the sum of squares."""
-    discretisation: float
+    discretisation: float = quantity(
+        "uncertainty_percent", "uncertainty of the reference's worst contact by its mesh, at 95 %"
+    )
     """Of the reference's mesh."""
     choices: float | None
     """Of choices of modelling that no mesh shows."""
@@ -384,6 +390,25 @@ def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
     return {case.cycle.name: case.cycle for case in cases.values()}.values()
 
 
+@record
+class CycleSummary:
+    """Of one set over a duty cycle: its largest error [%] and the case, lives [10^6 revolutions] by model, and the error of
+    the life [%] of the model that the verdicts speak of."""
+
+    model: str = quantity("model")
+    error: float | None = quantity(
+        "largest_error_percent",
+        "largest measured error of a contact load in any case, in per cent of the mean load of its case",
+    )
+    case: str | None = quantity("largest_error_case", "its case")
+    lives: dict[str, float | None] = quantity(
+        "life_million_revolutions",
+        "life over the duty cycle by the contact loads of a model, or of the reference",
+        parts=".*",
+    )
+    life_error: float | None = quantity("life_error_percent", "life of the model against that of the reference")
+
+
 def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
     """Of each set: largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6
     revolutions] of every model and of the reference; null where a case has none."""
@@ -401,12 +426,5 @@ def _summary(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
         lives[label] = None if rated is None else number(rated.revolutions)
     predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
-    return {
-        "scene": cycle.name,
-        **({"set": name} if name else {}),
-        "model": by_case[0][1].spoken.label,
-        "largest_error_percent": error,
-        "largest_error_case": worst,
-        "life_million_revolutions": lives,
-        "life_error_percent": off,
-    }
+    summary = CycleSummary(by_case[0][1].spoken.label, error, worst, lives, off)
+    return {"scene": cycle.name, **({"set": name} if name else {}), **(as_json(summary) or {})}

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
+from rollbench.compare.quantities import from_json
 from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.meshes.quantity import Stated, quantity, record
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,9 +40,68 @@ class Data(Record):
         return "\n".join(str(self).splitlines()[:5])
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+#: Values on the flanks SL, SR, NL, NR, by these names; None without contact.
+Flanks: TypeAlias = Mapping[str, float | None]
+#: The same across and along the groove.
+FlankPairs: TypeAlias = Mapping[str, Sequence[float | None]]
+
+
+@record(kw_only=True)
+class FrictionBall:
+    """Motion and friction of one ball of a screw or bearing, and of its contacts; None where its kind of scene has none."""
+
+    index: int = quantity("index")
+    orbit: float | None = quantity("orbit_rad_s", "speed of the ball's centre about the axis")
+    rotation: Sequence[float] | None = quantity(
+        "rotation_rad_s", "rotation of the ball about its centre: across, along, normal to its track", parts="[]"
+    )
+    closing: float | None = quantity("closing_mm_s", "speed at which the gap to the next ball closes")
+    sliding: FlankPairs | None = quantity(
+        "sliding_mm_s", "sliding at the contact's centre, across and along", parts=".FLANK[]"
+    )
+    spin: Flanks | None = quantity("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
+    force: FlankPairs | None = quantity("friction_N", "friction force on the ball, across and along", parts=".FLANK[]")
+    moment: Flanks | None = quantity("moment_Nmm", "friction moment about the normal", parts=".FLANK")
+    loss: Flanks | None = quantity("loss_mW", "power lost in the contact", parts=".FLANK")
+    at_rest: Mapping[str, bool] | None = quantity("at_rest", "whether the contact sticks", parts=".FLANK")
+
+
+@record(kw_only=True)
+class FrictionBand:
+    """Torques at the least and the largest coefficient that are measured with lubricants."""
+
+    coefficients: Sequence[float] = quantity(
+        "coefficients", "coefficients between which a lubricated screw lies, 0.003 to 0.1", parts="[]"
+    )
+    torque: Sequence[float | None] = quantity("friction_torque_Nmm", "friction torque at both", parts="[]")
+    drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both", parts="[]")
+    preload: float | None = quantity("preload_N", "preload that the makers' formula takes")
+    makers: float | None = quantity("makers_formula_Nmm", "0.05/sqrt(tan beta) F l/(2 pi), which makers print")
+
+
+@record(kw_only=True)
+class FrictionPlay:
+    """Friction torque with smaller balls, of a screw that states neither preload nor play."""
+
+    smaller: float = quantity("smaller_by_um", "by how much the ball radii are made smaller to show what play does")
+    torque: float | None = quantity("friction_torque_Nmm", "friction torque then")
+    as_given: float | None = quantity("friction_torque_as_given_Nmm", "friction torque as the scene stands")
+
+
+@record(kw_only=True)
+class FrictionCases:
+    """Friction of the load cases of a duty cycle together."""
+
+    largest: float | None = quantity("largest_friction_torque_Nmm", "friction torque of the case with the largest")
+    case: str | None = quantity("largest_friction_torque_case", "its case")
+    mean: float | None = quantity("mean_friction_torque_Nmm", "work of friction over the duty cycle, over the angle turned")
+    words: str | None = quantity("mean_words", "why there is no mean")
+
+
+@record(eq=False, repr=False, kw_only=True)
 class Friction(Data):
-    """Friction of a scene. A field is None where its kind of scene has no such answer, and without convergence."""
+    """Friction of a scene, SI: N m, W, efficiencies as shares [1]. A field is None where its kind of scene has no such
+    answer, and without convergence."""
 
     scene: str
     """Name of the scene."""
@@ -50,56 +111,113 @@ class Friction(Data):
     """Whether loads and friction balance."""
     reason: str
     """Status in words."""
-    torque: float | None = None
-    """Friction torque [N m]."""
-    drag_torque: float | None = None
-    """Friction torque [N m] without the loads of the scene, by its preload."""
-    forward_torque: float | None = None
-    """Torque that drives the screw against its axial load [N m]."""
-    backward_torque: float | None = None
-    """Torque that holds the screw with its axial load [N m]."""
-    efficiency_forward: float | None = None
-    """Work on the load over work of the torque, driven against the load [1]."""
-    efficiency_backward: float | None = None
-    """Work of the torque over work of the load, driven by the load [1]."""
-    self_locking: bool | None = None
-    """Whether friction holds the load without a torque."""
-    loss: float | None = None
-    """Loss in all contacts [W]."""
+    torque: float | None = quantity(
+        "torque.friction_torque_Nmm",
+        "torque of friction alone, against the motion",
+        error="proportional to the coefficient",
+    )
+    torque_on_screw: float | None = quantity(
+        "torque.friction_torque_on_screw_Nmm", "the same as it acts on the screw, with sign", error="as above"
+    )
+    torque_on_nut: float | None = quantity(
+        "torque.friction_torque_on_nut_Nmm", "the same as it acts on the nut", error="as above"
+    )
+    drag_torque: float | None = quantity(
+        "torque.drag_torque_Nmm", "friction torque without the scene's loads: preload alone", error="as above"
+    )
+    axial_load: float | None = quantity("torque.axial_load_N", "axial load that the torque works against")
+    driving_torque_on_screw: float | None = quantity(
+        "torque.driving_torque_on_screw_Nmm",
+        "torque that the screw must be given in the stated motion",
+        error="friction's share of it",
+    )
+    driving_torque_on_nut: float | None = quantity(
+        "torque.driving_torque_on_nut_Nmm", "the same for the nut", error="friction's share of it"
+    )
+    load_moves: str | None = quantity("torque.load_moves", "with or against the load")
+    forward_torque: float | None = quantity(
+        "torque.forward_torque_Nmm",
+        "torque that moves the nut against the axial load: F l/(2 pi) + friction",
+        error="friction's share of it",
+    )
+    backward_torque: float | None = quantity(
+        "torque.backward_torque_Nmm",
+        "torque that the load gives when it drives: F l/(2 pi) - friction",
+        error="friction's share of it",
+    )
+    efficiency_forward: float | None = quantity(
+        "torque.efficiency_forward_percent",
+        "work on the load over work of the torque",
+        error="1 - efficiency is proportional to the coefficient",
+    )
+    efficiency_backward: float | None = quantity(
+        "torque.efficiency_backward_percent", "work of the torque over work of the load", error="as above"
+    )
+    self_locking: bool | None = quantity("torque.self_locking", "whether the load cannot drive the screw")
+    screw_coefficient: float | None = quantity("friction.screw", "coefficient of friction in the screw's groove")
+    nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove")
+    turns: str | None = quantity("motion.turns", "which part turns")
+    speed: float | None = quantity("motion.speed_rad_s", "its speed")
+    loss: float | None = quantity(
+        "losses.total_W",
+        "power lost in all contacts",
+        Stated("losses", "power lost between balls, and what Heathcote's slip would add", parts=".*"),
+        Stated(
+            "losses.by_contact_W",
+            "power lost on one flank, and the shares of sliding across, along and of spin",
+            parts="[].*",
+        ),
+        Stated("energy", "power of the driving torque, of the load, lost, and what is missing between them", parts=".*"),
+        Stated(
+            "feedback",
+            "friction torque when friction does not move the balls in their grooves, and what that motion changes",
+            parts=".*",
+        ),
+    )
+    imbalance: float | None = quantity(
+        "solver.friction_imbalance",
+        "largest unbalanced force of a ball with friction over its load",
+        Stated("solver.static_residual", "residual of the static solve under friction"),
+        Stated("solver.feedback_change", "last change of the loads by friction"),
+    )
+    balls: tuple[FrictionBall, ...] = ()
+    """Every ball; empty of load cases and of kinds that do not list their balls so."""
+    band: FrictionBand | None = None
+    """Torques over the coefficients that are measured with lubricants; None where they are not asked for."""
+    play: FrictionPlay | None = None
+    """What play changes; None where the scene states preload or play."""
     warnings: tuple[str, ...] = ()
     """Where answers leave what the models mean."""
     cases: Mapping[str, Friction] = field(default_factory=dict)
     """Load cases by name; empty without."""
+    together: FrictionCases | None = None
+    """Load cases together; None without."""
 
 
 def friction_of(data: Mapping[str, Any]) -> Friction:
     """The record of what ``rollbench friction`` answers."""
-    torque, losses = data.get("torque") or {}, data.get("losses") or {}
-    converged = bool(data.get("converged"))
-
-    def known(group: Mapping[str, Any], key: str, factor: float) -> float | None:
-        value = group.get(key) if converged else None
-        return None if value is None else factor * float(value)
-
-    loss = known(losses, "total_W", 1.0)
+    converged, warnings = bool(data.get("converged")), tuple(map(str, data.get("warnings", ())))
+    known = from_json(Friction, data if converged else {})
+    for name in ("efficiency_forward", "efficiency_backward"):
+        known[name] = None if known[name] is None else 1e-2 * known[name]
+    if converged and known["loss"] is None:
+        known["loss"] = (data.get("energy") or {}).get("loss_W")
+    cases = {str(one["case"]): friction_of(one) for one in data.get("cases", ())}
     return Friction(
         values=data,
-        shown="torque" if torque else "",
-        notes=tuple(data.get("warnings", ())),
+        shown="torque" if data.get("torque") else "",
+        notes=warnings,
         scene=str(data["scene"]),
         kind=str(data.get("kind", "")),
         converged=converged,
         reason=str(data["status"]),
-        torque=known(torque, "friction_torque_Nmm", 1e-3),
-        drag_torque=known(torque, "drag_torque_Nmm", 1e-3),
-        forward_torque=known(torque, "forward_torque_Nmm", 1e-3),
-        backward_torque=known(torque, "backward_torque_Nmm", 1e-3),
-        efficiency_forward=known(torque, "efficiency_forward_percent", 1e-2),
-        efficiency_backward=known(torque, "efficiency_backward_percent", 1e-2),
-        self_locking=torque.get("self_locking") if converged else None,
-        loss=known(data.get("energy") or {}, "loss_W", 1.0) if loss is None else loss,
-        warnings=tuple(map(str, data.get("warnings", ()))),
-        cases={str(one["case"]): friction_of(one) for one in data.get("cases", ())},
+        **known,
+        balls=tuple(FrictionBall(**from_json(FrictionBall, row)) for row in data.get("balls", ()) if converged),
+        band=None if not data.get("band") else FrictionBand(**from_json(FrictionBand, data["band"])),
+        play=None if not data.get("play") else FrictionPlay(**from_json(FrictionPlay, data["play"])),
+        warnings=warnings,
+        cases=cases,
+        together=FrictionCases(**from_json(FrictionCases, data.get("summary") or {})) if cases else None,
     )
 
 
@@ -182,25 +300,25 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
     )
 
 
-@dataclass(frozen=True)
+@record
 class Statistics:
     """An output over the samples of a sweep or the specimens of an ensemble, in the unit that its name ends with."""
 
-    mean: float
-    """Mean."""
-    standard_error: float
-    """Standard error of the mean."""
-    standard_deviation: float
-    """Standard deviation."""
-    smallest: float
-    """Smallest value."""
-    largest: float
-    """Largest value."""
-    quantiles: Mapping[float, float]
+    mean: float = quantity("mean", "mean over the members", error="`standard_error`")
+    standard_error: float = quantity(
+        "standard_error", "of the mean: standard deviation over the root of the number of members"
+    )
+    standard_deviation: float = quantity("standard_deviation", "standard deviation over the members")
+    smallest: float = quantity("smallest", "smallest value of a member")
+    largest: float = quantity("largest", "largest value of a member")
+    members: int | None = quantity("members", "members that have the value", default=None)
+    quantiles: Mapping[float, float] = quantity(
+        "quantiles", "level, value, and its 95 % interval, low and high", parts="[].*", show=dict, default_factory=dict
+    )
     """Quantiles by share: 0.01, 0.05, 0.5, 0.95, 0.99."""
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+@record(eq=False, repr=False, kw_only=True)
 class Ensemble(Data):
     """Many specimens of a scene with random errors."""
 
@@ -216,6 +334,22 @@ class Ensemble(Data):
     """Why specimens have no equilibrium, by their number from 0. Empty of load cases."""
     sets: Mapping[str, Mapping[str, Statistics | None]]
     """The outputs of each of several sets by name; empty of one."""
+    contacts: tuple[Mapping[str, float | str], ...] = quantity(
+        "balls",
+        "of one contact over the members: load without random errors, mean, standard deviation, quantiles, share of "
+        "members in which it is loaded",
+        Stated(
+            "balls[].quantile_0",
+            "quantile of this contact's load over the members",
+            error="`band_resolution_N`",
+            parts=".*",
+        ),
+        error="`band_resolution_N`",
+        parts="[].*",
+        default=(),
+    )
+    """Every contact, in the units of the keys; empty where several sets or load cases are asked for."""
+    band_resolution: float | None = quantity("band_resolution_N", "sampling error of the bands below", default=None)
     cases: Mapping[str, Ensemble]
     """Load cases by name; empty without."""
 
@@ -232,6 +366,8 @@ def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
         outputs=_outputs(data.get("statistics", {})),
         failed={one["member"]: one["status"] for one in data.get("failed", ())},
         sets={one["name"]: _outputs(one["statistics"]) for one in data.get("sets", ())},
+        contacts=tuple(data.get("balls", ())),
+        band_resolution=data.get("band_resolution_N"),
         cases=cases,
     )
 
@@ -275,9 +411,7 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
 def _statistics(x: Mapping[str, Any]) -> Statistics:
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
     quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
-    names = ("mean", "standard_error", "standard_deviation", "smallest", "largest")
-    numbers: dict[str, float] = {name: x[name] for name in names}
-    return Statistics(**numbers, quantiles=quantiles)
+    return Statistics(**(from_json(Statistics, x) | {"quantiles": quantiles}))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -11,15 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
-from rollbench.compare.models.load_cases import Solved, SolvedAxis
-from rollbench.compare.models.together import Together
-from rollbench.compare.results.answers_json import by_pressure
+from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
-from rollbench.compare.results.cases_json import cases_json
-from rollbench.compare.results.solved_json import case_json
+from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
-from rollbench.lowfi.statics.problem import own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -27,6 +24,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.quantity import quantity, record
 
 if TYPE_CHECKING:
     import pandas
@@ -106,19 +104,19 @@ class WorstContact:
     """Semi-axes of the ellipse, across and along the groove [m]; None of rollers."""
 
 
-@dataclass(frozen=True)
+@record
 class ExpectedError:
     """Error of the model to expect, from its errors against the 3D reference on other scenes; None: not covered."""
 
-    loads: float | None
+    loads: float | None = quantity("expected_error_percent", "what `model_form` promised for the worst contact load")
     """Largest error of a contact load [% of the mean contact load]."""
     loads_rms: float | None
     """RMS error of the contact loads [% of the mean contact load]."""
-    displacement: float | None
+    displacement: float | None = quantity("expected_displacement_error_percent", "the same for the displacement")
     """Of the axial displacement [%]."""
-    rigidity: float | None
+    rigidity: float | None = quantity("expected_rigidity_error_percent", "the same for the rigidity")
     """Of the axial stiffness [%]."""
-    pressure: float | None
+    pressure: float | None = quantity("expected_pressure_error_percent", "the same for the pressure")
     """Of the largest pressure [%]."""
     nearest: str
     """The compared scene that is most alike."""
@@ -208,7 +206,7 @@ class Result(Record, Balls):
     stiffness: Array | None = None
     """Tangent stiffness of the screw's section at the nut's centre against the held nut, (6, 6) [N/m, N, N m]; where
     ``stiffness_at`` was given, at that station. Of several sets: of the whole, nan in held freedoms. None where the model
-    has none, and without axial force unless ``stiffness_at`` was given."""
+    has none."""
     axial_stiffness: float | None = None
     """Axial tangent stiffness at the nut's centre [N/m]: rotation about the axis held, all else free; of several sets all
     other freedoms held."""
@@ -345,11 +343,13 @@ class Result(Record, Balls):
 def result_of(
     solved: Sequence[Solved | SolvedAxis],
     tangents: Sequence[Tangent | None],
+    at_nut: Sequence[Tangent | None],
     cycle: DutyCycle | None = None,
     together: Together | None = None,
 ) -> Result:
-    """The result of a solved scene, or of the load cases of a cycle and what they say together."""
-    each = [_of_one(one, tangent) for one, tangent in zip(solved, tangents, strict=True)]
+    """The result of a solved scene, or of the load cases of a cycle and what they say together. tangents: the stiffness at
+    the station that was asked for; at_nut: at the nut's centre; of each, None where there is none."""
+    each = [_of_one(*one) for one in zip(solved, tangents, at_nut, strict=True)]
     if cycle is None or together is None:
         return each[0]
     lost = next((one for one in each if not one.converged), each[0])
@@ -374,7 +374,7 @@ def result_of(
     )
 
 
-def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None) -> Result:
+def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     found = one.result
     head = Result(
         scene=one.scene.name,
@@ -388,16 +388,16 @@ def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None) -> Result:
         solved=(one,),
         tangents=(tangent,),
     )
-    return _of_set(head, one, tangent) if isinstance(one, Solved) else _of_axis(head, one)
+    return _of_set(head, one, tangent, at_nut) if isinstance(one, Solved) else _of_axis(head, one)
 
 
-def _of_set(head: Result, one: Solved, tangent: Tangent | None) -> Result:
+def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     answers = one.answers
     balls = _balls(one.scene, one.result, solved=answers is not None)
     if answers is None:
         return replace(head, azimuth=balls.azimuth, z=balls.z)
     speed = None if one.scene.motion is None else one.scene.motion.speed
-    K = tangent if tangent is not None and tangent.status == "converged" else answers.at_nut
+    K = tangent if tangent is not None and tangent.status == "converged" else at_nut
     return replace(
         head,
         **vars(balls),
@@ -405,7 +405,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None) -> Result:
         displacement=answers.motion,
         rigidity=None if answers.rigidities is None else answers.rigidities.unequal,
         stiffness=None if K is None else K.matrix,
-        axial_stiffness=answers.tangent,
+        axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
         preload=_preload(answers.preload),
@@ -424,7 +424,7 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
     }
-    worst = next((sets[found.sets[i].of.name].worst for i in by_pressure(answers)), None)
+    worst = next((sets[found.sets[i].of.name].worst for i in answers.by_pressure), None)
     lives = [s.life for s in sets.values() if s.life is not None]
     moved = answers.displacement
     return replace(

@@ -8,9 +8,8 @@ from enum import StrEnum
 from typing import Any
 
 from rollbench.compare.gate import verdict as gate
-from rollbench.compare.gate.further import not_judged
 from rollbench.compare.gate.user import Asked, check_scenes
-from rollbench.compare.gate.verdict import CODES, Word, worst_of
+from rollbench.compare.gate.verdict import CODES, Word, not_judged, worst_of
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.compare.scenes.duty_cycle import Described, cases_by_name

@@ -12,31 +12,18 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.registration import needed
 from rollbench.compare.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm, refuse
-from rollbench.compare.scenes.from_keys import friction_of, load_of, material_of, scene_of, support_of, vector
+from rollbench.compare.scenes.from_keys import force_of, friction_of, material_of, scene_of, support_of
 from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults
 from rollbench.compare.scenes.load_cases import case_faults, in_cases
-from rollbench.compare.scenes.preload import force_of
-from rollbench.compare.scenes.quantity import ShareOfRating
-from rollbench.compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
-from rollbench.meshes.axis import (
-    ARRANGEMENTS,
-    Assembly,
-    Housing,
-    Joint,
-    RollerRow,
-    RollingSet,
-    Segment,
-    Stiffness,
-    diagonal,
-    full,
-)
+from rollbench.compare.scenes.schema import SceneKeys, ScrewKeys
+from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing, Joint, RollerRow, RollingSet, Stiffness, diagonal, full
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
-from rollbench.meshes.parts import FREEDOMS, Ingredients, Motion, Scene, Screw
+from rollbench.meshes.parts import FREEDOMS, Ingredients, Scene, Screw
+from rollbench.meshes.ranges import ShareOfRating
 
 #: Thrusts of a row that carries one way.
 ONE_WAY = ("+z", "-z")
@@ -79,16 +66,16 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
         title=keys.title,
         screw=Screw(length, diameter, shaft.groove_radius or 0.0, material_of(shaft.material, keys.material), shaft.bore),
         sets=tuple(row for one, whole in zip(keys.sets, sets, strict=True) for row in bearings_of(whole, one, len(sets))),
-        segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
+        segments=tuple(shaft.plain),
         housings=tuple(map(_housing, keys.housings)),
         joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness(j) or NONE) for j in keys.joints),
         supports=tuple(support_of(s) for s in keys.supports),
-        loads=tuple(map(load_of, keys.loads)),
+        loads=tuple(keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         source=keys.source,
         assumed=(*keys.assumed, *_rated(keys, sets)),
         friction=None if keys.friction is None else friction_of(keys.friction),
-        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
+        motion=keys.motion,
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
     )
@@ -104,7 +91,7 @@ def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
 
 
 def _housing(h: HousingKeys) -> Housing:
-    return Housing(h.name, h.at, support_of(h).fixed, _stiffness(h), vector(h.force), vector(h.moment))
+    return Housing(h.name, h.at, support_of(h).fixed, _stiffness(h), h.force, h.moment)
 
 
 def _single(keys: AxisKeys) -> bool:
@@ -231,7 +218,7 @@ def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
     if one.pair_rigidity is not None and nut is not None:  # until it is known
         fields |= {"groove_radius": None, "conformity": USUAL}
         nut = nut.model_copy(update={"conformity": USUAL})
-    ingredients = IngredientKeys().model_copy(update=keys.ingredients.model_dump())
+    ingredients = Ingredients(**keys.ingredients.model_dump())
     return SceneKeys.model_construct(
         title=keys.title,
         material=keys.material,
@@ -393,7 +380,8 @@ def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
     if one.pair_rigidity is None:
         return parts
     given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
-    conformity = needed("conformity", origin, f"{at}.pair_rigidity", given)
+    from rollbench.compare.scenes.bearing_pairs import conformity
+
     try:
         implied = conformity(parts, one.pair_preload, one.pair_rigidity)
     except ValueError as error:

@@ -7,10 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from rollbench.compare.scenes import keys, schema
-from rollbench.compare.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
+from rollbench.compare.scenes.keys import key
+from rollbench.meshes import ranges
+from rollbench.meshes.axis import Segment
+from rollbench.meshes.parts import Motion
+from rollbench.meshes.ranges import ForceOrShare, Quantity, ShareOfRating
 
-Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
-Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
 Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
 Expansion = Annotated[float, Quantity("number", 0, 1e-3, 11.5e-6)]
 Push = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "1000 MN", "500 N")]
@@ -19,19 +21,10 @@ Arrangement = Literal["DB", "DF", "DT", "DBD", "DFD", "DBB", "DFF", "DBT", "DFT"
 Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class PlainKeys(keys.Table):
-    """A plain stretch of the shaft."""
-
-    start: keys.Station = key("station where it begins", example="0 mm")
-    end: keys.Station = key("station where it ends", example="60 mm")
-    diameter: keys.Size = key("its diameter", example="25 mm")
-    bore: keys.Bore = key("diameter of its hole", "0 mm", "6 mm")
-
-
 class ShaftKeys(schema.ScrewKeys):
     """Screw shaft; groove and diameters of the thread, where a set does not say its own."""
 
-    plain: Annotated[list[PlainKeys], Field(max_length=1000)] = key(
+    plain: Annotated[list[Segment], Field(max_length=1000)] = key(
         "plain stretches of the shaft", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
     )
 
@@ -39,7 +32,7 @@ class ShaftKeys(schema.ScrewKeys):
 class InnerKeys(keys.GrooveKeys):
     """Inner ring of a set whose groove is not the shaft's."""
 
-    outer_diameter: keys.Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
+    outer_diameter: ranges.Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
     material: keys.MaterialKeys | None = key("its material, where it is not the shaft's", None, keys.MATERIAL)
 
 
@@ -47,14 +40,14 @@ class RollerKeys(keys.Table):
     """One row of tapered rollers."""
 
     count: keys.Count = key("number of rollers", example=16)
-    diameter: keys.Size = key("mean diameter of a roller", example="8.4 mm")
-    length: keys.Size = key("effective length of a roller", example="12.4 mm")
-    cup_angle: keys.ContactAngle = key(
+    diameter: ranges.Size = key("mean diameter of a roller", example="8.4 mm")
+    length: ranges.Size = key("effective length of a roller", example="12.4 mm")
+    cup_angle: ranges.ContactAngle = key(
         "half included angle of the cup: of the outer contacts against the axis", example="30.8 deg"
     )
-    roller_angle: keys.ContactAngle = key("half included angle of a roller", example="4 deg")
-    ring_depth: keys.Size = key("depth of both rings to which their deformation counts", example="5 mm")
-    crown: keys.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
+    roller_angle: ranges.ContactAngle = key("half included angle of a roller", example="4 deg")
+    ring_depth: ranges.Size = key("depth of both rings to which their deformation counts", example="5 mm")
+    crown: ranges.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
     slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
 
 
@@ -72,7 +65,7 @@ class SetKeys(keys.Table):
         None,
         "+z",
     )
-    offset: keys.Deviation = key(
+    offset: ranges.Deviation = key(
         "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
@@ -87,15 +80,15 @@ class SetKeys(keys.Table):
         None,
         "DBD",
     )
-    pair_preload: keys.Force = key(
+    pair_preload: ranges.Force = key(
         "preload of a pair of these bearings with the same gaps, from which that of the set follows", "0 N", "2150 N"
     )
-    pair_rigidity: Spring | None = key(
+    pair_rigidity: ranges.Spring | None = key(
         "axial rigidity of that pair at its preload, as makers print it: the conformity of both grooves follows from it",
         None,
         "750 N/um",
     )
-    position: keys.Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
+    position: ranges.Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
     track: schema.TrackKeys | None = key("path of the ball centres", None)
     screw: InnerKeys | None = key("its inner ring, or groove on the shaft where that is another", None)
     nut: schema.NutKeys | None = key("nut, or outer ring", None)
@@ -107,12 +100,12 @@ class SetKeys(keys.Table):
 class SpringKeys(keys.Table):
     """Springs along and about the axes; freedoms left out have none."""
 
-    ux: Spring = key("along x", "0 N/m", "200 N/um")
-    uy: Spring = key("along y", "0 N/m", "200 N/um")
-    uz: Spring = key("along z", "0 N/m", "200 N/um")
-    rx: Twist = key("about x, per rad", "0 N m", "5 kN m")
-    ry: Twist = key("about y, per rad", "0 N m", "5 kN m")
-    rz: Twist = key("about z, per rad", "0 N m", "5 kN m")
+    ux: ranges.Spring = key("along x", "0 N/m", "200 N/um")
+    uy: ranges.Spring = key("along y", "0 N/m", "200 N/um")
+    uz: ranges.Spring = key("along z", "0 N/m", "200 N/um")
+    rx: ranges.Twist = key("about x, per rad", "0 N m", "5 kN m")
+    ry: ranges.Twist = key("about y, per rad", "0 N m", "5 kN m")
+    rz: ranges.Twist = key("about z, per rad", "0 N m", "5 kN m")
 
 
 Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]
@@ -129,24 +122,24 @@ class HousingKeys(StiffKeys):
     """Rigid body that carries outer rings or nuts. What is neither fixed nor displaced moves against its springs."""
 
     name: Name = key("its name", example="carriage")
-    at: keys.Station = key("station where its motion, springs and loads are taken", example="400 mm")
+    at: ranges.Station = key("station where its motion, springs and loads are taken", example="400 mm")
     fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "rx", "ry", "rz"])
     displace: schema.DisplaceKeys = key("freedoms held at other values", schema.DisplaceKeys(), {"uz": "20 um"})
-    force: keys.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: keys.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
 class JointKeys(StiffKeys):
     """Springs between two housings, such as a spacer or a bolted joint."""
 
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
-    at: keys.Station = key("station where they act", example="400 mm")
+    at: ranges.Station = key("station where they act", example="400 mm")
 
 
 class AskedKeys(keys.Table):
     """Where the stiffness of the whole is asked for; where the loads act if left out."""
 
-    at: keys.Station | None = key("a station of the shaft", None, "400 mm")
+    at: ranges.Station | None = key("a station of the shaft", None, "400 mm")
     housing: Name | None = key("or a housing", None, "carriage")
 
 
@@ -179,8 +172,8 @@ class CaseHousingKeys(keys.Table):
     """Loads on one of the scene's housings in a case."""
 
     name: Name = key("name of the housing in the scene", example="carriage")
-    force: keys.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: keys.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
 class AxisCaseKeys(schema.CaseKeys):
@@ -211,4 +204,4 @@ class AxisKeys(keys.HeadKeys):
     heat: HeatKeys | None = key("warming of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
     ingredients: AxisIngredientKeys = key("parts of the low-order model", AxisIngredientKeys(), {"section": "full"})
     friction: schema.FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: keys.MotionKeys | None = key("motion of the shaft", None, {"speed": "600 rpm"})
+    motion: Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})

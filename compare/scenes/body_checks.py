@@ -7,9 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rollbench.compare.registration import offered
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.lowfi.statics.supports import Held, contradiction, show
+from rollbench.lowfi.statics.problem import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -55,7 +54,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     if scene.track.pitch_radius > scene.balls.radius:
         yield from _packing_faults(scene, radii)
     if scene.circulation is not None or scene.time is not None:
-        yield from (fault for faults in offered("circuit faults") for fault in faults(scene))
+        yield from _circuit_faults(scene)
 
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
@@ -85,8 +84,7 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
 def contact_faults(scene: Scene) -> Iterator[Fault]:
     """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
     solution."""
-    from rollbench.lowfi.statics.conformity import curvature_changes
-    from rollbench.lowfi.statics.problem import nominal_curvatures, printed_sides
+    from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, printed_sides
 
     if scene.ingredients.hertz == "as printed":
         try:
@@ -291,3 +289,21 @@ def overlapping(centres: Array, radii: Array) -> tuple[int, int] | None:
         if bad.size:
             return int(i[bad[0]]), int(j[bad[0]])
     return None
+
+
+def _circuit_faults(scene: Scene) -> Iterator[Fault]:
+    """Circuits that cannot be built, and runs that leave the screw."""
+    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
+
+    try:
+        circuits(scene)
+    except CircuitError as error:
+        yield Fault(
+            (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths"), error.allowed, error.advice
+        )
+    ends = travel(scene) + scene.nut.position
+    half, length = 0.5 * scene.nut.length, scene.screw.length
+    if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
+        allowed = f"the nut on the screw, its centre from {mm(half)} to {mm(length - half)}"
+        advice = f"it would run from {mm(float(ends[0]))} to {mm(float(ends[1]))}: shorten the run or lengthen the screw"
+        yield Fault(("time.angle", "time.duration"), allowed, advice)

@@ -8,10 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
 from rollbench.compare.reading import alike, question
-from rollbench.compare.registration import data_files, kinds
-from rollbench.compare.scenes.names import AXIS
+from rollbench.compare.scenes.names import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ Of = TypeVar("Of", bound="KindScene")
 @cache
 def scene_names() -> tuple[str, ...]:
     """Names of the shipped scenes of all kinds, sorted."""
-    return tuple(data_files("scenes"))
+    return tuple(shipped_files("scenes"))
 
 
 @cache
@@ -43,7 +43,7 @@ def kind(name: str) -> str:
 @cache
 def whole_names() -> tuple[str, ...]:
     """Names of the shipped whole screws and bearings, sorted: neither axes nor kinds that only friction solves."""
-    return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *kinds()))
+    return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache
@@ -53,10 +53,11 @@ def with_role(role: str) -> tuple[str, ...]:
 
 
 def scene_text(name: str) -> str:
-    """Text of a shipped scene. Raises InputError for an unknown name."""
-    if name not in scene_names():
+    """Text of a scene that is shipped or of another package's case. Raises InputError for an unknown name."""
+    path = file_of("scenes", name)
+    if path is None:
         raise _unknown(name)
-    return data_files("scenes")[name].read_text(encoding="utf-8")
+    return path.read_text(encoding="utf-8")
 
 
 @cache

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.kinds import KindScene
@@ -16,15 +17,17 @@ if TYPE_CHECKING:
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 
 
-@dataclass(frozen=True)
+@record
 class LoadCase:
     """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
-    None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize."""
+    None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize; time:
+    in one cycle [s], where shares follow from times."""
 
-    name: str
-    share: float
+    name: str = quantity("case", "name of the load case")
+    share: float = quantity("share", "part of the revolutions; 0 for a static check")
     speed: float | None
     scene: Scene | Assembly
+    time: float | None = None
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,18 @@ class DutyCycle:
     parts: Scene | Assembly
     cases: tuple[LoadCase, ...]
     speed: float | None
+
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this cycle."""
+        from rollbench.meshes.scene_text import axis_tables, case_table, scene_tables, to_toml
+
+        parts = self.parts
+        tables = scene_tables(parts) if isinstance(parts, Scene) else axis_tables(parts)
+        cases = []
+        for case in self.cases:
+            table = case_table(case.share, case.time, case.speed, parts, case.scene)
+            cases.append({"name": case.scene.name.removeprefix(f"{parts.name}-"), **table})
+        return to_toml(tables | {"cases": cases})
 
     @property
     def name(self) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from rollbench.compare.errors import SceneError
-from rollbench.compare.scenes.units import show
+from rollbench.meshes.units import show
 
 #: Lengths that differ by less than this [m] count as equal.
 TOLERANCE = 1e-9

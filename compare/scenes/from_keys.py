@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import floor, hypot, pi, sin
+from dataclasses import replace
+from math import cos, floor, hypot, pi, sin
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.compare.errors import escaped
+from rollbench.compare.measure import error_percent
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.keys import MaterialKeys
 from rollbench.meshes import parts
+from rollbench.meshes.helix import lead_angle, spread_over_turns
 from rollbench.meshes.one_arc import rest_angle
+from rollbench.meshes.ranges import ShareOfRating
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.axis_schema import HousingKeys
@@ -35,21 +38,21 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
             balls=parts.BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
             seed=e.seed,
             lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
-            **{side: _side(getattr(e, side)) for side in parts.SIDES},
+            **{side: getattr(e, side) for side in parts.SIDES},
         ),
         supports=tuple(support_of(s) for s in keys.supports),
-        loads=tuple(map(load_of, keys.loads)),
-        ingredients=parts.Ingredients(**keys.ingredients.model_dump()),
-        solid=parts.Solid(**keys.solid.model_dump() | {"nut_held": nut.held.at or held}),
+        loads=tuple(keys.loads),
+        ingredients=keys.ingredients,
+        solid=replace(keys.solid, nut_held=nut.held.at or held),
         source=escaped(keys.source),
         assumed=(*map(escaped, keys.assumed), *former),
         members=keys.members,
         friction=None if keys.friction is None else friction_of(keys.friction),
-        motion=None if keys.motion is None else parts.Motion(**keys.motion.model_dump()),
+        motion=keys.motion,
         role=keys.role,
-        circulation=None if keys.circulation is None else parts.Circulation(**keys.circulation.model_dump()),
-        time=None if keys.time is None else parts.Time(**keys.time.model_dump()),
-        gate=parts.GateLimits(**keys.gate.model_dump()),
+        circulation=keys.circulation,
+        time=keys.time,
+        gate=keys.gate,
     )
 
 
@@ -122,10 +125,8 @@ def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, .
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     if balls.arcs is None:
-        n, turns = balls_of_circuit(balls, track), balls.turns or 1.0
-        spacing, pitch = 2.0 * pi * turns / n, 2.0 * pi * (turns + (balls.circuit_gap or 0.0))
-        middles = (track.phase + (k - (balls.circuits - 1) / 2.0) * pitch for k in range(balls.circuits))
-        return tuple(middle + (i - (n - 1) / 2.0) * spacing for middle in middles for i in range(n))
+        n = balls_of_circuit(balls, track)
+        return spread_over_turns(n, balls.turns or 1.0, track.phase, balls.circuits, balls.circuit_gap or 0.0)
     n = (balls.count or 0) // track.starts
     ends = np.array(balls.arcs)
     fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
@@ -160,13 +161,6 @@ def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
 
 
-def _side(side: schema.SideKeys) -> parts.SideErrors:
-    pitch, roundness = (
-        tuple(parts.FourierTerm(**term.model_dump()) for term in terms) for terms in (side.pitch, side.roundness)
-    )
-    return parts.SideErrors(tuple(side.profile), tuple(side.profile_sigma), pitch, side.pitch_along, roundness)
-
-
 def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
     """Support at a station: freedoms held and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
@@ -174,12 +168,49 @@ def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
     return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
 
 
-def load_of(keys: schema.LoadKeys) -> parts.Load:
-    """Force and moment at a station."""
-    return parts.Load(keys.at, vector(keys.force), vector(keys.moment))
+# --- preload of one nut, as the oversize of its balls that gives it
 
 
-def vector(values: Sequence[float]) -> tuple[float, float, float]:
-    """Three values as a record."""
-    x, y, z = values
-    return x, y, z
+def oversize_for(scene: parts.Scene, force: float) -> float:
+    """Oversize of the ball radius [m] at which screw and nut, both rigid, press on each pair of flanks with ``force`` [N]
+    along the axis, without load.
+
+    All four contacts of a ball carry Q = force / (n sin beta cos alpha); along a diagonal, both approaches together make up
+    for twice the oversize e: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact
+    angle. Valid where e is small against the distance of ball and groove centre, so that the angle hardly changes (a
+    per cent of the force at 7 um and 0.5 mm).
+    """
+    from rollbench.lowfi.statics.contacts import nominal_hertz
+
+    beta, alpha = scene.track.contact_angle, lead_angle(scene.track)
+    each = force / (scene.ball_count * sin(beta) * cos(alpha))
+    constants = nominal_hertz(scene).C
+    pair = float(constants[0] + constants[3])
+    return float(0.5 * pair * each ** (2.0 / 3.0))
+
+
+def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
+    """Preload force [N], and in words where it comes from."""
+    if not isinstance(given, ShareOfRating):
+        return given, ""
+    from rollbench.lowfi.rating.life import rating
+
+    C = rating(scene)
+    percent = float(error_percent(given.share * C, 0.0, C))
+    return given.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
+
+
+def preloaded(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
+    """The scene with its preload as an oversize, and what is idealised by it among the assumptions."""
+    if keys is None or keys.lead_offset is not None:
+        return scene
+    size, assumed = keys.oversize or 0.0, scene.assumed
+    if keys.force is not None:
+        force, of = force_of(scene, keys.force)
+        size = oversize_for(scene, force)
+        assumed += (
+            f"The preload of {force:g} N{of} was turned into an oversize of {1e6 * size:.3g} um in ball radius, by Hertz "
+            "contacts between a rigid screw and a rigid nut; elastic ones give way, so that less than it is left.",
+        )
+    balls = replace(scene.errors.balls, oversize=size)
+    return replace(scene, errors=replace(scene.errors, balls=balls), assumed=assumed)

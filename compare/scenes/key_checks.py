@@ -7,9 +7,11 @@ from collections.abc import Iterator
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.compare.scenes.from_keys import ball_total, centres_apart
-from rollbench.compare.scenes.keys import MAX_BALLS, GrooveKeys
-from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
+from rollbench.compare.scenes.keys import GrooveKeys
+from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
 from rollbench.meshes.partition import MERGE
+from rollbench.meshes.parts import Time
+from rollbench.meshes.ranges import MAX_BALLS
 
 #: Part of a ball diameter by which a diameter may differ from twice the radius beside it.
 SAME = 1e-9
@@ -49,7 +51,7 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield from time_faults(keys.time)
 
 
-def time_faults(time: TimeKeys) -> Iterator[Fault]:
+def time_faults(time: Time) -> Iterator[Fault]:
     """A run of two lengths or none."""
     if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both"

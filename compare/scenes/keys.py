@@ -8,41 +8,85 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollbench.compare.scenes.catalogue_input import MATERIAL_NAMES, OTHER_NAME, with_material
-from rollbench.compare.scenes.quantity import Quantity, Rate, key
+from rollbench.meshes.ranges import (
+    MAX_BALLS,
+    SOLIDS,
+    Coefficient,
+    Conformity,
+    ContactAngle,
+    Deviation,
+    Lead,
+    Modulus,
+    Poisson,
+    Quantity,
+    Radius,
+    Size,
+    Turning,
+)
+from rollbench.meshes.units import UnitError, parse
 
-MAX_BALLS = 100_000
+# --- what a catalogue gives in place of what the physics takes is rewritten before the keys are read
+
+#: Materials by name: Young's modulus and Poisson's ratio, rounded values within the ranges of makers' data sheets
+#: (steels of bearings and of hardened shafts: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205
+#: to 210 GPa).
+STANDARD: dict[str, tuple[str, float]] = {
+    "bearing steel": ("210 GPa", 0.3),
+    "silicon nitride": ("310 GPa", 0.26),
+    "zirconia": ("210 GPa", 0.3),
+}
+#: Grades of these materials as drawings and catalogues name them.
+GRADES = {
+    "bearing steel": ("100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4"),
+    "silicon nitride": ("Si3N4",),
+    "zirconia": ("ZrO2",),
+}
+MATERIALS = STANDARD | {grade: STANDARD[name] for name, grades in GRADES.items() for grade in grades}
+MATERIAL_NAMES = (
+    "a standard material, typical values in place of the two keys below, which go before it: "
+    + ", ".join(f"{name} ({', '.join(GRADES[name])}) {modulus}, {ratio:g}" for name, (modulus, ratio) in STANDARD.items())
+    + "; with both keys below any other name"
+)
+OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
-Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
-Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
-Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
-Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
-Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
-Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
-Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
-Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
-Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
-Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
-ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
-Modulus = Annotated[float, Quantity("pressure", "1 MPa", "5000 GPa", "210 GPa")]
-Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
-Conformity = Annotated[float, Quantity("number", 0.5, 5, 0.52, above=True)]
-Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
-Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
-Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
-Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
-#: A force and a moment by x, y, z.
-Forces = Annotated[list[Force], Field(min_length=3, max_length=3)]
-Moments = Annotated[list[Moment], Field(min_length=3, max_length=3)]
-Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
-Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
-Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
-Filling = Annotated[float, Quantity("number", 0, 1, 0.8, above=True)]
-Travel = Annotated[float, Quantity("angle", "0.001 deg", "1000000 deg", "360 deg")]
-Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
-StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
-Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+def with_material(table: Any) -> Any:
+    """A raw table of a material, the values that it leaves out filled in by its name. Another name that stands with both
+    values is a word for the reader of the file, and goes."""
+    if not isinstance(table, dict) or not isinstance(name := table.get("name"), str):
+        return table
+    if name in MATERIALS:
+        modulus, ratio = MATERIALS[name]
+        return {"youngs_modulus": modulus, "poissons_ratio": ratio} | table
+    both = {"youngs_modulus", "poissons_ratio"} <= table.keys()
+    return {key: value for key, value in table.items() if key != "name"} if both else table
+
+
+def with_radius(table: Any, radius: str, diameter: str) -> Any:
+    """A raw table with a radius in place of a diameter that is given without one.
+
+    Halving a binary number is exact: the radius is the one that its own text would give. A diameter that cannot be read is
+    refused under its own name, so that any radius will do.
+    """
+    if not isinstance(table, dict) or diameter not in table or radius in table:
+        return table
+    try:
+        half = 0.5 * parse(table[diameter], "length")
+    except UnitError:
+        half = 1e-3
+    return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
+
+
+def either(radius: str, diameter: str) -> ConfigDict:
+    """Configuration of a table that needs a radius or a diameter, for its JSON Schema."""
+
+    def change(schema: dict[str, Any]) -> None:
+        schema["required"] = [name for name in schema["required"] if name != radius]
+        schema["oneOf"] = [{"required": [radius]}, {"required": [diameter]}]
+
+    return ConfigDict(json_schema_extra=change)
+
+
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
 Sentences = Annotated[list[Sentence], Field(max_length=100)]
@@ -51,8 +95,12 @@ MaterialName = Literal[
 ]
 StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NAME})]
 Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
-#: Young's moduli [Pa] of solids that parts of machines are made of.
-SOLIDS = (1e9, 1e12)
+
+
+def key(description: str, default: Any = ..., example: Any = None) -> Any:
+    """A key of the file. ``default`` is written as in a scene; without it the key is required."""
+    examples = None if example is None else [example]
+    return Field(default=default, description=description, examples=examples)
 
 
 class Table(BaseModel):
@@ -141,14 +189,6 @@ class SpeedKeys(Table):
     speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
 
 
-class MotionKeys(SpeedKeys):
-    """Which part turns and how fast, for: rollbench friction."""
-
-    turns: Literal["screw", "nut"] = key(
-        "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
-    )
-
-
 @cache
 def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
@@ -174,7 +214,18 @@ def without_null(node: Any) -> Any:
             out[name] = {k: without_null(v) for k, v in value.items()}
         elif name == "default":
             if value is not None and not isinstance(value, dict):
-                out[name] = value
+                out[name] = _as_in_a_file(value, node)
+        elif name == "description":
+            out[name] = value.partition("\n\n")[0]
         elif not (name == "title" and isinstance(value, str)):
             out[name] = value if name == "examples" else without_null(value)
     return out
+
+
+def _as_in_a_file(default: Any, node: dict[str, Any]) -> Any:
+    """A default as a file has it: a record has it in SI units."""
+    if isinstance(default, list):
+        return [_as_in_a_file(x, node.get("items", {})) for x in default]
+    if isinstance(default, float) and "x-unit" in node:
+        return Quantity(node["x-dimension"], 0, 0, node["examples"][0]).written(default)
+    return default

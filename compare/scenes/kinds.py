@@ -1,21 +1,15 @@
-"""Kinds of scenes that wings add: what they share, each one's record, and the one JSON Schema of a scene file."""
+"""What the kinds of scenes share that only friction solves."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Union
-
-from pydantic import Discriminator, Tag, TypeAdapter
+from typing import Any, ClassVar
 
 from rollbench.compare.errors import escaped
-from rollbench.compare.registration import kinds, load
-from rollbench.compare.scenes.axis_schema import AxisKeys
 from rollbench.compare.scenes.fault import Fault
-from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, without_null
-from rollbench.compare.scenes.names import AXIS
-from rollbench.compare.scenes.quantity import key
-from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.compare.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, key
+from rollbench.meshes.scene_text import to_toml
 
 
 class KindKeys(HeadKeys):
@@ -35,6 +29,12 @@ class KindScene:
     source: str
     assumed: tuple[str, ...]
 
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this scene."""
+        from rollbench.compare.scenes.kind_table import kind_named  # which has all kinds
+
+        return to_toml(kind_named(self.kind).tables(self))
+
 
 Head = tuple[str, str, str, tuple[str, ...]]
 
@@ -46,32 +46,9 @@ def head_of(keys: KindKeys, name: str) -> Head:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
+    """A kind of scene: its keys, what they may not describe, the record of faultless ones, tables of a record."""
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]
     record: Callable[[Any, str], KindScene]
-
-
-def kind_named(name: str) -> Kind:
-    """The kind of that name, one of `registration.kinds`."""
-    kind: Kind = load(kinds()[name])[name]
-    return kind
-
-
-def _tag(value: Any) -> str:
-    kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
-    if kind == AXIS or (isinstance(value, dict) and "sets" in value):
-        return AXIS
-    return str(kind) if kind in kinds() else "whole"
-
-
-def json_schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
-    tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in kinds()} | {AXIS: AxisKeys}
-    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
-    schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
-    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
-    name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
-    draft = "https://json-schema.org/draft/2020-12/schema"
-    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
+    tables: Callable[[Any], dict[str, Any]]

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.compare.scenes.fault import Fault, mm, refuse
-from rollbench.compare.scenes.from_keys import load_of, vector
 from rollbench.compare.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.partition import MERGE
@@ -43,7 +42,7 @@ def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
     whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
     shares = [k.share or 0.0 for k in keys] if whole == 0.0 else [x / whole for x in turned]
     speed = whole / time if whole else None if scene.motion is None else abs(scene.motion.speed)
-    cases = (LoadCase(k.name, share, k.speed, _scene(scene, k)) for k, share in zip(keys, shares, strict=True))
+    cases = (LoadCase(k.name, share, k.speed, _scene(scene, k), k.time) for k, share in zip(keys, shares, strict=True))
     return DutyCycle(scene, tuple(cases), speed)
 
 
@@ -55,7 +54,7 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     case = replace(
         scene,
         name=f"{scene.name}-{keys.name}",
-        loads=scene.loads if keys.loads is None else tuple(map(load_of, keys.loads)),
+        loads=scene.loads if keys.loads is None else tuple(keys.loads),
         supports=tuple(_displaced(s, keys) for s in scene.supports),
         motion=motion,
     )
@@ -64,7 +63,7 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     each = ((s, s.parts) for s in case.sets)
     sets = (replace(s, parts=replace(p, errors=_errors(p, keys))) if isinstance(p, Scene) else s for s, p in each)
     loaded: dict[str, dict[str, Any]] = {
-        h.name: {"force": vector(h.force), "moment": vector(h.moment)} for h in getattr(keys, "housings", ())
+        h.name: {"force": h.force, "moment": h.moment} for h in getattr(keys, "housings", ())
     }
     housings = (replace(h, **loaded.get(h.name, {})) for h in case.housings)
     return replace(case, sets=tuple(sets), housings=tuple(housings))

@@ -16,13 +16,15 @@ from pydantic import BaseModel, ValidationError
 from rollbench.compare import data
 from rollbench.compare.scenes.fault import ALIASES, Said, refusal
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.compare.scenes.units import show
+from rollbench.meshes.units import show
 
 Keys = TypeVar("Keys", bound=BaseModel)
 
 #: Tables and keys on which no body, support or load depends.
 APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate"}
 
+#: What pydantic calls an unknown key of a table, and of a record.
+EXTRA = ("extra_forbidden", "unexpected_keyword_argument")
 #: Unknown key, in lower case with underscores, and what it is called in a scene.
 WORDS: dict[str, str] = data.table("words.toml")
 
@@ -65,7 +67,7 @@ def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Br
     schema, rest, names = tidy_schema(keys), deepcopy(dict(raw)), set()
     for fault in faults:
         where = fault["loc"]
-        whole = len(where) == 1 and fault["type"] == "extra_forbidden"  # what it stands for is missing, if anything
+        whole = len(where) == 1 and fault["type"] in EXTRA  # what it stands for is missing, if anything
         names |= {unknown(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
         if not where or not _mend(rest, where, fault["type"], node_at(schema, where)):
             return None, Broken(said, frozenset(names))
@@ -84,7 +86,7 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
         raw = raw[key]
     last: Any = where[-1]
     examples = node.get("examples", [])
-    if kind != "extra_forbidden" and examples and "properties" not in node and isinstance(raw, list | dict):
+    if kind not in EXTRA and examples and "properties" not in node and isinstance(raw, list | dict):
         raw[last] = deepcopy(examples[0])
         return True
     if isinstance(raw, dict):
@@ -96,12 +98,12 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
 def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
     """Faults that pydantic found in ``keys``: unknown keys first, as they explain missing ones; a missing key that an
     unknown one stands for is told with that."""
-    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] != "extra_forbidden")
+    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in EXTRA)
     schema, named = tidy_schema(keys), set()
     out = []
     for fault in faults:
         where = fault["loc"]
-        if fault["type"] == "extra_forbidden":
+        if fault["type"] in EXTRA:
             words, name = unknown(schema, fault)
             named.add((*where[:-1], name))
             out.append(words)

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rollbench.compare.case import shipped_files
 from rollbench.compare.errors import SceneError
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
-from rollbench.compare.registration import data_files
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.names import WHOLE
-from rollbench.compare.scenes.units import COMMA, has_comma
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import COMMA, has_comma
 
 #: Most parts of a dotted key: the reader's time and memory grow with their square.
 MAX_PARTS = 32
@@ -110,7 +110,7 @@ def read_text(path: str | Path) -> str:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        near = like_path(Path(path), data_files("scenes")) if isinstance(error, FileNotFoundError) else ""
+        near = like_path(Path(path), shipped_files("scenes")) if isinstance(error, FileNotFoundError) else ""
         advice = near or "check the path, or see the shipped scenes with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:

@@ -7,20 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import SceneError, escaped
-from rollbench.compare.registration import kinds
 from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.fault import Fault, refusal, refuse, spoken
-from rollbench.compare.scenes.from_keys import scene_of
+from rollbench.compare.scenes.from_keys import preloaded, scene_of
 from rollbench.compare.scenes.key_checks import choice_faults
 from rollbench.compare.scenes.load_cases import case_faults, in_cases
 from rollbench.compare.scenes.mending import sound, validated
-from rollbench.compare.scenes.names import AXIS, WHOLE
-from rollbench.compare.scenes.preload import preloaded
+from rollbench.compare.scenes.names import AXIS, KINDS, WHOLE
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.compare.scenes.units import show
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.units import show
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.axis_schema import AxisKeys
@@ -41,14 +39,14 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     if kind is None and FOREIGN & raw.keys() and not bodies:
         name = sorted(FOREIGN & raw.keys())[0]
         advice = f"[{name}] belongs to a kind that only friction solves: name it, as the files of rollbench new do"
-        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, kinds())), advice)
+        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, KINDS)), advice)
     if kind is None or kind in WHOLE:
         return of_tables(raw, origin)
-    if kind not in kinds():
-        near = difflib.get_close_matches(str(kind), (*WHOLE, *kinds()), n=1, cutoff=0.5)
+    if kind not in KINDS:
+        near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
-        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *kinds()))), advice)
-    from rollbench.compare.scenes.kinds import kind_named
+        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *KINDS))), advice)
+    from rollbench.compare.scenes.kind_table import kind_named
 
     of = kind_named(kind)
     keys = sound(raw, of.keys, origin)

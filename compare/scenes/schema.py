@@ -7,23 +7,23 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from rollbench.compare.scenes import keys
-from rollbench.compare.scenes.catalogue_input import either, with_radius
-from rollbench.compare.scenes.quantity import ForceOrShare, Quantity, Rate, ShareOfRating, key
+from rollbench.compare.scenes.keys import either, key, with_radius
+from rollbench.meshes import parts, ranges
 from rollbench.meshes.parts import Flange, Friction, NutHeld
+from rollbench.meshes.ranges import ForceOrShare, Quantity, Rate, ShareOfRating
 
 BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
 Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
 Preload = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "10 MN", "500 N", above=True)]
 Share = Annotated[float, Quantity("number", 0, 1, 0.5)]
 CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
-Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
 class ClearanceKeys(keys.Table):
     """Internal clearance of a bearing as data sheets give it, all the way that one ring goes against the other."""
 
-    radial: keys.Clearance | None = key("radial clearance", None, "13 um")
-    axial: keys.Clearance | None = key("or axial clearance", None, "96 um")
+    radial: ranges.Clearance | None = key("radial clearance", None, "13 um")
+    axial: ranges.Clearance | None = key("or axial clearance", None, "96 um")
 
 
 class TrackKeys(keys.HelixKeys):
@@ -31,7 +31,7 @@ class TrackKeys(keys.HelixKeys):
 
     model_config = either("pitch_radius", "pitch_diameter")
 
-    contact_angle: keys.ContactAngle | None = key(  # type: ignore[assignment]
+    contact_angle: ranges.ContactAngle | None = key(  # type: ignore[assignment]
         "nominal angle of the contact normal against the radius; of a bearing it may follow from clearance", None, "45 deg"
     )
     clearance: ClearanceKeys | None = key(
@@ -40,13 +40,13 @@ class TrackKeys(keys.HelixKeys):
         {"radial": "13 um"},
     )
 
-    pitch_diameter: Annotated[keys.Size | None, Field(exclude=True)] = key(
+    pitch_diameter: Annotated[ranges.Size | None, Field(exclude=True)] = key(
         "diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm"
     )
     starts: Annotated[int, Field(ge=1, le=100)] = key(
         "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
     )
-    phase: keys.Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
+    phase: ranges.Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
 
     @model_validator(mode="before")
     @classmethod
@@ -57,19 +57,19 @@ class TrackKeys(keys.HelixKeys):
 class ScrewKeys(keys.GrooveKeys):
     """Screw shaft, or inner ring of a bearing."""
 
-    length: keys.Size = key("length; stations run from 0 to it", example="800 mm")
-    outer_diameter: keys.Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
-    bore: keys.Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
+    length: ranges.Size = key("length; stations run from 0 to it", example="800 mm")
+    outer_diameter: ranges.Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
+    bore: ranges.Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
     material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
 
 
 class FlangeKeys(keys.Table):
     """Flange at an end of the nut, within its length."""
 
-    diameter: keys.Size = key("outer diameter", example="72 mm")
-    thickness: keys.Size = key("thickness", example="11 mm")
+    diameter: ranges.Size = key("outer diameter", example="72 mm")
+    thickness: ranges.Size = key("thickness", example="11 mm")
     side: Literal["left", "right"] = key("end of the nut", Flange.side, "right")
-    centring: keys.Bore = key(
+    centring: ranges.Bore = key(
         "length of the nut's outside, from the flange on, that fits the bore of the housing", "0 mm", "10 mm"
     )
 
@@ -83,8 +83,8 @@ class HeldKeys(keys.Table):
         None,
         "left face",
     )
-    inner_diameter: keys.Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
-    outer_diameter: keys.Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
+    inner_diameter: ranges.Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
+    outer_diameter: ranges.Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
     centring: Literal["free", "bonded"] = key(
         "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
     )
@@ -99,16 +99,16 @@ class HeldKeys(keys.Table):
 class NutKeys(keys.GrooveKeys):
     """Nut, or outer ring of a bearing; held fixed."""
 
-    position: keys.Station = key("station of the nut's centre along the screw", example="400 mm")
-    length: keys.Size = key("length", example="54 mm")
-    outer_diameter: keys.Size = key("outer diameter", example="48 mm")
-    azimuth: keys.Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
+    position: ranges.Station = key("station of the nut's centre along the screw", example="400 mm")
+    length: ranges.Size = key("length", example="54 mm")
+    outer_diameter: ranges.Size = key("outer diameter", example="48 mm")
+    azimuth: ranges.Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
     flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
     held: HeldKeys = key("where the nut is held", HeldKeys(), {"at": "left face"})
     material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
 
 
-Arc = Annotated[list[keys.Azimuth], Field(min_length=2, max_length=2)]
+Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 
 
 class BallKeys(keys.BallSizeKeys):
@@ -118,11 +118,13 @@ class BallKeys(keys.BallSizeKeys):
 
     diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
     count: keys.Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)
-    filling: keys.Filling | None = key("part of the turns that the balls would fill if they touched (or count)", None, 0.9)
-    turns: keys.Turns | None = key("turns filled by the balls of each circuit, centred on the nut (zero lead: 1)", None)
+    filling: ranges.Filling | None = key(
+        "part of the turns that the balls would fill if they touched (or count)", None, 0.9
+    )
+    turns: ranges.Turns | None = key("turns filled by the balls of each circuit, centred on the nut (zero lead: 1)", None)
     circuits: Annotated[int, Field(ge=1, le=1000)] = key("circuits of each start, one after the other", 1, 3)
     circuit_gap: Gap | None = key("turns without balls from each circuit to the next", None, 0.5)
-    azimuths: Annotated[list[keys.Azimuth], Field(min_length=1, max_length=keys.MAX_BALLS)] | None = key(
+    azimuths: Annotated[list[ranges.Azimuth], Field(min_length=1, max_length=ranges.MAX_BALLS)] | None = key(
         "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
     )
     arcs: Annotated[list[Arc], Field(min_length=1, max_length=1000)] | None = key(
@@ -141,39 +143,11 @@ class BallKeys(keys.BallSizeKeys):
 class BallErrorKeys(keys.OversizeKeys):
     """Errors of the ball radii."""
 
-    listed: dict[str, keys.Deviation] = key(
+    listed: dict[str, ranges.Deviation] = key(
         "added to the radius of single balls, by number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
     )
-    sigma: keys.Spread = key("standard deviation of random radius errors", "0 um", "1 um")
+    sigma: ranges.Spread = key("standard deviation of random radius errors", "0 um", "1 um")
     distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
-
-
-class TermKeys(keys.Table):
-    """One harmonic of an error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi)."""
-
-    harmonic: keys.Harmonic = key("cycles per turn; may be a fraction")
-    sin: keys.Deviation = key("amplitude of the sine", "0 um", "3 um")
-    cos: keys.Deviation = key("amplitude of the cosine", "0 um", "3 um")
-    sigma: keys.Spread = key("standard deviation of normal draws added to both amplitudes", "0 um", "1 um")
-
-
-Terms = Annotated[list[TermKeys], Field(max_length=1000)]
-
-
-class SideKeys(keys.Table):
-    """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR)."""
-
-    profile: Annotated[list[keys.Deviation], Field(max_length=7)] = key(
-        "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", [], ["3 um", "-1 um"]
-    )
-    profile_sigma: Annotated[list[keys.Spread], Field(max_length=7)] = key(
-        "standard deviations of normal draws added to the coefficients of profile", [], ["1 um", "0 um"]
-    )
-    pitch: Terms = key("displacement of the groove centre along the screw", [], [{"harmonic": 1, "sin": "3 um"}])
-    pitch_along: Literal["section", "axis"] = key(
-        "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)", "section", "section"
-    )
-    roundness: Terms = key("displacement of the groove centre along the radius", [], [{"harmonic": 2, "cos": "5 um"}])
 
 
 class ErrorKeys(keys.Table):
@@ -181,21 +155,21 @@ class ErrorKeys(keys.Table):
 
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of every random error", 0, 2019)
     balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
-    SL: SideKeys = key("screw, left flank", SideKeys(), {"profile": ["3 um"]})
-    SR: SideKeys = key("screw, right flank", SideKeys(), {"profile": ["3 um"]})
-    NL: SideKeys = key("nut, left flank", SideKeys(), {"profile": ["3 um"]})
-    NR: SideKeys = key("nut, right flank", SideKeys(), {"profile": ["3 um"]})
+    SL: parts.SideErrors = key("screw, left flank", parts.SideErrors(), {"profile": ["3 um"]})
+    SR: parts.SideErrors = key("screw, right flank", parts.SideErrors(), {"profile": ["3 um"]})
+    NL: parts.SideErrors = key("nut, left flank", parts.SideErrors(), {"profile": ["3 um"]})
+    NR: parts.SideErrors = key("nut, right flank", parts.SideErrors(), {"profile": ["3 um"]})
 
 
 class DisplaceKeys(keys.Table):
     """Prescribed displacements and small rotations."""
 
-    ux: keys.Shift | None = key("displacement along x", None)
-    uy: keys.Shift | None = key("displacement along y", None)
-    uz: keys.Shift | None = key("displacement along z", None)
-    rx: keys.Turn | None = key("rotation about x", None)
-    ry: keys.Turn | None = key("rotation about y", None)
-    rz: keys.Turn | None = key("rotation about z", None)
+    ux: ranges.Shift | None = key("displacement along x", None)
+    uy: ranges.Shift | None = key("displacement along y", None)
+    uz: ranges.Shift | None = key("displacement along z", None)
+    rx: ranges.Turn | None = key("rotation about x", None)
+    ry: ranges.Turn | None = key("rotation about y", None)
+    rz: ranges.Turn | None = key("rotation about z", None)
 
     @property
     def given(self) -> dict[str, float]:
@@ -206,7 +180,7 @@ class DisplaceKeys(keys.Table):
 class SupportKeys(keys.Table):
     """Support of the screw at one station."""
 
-    at: keys.Station = key("station along the screw", example="0 mm")
+    at: ranges.Station = key("station along the screw", example="0 mm")
     fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "uz"])
     displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"ux": "300 um"})
 
@@ -216,75 +190,21 @@ class SupportKeys(keys.Table):
         return (*self.fix, *self.displace.given)
 
 
-class LoadKeys(keys.Table):
-    """Load on the screw at one station, applied on the axis."""
-
-    at: keys.Station = key("station along the screw", example="0 mm")
-    force: keys.Forces = key("force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: keys.Moments = key("moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
-
-
 Supports = Annotated[list[SupportKeys], Field(max_length=1000)]
-Loads = Annotated[list[LoadKeys], Field(max_length=1000)]
+Loads = Annotated[list[parts.Load], Field(max_length=1000)]
 #: Example of loads, and of a case.
 LOADED, CASE = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}], [{"name": "cutting", "share": 1.0}]
-
-
-class IngredientKeys(keys.Table):
-    """Which parts of the low-order model are used."""
-
-    hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
-        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
-        "nominal",
-        "actual",
-    )
-    screw: Literal["beam", "rigid"] = key("screw as Timoshenko beam or rigid", "beam", "rigid")
-    partition: Literal["nodal", "source", "uniform"] = key(
-        "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length", "nodal", "source"
-    )
-    element_length: keys.Element = key('length of the elements in the nut, for partition = "uniform"', "1 mm")
-    section: Literal["groove", "groove squared", "full"] = key(
-        "beam section: diameters scaled by k_r (Lin C.8), by k_r without the root, or full", "groove", "full"
-    )
-    arm: Literal["current", "nominal", "ball"] = key(
-        "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
-        "current",
-        "nominal",
-    )
-
-
-class SolidKeys(keys.Table):
-    """What the 3D reference needs beyond the low-order model; a key left out stands for an assumption, which is printed."""
-
-    nut_inner_diameter: keys.Size | None = key(
-        "diameter of the nut's lands; mirrors the screw's if left out", None, "34 mm"
-    )
-    hole_diameter: keys.Size | None = key("hole along the meshed screw where it has no bore", None, "3 mm")
-    shaft: keys.Station | None = key("length of 3D shaft beyond each face of the nut; a beam continues it", None, "20 mm")
-    shaft_diameter: keys.Size | None = key(
-        "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
-    )
-    nut_held: NutHeld | None = key("former key of nut.held.at", None, "left face")
-    screw_held: Literal["ends", "bore"] | None = key(
-        "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"
-    )
-    nut: Literal["elastic", "rigid"] = key("nut elastic, or rigid beyond its contact patches", "elastic", "elastic")
-    nut_groove: Literal["through", "loaded"] = key(
-        "groove through the whole nut, or filled from two ball diameters beyond the outermost balls on",
-        "through",
-        "through",
-    )
 
 
 class FrictionKeys(keys.Table):
     """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
 
-    coefficient: keys.Coefficient | None = key(
+    coefficient: ranges.Coefficient | None = key(
         "coefficient of friction of ball on groove; zero is allowed; needed unless screw and nut are given", None, 0.1
     )
-    screw: keys.Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
-    nut: keys.Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
-    balls: keys.Coefficient | None = key(
+    screw: ranges.Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
+    nut: ranges.Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
+    balls: ranges.Coefficient | None = key(
         "coefficient from ball to ball, where it is not the larger one of the grooves", None
     )
     feedback: bool = key(
@@ -307,36 +227,6 @@ class FrictionKeys(keys.Table):
     )
 
 
-class CirculationKeys(keys.Table):
-    """How the balls of a screw go round, for: rollbench friction."""
-
-    circuits: Annotated[int, Field(ge=1, le=1000)] = key("closed circuits that share the balls of each start equally", 1, 1)
-    turns: keys.Turns | None = key(
-        "loaded turns of each start, all circuits together; left out: those that its balls fill", None
-    )
-    returning: Annotated[int, Field(ge=0, le=keys.MAX_BALLS)] = key("balls in the return of each circuit", 0, 4)
-    gap: keys.Clearance | None = key(
-        "mean clearance between neighbouring balls along a circuit (or filling)", None, "50 um"
-    )
-    filling: keys.Filling | None = key("part of a circuit that its balls would fill if they touched (or gap)", None, 0.8)
-
-
-class TimeKeys(keys.Table):
-    """A run in time, for: rollbench friction. Give angle or duration."""
-
-    angle: keys.Travel | None = key("angle that the part that turns covers", None, "360 deg")
-    duration: keys.Duration | None = key("duration (or angle)", None, "1 s")
-    steps: Annotated[int, Field(ge=1, le=100_000)] | None = key(
-        "number of steps, from 4; left out: as many as keep the errors of the steps below goal", None, 200
-    )
-    goal: keys.StepGoal = key(
-        "largest error of the steps, as a part of the mean friction torque: beyond it the run has not converged", 0.01, 0.01
-    )
-    output: Literal["balls", "torque"] = key(
-        "histories in the JSON result: of torque and balls, or of torque", "balls", "balls"
-    )
-
-
 class PreloadKeys(keys.Table):
     """Preload of one nut: in four-point contact by force or oversize (instead of errors.balls.oversize), or in two-point
     contact by a lead offset of its halves. Give one of the three."""
@@ -347,25 +237,18 @@ class PreloadKeys(keys.Table):
         None,
         "500 N",
     )
-    oversize: keys.Deviation | None = key("added to every ball's radius", None, "3 um")
-    lead_offset: keys.Deviation | None = key(
+    oversize: ranges.Deviation | None = key("added to every ball's radius", None, "3 um")
+    lead_offset: ranges.Deviation | None = key(
         "shift of the nut's groove beyond its centre along the axis, against the rest, the step between two balls: one at "
         "the centre counts to the half before it (two nuts: [[sets]] with an offset)",
         None,
     )
 
 
-class GateKeys(keys.Table):
-    """Limits of this scene for: rollbench check."""
-
-    max_error: Percent | None = key("limit of the error of any contact load against the 3D reference, in per cent", None, 7)
-    rms_error: Percent | None = key("limit of the RMS error of the contact loads, in per cent of the mean load", None, 3)
-
-
 class CaseSupportKeys(keys.Table):
     """Displacements of one of the scene's supports in a case."""
 
-    at: keys.Station = key("station of the support in the scene", example="0 mm")
+    at: ranges.Station = key("station of the support in the scene", example="0 mm")
     displace: DisplaceKeys = key("values of freedoms that the support holds", example={"ux": "300 um"})
 
 
@@ -375,12 +258,12 @@ class CaseKeys(keys.Table):
     name: keys.Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
     share: Share | None = key("part of the revolutions; 0: static check only; all cases together 1", None, 0.5)
     time: CaseTime | None = key("time in one duty cycle, from which the share follows (with speed)", None, "2 s")
-    speed: keys.Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
+    speed: ranges.Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
     loads: Loads | None = key("loads in place of the scene's", None, LOADED)
     supports: Annotated[list[CaseSupportKeys], Field(max_length=1000)] = key(
         "other displacements of the scene's supports", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
-    oversize: keys.Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
+    oversize: ranges.Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
 
 
 class SceneKeys(keys.HeadKeys):
@@ -402,11 +285,11 @@ class SceneKeys(keys.HeadKeys):
     supports: Supports = key("supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}])
     loads: Loads = key("loads on the screw", [], LOADED)
     cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
-    ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
-    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_groove": "through"})
+    ingredients: parts.Ingredients = key("parts of the low-order model", parts.Ingredients(), {"screw": "rigid"})
+    solid: parts.Solid = key("what only the 3D reference needs", parts.Solid(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: keys.MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
-    circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
-    time: TimeKeys | None = key("run in time", None, {"angle": "360 deg"})
+    motion: parts.Motion | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+    circulation: parts.Circulation | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
+    time: parts.Time | None = key("run in time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
-    gate: GateKeys = key("limits for: rollbench check", GateKeys(), {"max_error": 7})
+    gate: parts.GateLimits = key("limits for: rollbench check", parts.GateLimits(), {"max_error": 7})

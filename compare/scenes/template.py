@@ -9,13 +9,11 @@ from typing import Any
 
 from rollbench.compare import data
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.registration import kinds
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.compare.scenes.kinds import kind_named
-from rollbench.compare.scenes.names import WHOLE
+from rollbench.compare.scenes.names import KINDS, WHOLE
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.compare.scenes.units import show
+from rollbench.meshes.units import show
 
 #: Shipped scenes whose values the templates take; that of a ball screw is written by hand.
 EXAMPLES = {
@@ -65,8 +63,8 @@ def template(kind: str = "ball screw") -> str:
         lines = scene_text(AXES[name]).splitlines()
         kept = [x for x in lines if not x.startswith(("source = ", "assumed = "))]
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
-    if name not in (*WHOLE, *BEARINGS, *kinds()):
-        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *kinds()))
+    if name not in (*WHOLE, *BEARINGS, *KINDS):
+        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *KINDS))
         raise ArgumentError("kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
@@ -87,6 +85,8 @@ def _schema(kind: str) -> dict[str, Any]:
             schema["properties"].pop("circulation")
             schema["$defs"]["NutKeys"]["properties"].pop("flange")
         return schema
+    from rollbench.compare.scenes.kind_table import kind_named
+
     return tidy_schema(kind_named(kind).keys)
 
 

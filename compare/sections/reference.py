@@ -29,8 +29,8 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load
-from rollbench.compare.registration import offered
 from rollbench.compare.sections.curves import lateral, load_panel, loads, numbers
+from rollbench.compare.sections.reference_time import time_items
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -285,5 +285,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     items: list[Any] = [Text(tuple(text)), error_table(study, found)]
     items += [over] if over.rows else []
     items += [*load_figures(study, found), *load_tables(study, found), line_figure(study, found), line_table(study, found)]
-    items += [item for items_of in offered("run times") for item in items_of(study, step)]
+    items += time_items(study, step)
     return Section("reference", title, tuple(items))

@@ -12,7 +12,7 @@ from rollbench.compare.models.comparison import REFERENCED, RULE, from_result, f
 from rollbench.compare.models.ladder import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.u_val import CONTACTS, QUANTITIES, Validated, validated
+from rollbench.compare.models.uncertainty import CONTACTS, QUANTITIES, Validated, validated
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.sections.sketch import sketch_of
 from rollbench.meshes.parts import Scene

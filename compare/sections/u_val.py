@@ -9,7 +9,7 @@ from rollbench.compare.models.ladder import RUNGS, Rung, ladder, left_out_one
 from rollbench.compare.models.model_form import SHARE
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.u_val import (
+from rollbench.compare.models.uncertainty import (
     CONTACTS,
     INPUTS,
     QUANTITIES,

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rollbench.meshes.fields import keyed, usual
+
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
 
 
+@keyed
 @dataclass(frozen=True)
 class Settings:
     """Mesh choices of the 3D reference; lengths in m.
@@ -24,23 +27,23 @@ class Settings:
     first-order bodies, as the source's mesh, without submodels.
     """
 
-    b_over_h: float = 4.0
-    semi: tuple[float, float] = (0.40e-3, 0.105e-3)
-    reach: tuple[float, float] = (0.40e-3, 0.105e-3)
-    fine: float = 1.0e-3
-    coarse: float = 5.0e-3
-    ball_fine: float = 0.35e-3
-    ball_coarse: float = 0.8e-3
-    cuts: tuple[int, int, int] = (3, 2, 3)
-    growth: float = 1.6
-    own_cuts: tuple[int, int, int] = (4, 4, 4)
-    own_sizes: tuple[float, float] = (0.5e-3, 2.5e-3)
-    own_ball_sizes: tuple[float, float] = (0.3e-3, 0.6e-3)
-    cell: float = 4.5e-3
-    modes: int = 16
-    ball_modes: int = 24
-    element: str = "Q2"
-    tet: float = 0.08e-3
+    b_over_h: float = usual(4.0)
+    semi: tuple[float, float] = usual((0.40e-3, 0.105e-3))
+    reach: tuple[float, float] = usual((0.40e-3, 0.105e-3))
+    fine: float = usual(1.0e-3)
+    coarse: float = usual(5.0e-3)
+    ball_fine: float = usual(0.35e-3)
+    ball_coarse: float = usual(0.8e-3)
+    cuts: tuple[int, int, int] = usual((3, 2, 3))
+    growth: float = usual(1.6)
+    own_cuts: tuple[int, int, int] = usual((4, 4, 4))
+    own_sizes: tuple[float, float] = usual((0.5e-3, 2.5e-3))
+    own_ball_sizes: tuple[float, float] = usual((0.3e-3, 0.6e-3))
+    cell: float = usual(4.5e-3)
+    modes: int = usual(16)
+    ball_modes: int = usual(24)
+    element: str = usual("Q2")
+    tet: float = usual(0.08e-3)
 
 
 def rounded(lengths: tuple[float, float]) -> tuple[float, float]:

@@ -25,21 +25,23 @@ from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
+from rollbench.meshes.fields import keyed, usual
 
 
+@keyed
 @dataclass(frozen=True)
 class Sizes:
     """Numerical choices: cells of the contact zone along and across, ratio of cells beyond it, zone over the contact's
     semi-axes, degree of the kernel; of bars: size over the ball's radius, half of the grooves' opening [rad]; whether rings
     and helices are patches of the static reference, or bent bars too."""
 
-    cells: tuple[int, int] = (4, 4)
-    growth: float = 2.5
-    margin: float = 1.1
-    degree: int = 4
-    bar: float = 5.0
-    opening: float = 1.4
-    patches: bool = True
+    cells: tuple[int, int] = usual((4, 4))
+    growth: float = usual(2.5)
+    margin: float = usual(1.1)
+    degree: int = usual(4)
+    bar: float = usual(5.0)
+    opening: float = usual(1.4)
+    patches: bool = usual(True)
 
 
 P = ParamSpec("P")

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
-from rollbench.lowfi.statics.mechanism import free_motions
-from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build, error_free
+from rollbench.lowfi.statics.contacts import error_free
+from rollbench.lowfi.statics.held import free_motions
+from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.selection import shifts_of_beam
 from rollbench.lowfi.statics.shape import shape_polynomials

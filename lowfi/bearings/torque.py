@@ -5,9 +5,9 @@ Palmgren's constants come from units of kg, mm and s; they are kept as published
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from rollbench.meshes.quantity import quantity, record
 
 #: One kilogram-force [N].
 KILOGRAM_FORCE = 9.80665
@@ -29,14 +29,19 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
     return float(1e-8 * KILOGRAM_FORCE * 1e-3 * factor * film ** (2.0 / 3.0) * (1e3 * pitch_diameter) ** 3)
 
 
-@dataclass(frozen=True)
+@record
 class LoadTorque:
     """Load-dependent torque M_1 [N m] of a ball bearing, factor f_1, equivalent load P_0 [N], static rating C_0 [N]."""
 
-    torque: float
-    factor: float
-    equivalent_load: float
-    rating: float
+    torque: float = quantity(
+        "torque_Nmm",
+        "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
+        "without lubricant and seals",
+        error="empirical",
+    )
+    factor: float = quantity("factor", "its f1 = 0.0013 (P0/C0)^(1/3)")
+    equivalent_load: float = quantity("equivalent_load_N", "its static equivalent load P0")
+    rating: float = quantity("static_rating_N", "its static rating C0 by Palmgren's formula")
 
 
 def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from rollbench.lowfi.statics.conformity import curvature_changes
-from rollbench.lowfi.statics.problem import nominal_curvatures, own_hertz
+from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Permanent indentation over the ball's diameter that the static rating of ball contacts allows (ISO 76).
 ALLOWED = 1e-4
@@ -20,35 +18,71 @@ ALLOWED = 1e-4
 PALMGREN = 1.3e-19
 
 
-@dataclass(frozen=True)
+@record
 class Contact:
     """One contact by Hertz, with its own radii of ball and groove at the nominal contact angle.
 
     ball from 1; side; force [N]; angle [rad]; approach, semi-axes a (across the groove) and b [m]; pole pressure [Pa].
     """
 
-    ball: int
-    side: str
-    force: float
-    angle: float
-    approach: float
-    a: float
-    b: float
-    pressure: float
+    ball: int = quantity("ball", "ball of the highest pressure")
+    side: str = quantity("side", "its flank")
+    force: float = quantity("force_N", "its load F", error="that of the load")
+    angle: float = quantity("contact_angle_deg", "its contact angle")
+    approach: float = quantity(
+        "approach_um",
+        "local Hertz approach of ball and groove, delta = (F/C)^(2/3)",
+        error="two thirds of the load's",
+        heading="approach of its contact",
+        form=".3f",
+    )
+    a: float = quantity(
+        "semi_axis_a_mm",
+        "larger semi-axis of the contact ellipse, along the groove's profile",
+        error="a third of the load's",
+        heading="larger semi-axis",
+        form=".4f",
+    )
+    b: float = quantity("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
+    pressure: float = quantity(
+        "pressure_MPa",
+        "largest pressure, of the radii that ball and groove have with their errors, at the nominal contact angle: "
+        "3 F/(2 pi a b) of a ball, 2 q/(pi b) = sqrt(q E*/(pi R)) of a roller",
+        error="of balls a third of the load's, `model_form.pressure_percent`; of rollers half the line load's",
+        heading="peak pressure",
+        form=".0f",
+    )
 
 
-@dataclass(frozen=True)
+@record
 class StaticSafety:
     """Of the contact of highest pressure. factor: force at the allowed pressure [Pa] over its force, (4200 MPa / p)^3 of
     balls, (4000 MPa / p)^2 of rollers; permanent: of balls, its lasting indentation over the ball's diameter, of which ISO
     76 allows 1e-4."""
 
-    factor: float
-    allowed: float
-    permanent: float | None = None
+    factor: float = quantity(
+        "factor",
+        "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
+        error="that of the load",
+        heading="static safety",
+        form=".2f",
+    )
+    allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
+    permanent: float | None = quantity(
+        "permanent_over_diameter",
+        "lasting dent over the ball's diameter, by Palmgren's formula",
+        error="twice that of the load",
+        default=None,
+    )
+
+    @property
+    @Stated("allowed_over_diameter", "1e-4, the dent that standards allow")
+    def allowed_permanent(self) -> float:
+        """What ISO 76 allows of ``permanent``."""
+        return ALLOWED
 
 
-@dataclass(frozen=True)
+@record
 class Truncation:
     """The ellipse that comes nearest to an edge of its groove's arc, or leaves it most.
 
@@ -57,14 +91,19 @@ class Truncation:
     negative where it is cut; cut: number of contacts whose ellipse passes an edge.
     """
 
-    ball: int
-    side: str
-    edge: str
-    angle: float
-    half: float
-    limit: float
-    margin: float
-    cut: int
+    ball: int = quantity("ball", "ball whose ellipse comes nearest to an edge of its groove")
+    side: str = quantity("side", "its flank")
+    edge: str = quantity("edge", "which edge: land, or apex between two arcs; a groove of one arc has lands at both ends")
+    angle: float = quantity("contact_angle_deg", "its contact angle")
+    half: float = quantity("ellipse_half_width_deg", "half width of the ellipse over the groove's profile")
+    limit: float = quantity("edge_angle_deg", "angle of the edge on the same profile")
+    margin: float = quantity(
+        "margin_deg",
+        "edge angle less contact angle and half width; negative: the ellipse is cut",
+        heading="ellipse to edge of groove",
+        form=".2f",
+    )
+    cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge")
 
 
 def worst_contact(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Contact | None:

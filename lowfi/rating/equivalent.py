@@ -26,7 +26,6 @@ NSK. Those at 20, 35 and 45 deg are not printed there; at all of them the two br
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import degrees, hypot, sin, tan
 
 import numpy as np
@@ -36,6 +35,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
 
 #: Force at which two preloaded halves part, over the preload: springs of F ~ delta^(3/2).
 PARTING = 2.0**1.5
@@ -48,14 +48,21 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 )
 
 
-@dataclass(frozen=True)
+@record
 class EquivalentLife:
     """Life by (1) to (3). revolutions: in 10^6; loads: equivalent loads [N] of the two directions or halves of a screw, the
     first of a force on the nut along +z, or of a ring's one; standard: whose formulas."""
 
-    revolutions: float
-    loads: tuple[float, ...]
-    standard: str
+    revolutions: float = quantity(
+        "L10_million_revolutions",
+        "life by the standard's equivalent loads, (C/F_m)^3, of both directions or halves together",
+    )
+    loads: tuple[float, ...] = quantity(
+        "equivalent_loads_N",
+        "means of order 3 of the axial forces over the revolutions: of what carries forces along +z, and against it",
+        parts="[]",
+    )
+    standard: str = quantity("standard", "whose formulas")
 
 
 def equivalent_life(

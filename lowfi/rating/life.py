@@ -38,7 +38,6 @@ for hardness, accuracy, material, reliability and lubricant are one. These are r
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, degrees, pi, sin, tan
 
 import numpy as np
@@ -46,6 +45,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import groove_radii, lead_angle
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
 CONTACT = 98.1
@@ -59,24 +59,44 @@ TURNING, STANDING = 3.0, 10.0 / 3.0
 RADIAL = (0.407, 0.389)
 
 
-@dataclass(frozen=True)
+@record
 class Life:
     """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
     basic dynamic load rating as computed [N], axial for screws and thrust bearings, else radial; equivalent: the load [N]
     under which the rating would give the same life; standard: whose formulas; lead: of the screw [m], 0 of a ring."""
 
-    revolutions: float
-    raceways: dict[str, float]
-    rating: float
-    equivalent: float
-    standard: str
+    revolutions: float = quantity(
+        "L10_million_revolutions",
+        "life that 90 % reach under this load distribution",
+        error="some three times that of the loads, and the scatter of fatigue itself",
+        heading="life L10",
+        form=".1f",
+    )
+    raceways: dict[str, float] = quantity(
+        "raceways_million_revolutions", "life of one raceway", error="as above", parts=".FLANK"
+    )
+    rating: float = quantity("rating_as_computed_N", "basic dynamic load rating C")
+    equivalent: float = quantity(
+        "equivalent_load_N", "load under which C would give the same life, C/L10^(1/3)", error="that of the loads"
+    )
+    standard: str = quantity("standard", "whose formulas")
     lead: float = 0.0
 
     @property
+    @Stated(
+        "L10_km",
+        "the same as the distance that the nut travels, L10 times the lead; null for bearings",
+        error="as in revolutions",
+    )
     def distance(self) -> float | None:
         """Life as the distance [m] that the nut travels; None for rings."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
+    @Stated(
+        "L10_hours",
+        "the same in hours, where the scene states a speed; of a duty cycle at its mean speed",
+        error="as in revolutions",
+    )
     def hours(self, speed: float) -> float:
         """Life in hours at a speed of the turning part [rad/s]."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0

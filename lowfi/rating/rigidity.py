@@ -27,19 +27,20 @@ may be above the others, which take the nominal one. Range: small displacements,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, pi, sin, tan
 
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import filled_turns
-from rollbench.lowfi.statics.problem import distances, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.problem import distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import Stated, quantity, record
 from rollbench.meshes.roots import brentq
 
 #: Share of the sum of contact loads below which an axial force is round-off: what searches leave of the balance.
@@ -48,16 +49,33 @@ ROUND_OFF = 1e-9
 PRACTICE = 0.8
 
 
-@dataclass(frozen=True)
+@record
 class Rigidities:
     """Axial load over axial displacement [N/m]: of the contacts only, with the bodies (None for rings, which have no
     loaded length), and of the model that solves for unequal loads (None where it is not known)."""
 
-    contacts: float
-    bodies: float | None
-    unequal: float | None
+    contacts: float = quantity(
+        "rigidities_N_per_um.contacts_alone",
+        "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
+        error="leaves out bodies and unequal loads",
+    )
+    bodies: float | None = quantity(
+        "rigidities_N_per_um.with_bodies",
+        "the same with nut and screw as thick tubes, which widen and are squeezed",
+        error="leaves out unequal loads",
+    )
+    unequal: float | None = quantity(
+        "rigidities_N_per_um.with_unequal_loads",
+        "the model's secant, `axial.rigidity_N_per_um`",
+        error="that of the displacement",
+    )
 
     @property
+    @Stated(
+        "rigidities_N_per_um.makers_practice",
+        "what makers advise to take of a computed rigidity (THK): 0.8 `with_bodies`; null for rings",
+        error="see the report's outside values",
+    )
     def practice(self) -> float | None:
         """Rigidity that makers advise to take, four fifths of contacts and bodies; None for rings."""
         return None if self.bodies is None else PRACTICE * self.bodies

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from rollbench.lowfi.rating.contacts import StaticSafety
@@ -12,12 +10,13 @@ from rollbench.lowfi.rollers.tapered_roller import roller_contacts
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.quantity import quantity, record
 
 #: Raceways of a roller, inner (cone) and outer (cup).
 RACES = ("inner", "outer")
 
 
-@dataclass(frozen=True)
+@record
 class RollerContact:
     """Line contact of the highest pressure.
 
@@ -26,15 +25,27 @@ class RollerContact:
     other race of that roller [Pa]; middle: at the middle of the roller under its load evenly spread [Pa].
     """
 
-    roller: int
-    race: str
-    force: float
-    place: float
-    line_load: float
-    half_width: float
-    pressure: float
-    other: float
-    middle: float
+    roller: int = quantity("roller", "roller of the highest pressure")
+    race: str = quantity("race", "its race: inner or outer")
+    force: float = quantity("force_N")
+    place: float = quantity("place_mm", "that place, from the roller's middle, positive to its large end")
+    line_load: float = quantity(
+        "line_load_N_mm",
+        "load per length q where the pressure is highest",
+        error="without what the ends of straight rollers add",
+    )
+    half_width: float = quantity(
+        "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
+    )
+    pressure: float = quantity("pressure_MPa", heading="peak pressure", form=".0f")
+    other: float = quantity(
+        "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
+    )
+    middle: float = quantity(
+        "middle_pressure_MPa",
+        "pressure at the roller's middle diameter if its load were spread evenly along it",
+        error="half that of the load",
+    )
 
 
 def race_pressures(row: RollerRow, line_loads: Array) -> Array:

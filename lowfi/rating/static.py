@@ -16,7 +16,6 @@ Range: parts of hardened bearing steel; ISO 76's tables take E = 207 GPa and nu 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos
 
 import numpy as np
@@ -24,9 +23,10 @@ import numpy as np
 from rollbench.lowfi.rating.contacts import ALLOWED, PALMGREN
 from rollbench.lowfi.rating.life import is_thrust, rating, standard_of
 from rollbench.lowfi.rating.rigidity import slope_of
-from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_curvatures, nominal_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
 
 #: Largest contact force over the mean radial share of a ball, radial load and no clearance (Stribeck; ISO 76).
 STRIBECK = 5.0
@@ -50,15 +50,15 @@ def static_rating(scene: Scene) -> float:
     return ratings * cos(scene.track.contact_angle) / STRIBECK
 
 
-@dataclass(frozen=True)
+@record
 class Ratings:
     """Basic load ratings as computed [N]: dynamic C, static C_0; axial or radial; whose formulas."""
 
-    dynamic: float
-    static: float
-    axial: bool
-    dynamic_standard: str
-    static_standard: str
+    dynamic: float = quantity("dynamic_N", "basic dynamic load rating C")
+    static: float = quantity("static_N", "basic static load rating C0")
+    axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
+    dynamic_standard: str = quantity("dynamic_standard", "whose formulas")
+    static_standard: str = quantity("static_standard", "whose formulas")
 
 
 def ratings(scene: Scene) -> Ratings:

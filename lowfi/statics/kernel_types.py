@@ -253,7 +253,7 @@ class BallContacts(NamedTuple):
     r_ball: Array
     #: Deviation of the flanks' profile (N, 4, d) [m], ascending powers of the contact angle.
     profile: Array
-    #: Rows (N, 7) of balls between two opposite arcs, see `lowfi.statics.kernel.elastic_balls.pair_balls`.
+    #: Rows (N, 7) of balls between two opposite arcs, see `lowfi.statics.kernel.elastic.pair_balls`.
     pair: Array
     #: Rollers, whose rows in all arrays over elements come after the balls'.
     rollers: RollerContacts
@@ -352,7 +352,7 @@ class Trial(NamedTuple):
 class Outcome(NamedTuple):
     """How a kernel's iteration ended."""
 
-    #: See ``lowfi.statics.kernel.newton``: converged, out of iterations, not held, singular.
+    #: See ``lowfi.statics.kernel.search``: converged, out of iterations, not held, singular.
     status: int
     iterations: int
     evaluations: int

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
-from rollbench.lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
+from rollbench.lowfi.statics.contacts import error_free, hertz_C
+from rollbench.lowfi.statics.problem import SIGNS, distances
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

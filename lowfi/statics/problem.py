@@ -1,28 +1,22 @@
-"""From the description of the parts to the arrays that the kernels solve on."""
+"""From the description of the parts to the arrays that the kernels solve on, and supports that contradict each other on a
+rigid screw."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.parts import geometry_only
-from rollbench.lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
-from rollbench.lowfi.statics.conformity import curvature_changes
+from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.shape import motion_matrices, principal, rigid_transport
-from rollbench.lowfi.statics.supports import contradiction, rigid_rows
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, Specimens, specimen
-from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
+from rollbench.meshes.errors import Specimen, Specimens
+from rollbench.meshes.helix import BallLayout, groove_radii, nominal_contact_points, nominal_groove_centres
 from rollbench.meshes.partition import MERGE, beam_nodes, contact_stations
-from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene, UnfitKey
+from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene
 from rollbench.meshes.section import BeamSection, screw_section
-from rollbench.meshes.surface import ALL, principal_curvatures, printed_radii
 
-#: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.
-NODES, ROUND_OFF = 12, 1e-15
 #: Signs of the contact directions, shape (4, 2).
 SIGNS = np.array(SIDE_SIGNS)
 
@@ -97,171 +91,6 @@ class SolvedState:
     reactions: Array
     shifts: Array | None
     scale: float
-
-
-@lru_cache(maxsize=64)
-def nominal_hertz(scene: Scene) -> HertzConstants:
-    """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle.
-
-    Kept for all solutions of a scene: not to be written to.
-    """
-    return _hertz_of(_parts_alone(scene))
-
-
-def nominal_curvatures(scene: Scene) -> Array:
-    """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
-    groove first. Kept for all scenes of the same parts: not to be written to."""
-    return _curvatures_of(_parts_alone(scene))
-
-
-@lru_cache(maxsize=64)
-def _parts_alone(scene: Scene) -> Scene:
-    return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
-
-
-def forget_nominal() -> None:
-    """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
-    for kept in (_curvatures_of, _hertz_of, _hertz_at, nominal_hertz):
-        kept.cache_clear()
-
-
-@lru_cache(maxsize=64)
-def _hertz_of(bare: Scene) -> HertzConstants:
-    return _unwritable(constants_of(bare, _curvatures_of(bare)))
-
-
-@lru_cache(maxsize=64)
-def _hertz_at(bare: Scene, ball_radius: float) -> HertzConstants:
-    """Constants ``(1, 4)`` of error-free grooves with balls of another radius [m]."""
-    return _unwritable(drawn_hertz(bare, specimen(bare, ball_layout(bare)), np.array([ball_radius])))
-
-
-def _unwritable(constants: HertzConstants) -> HertzConstants:
-    for values in (constants.C, constants.C_a, constants.C_b, constants.eccentricity):
-        values.flags.writeable = False
-    return constants
-
-
-@lru_cache(maxsize=64)
-def _curvatures_of(bare: Scene) -> Array:
-    scene, layout = bare, ball_layout(bare)
-    drawn = specimen(bare, layout)
-    curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
-    curvatures.flags.writeable = False
-    return curvatures
-
-
-def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
-    """Hertz constants ``(..., N, 4)`` of every contact at the nominal contact angle, with its own radii of ball and groove.
-
-    ball_radius: ``(..., N)`` [m] in place of the specimen's. What this does to an oversize: `lowfi.statics.conformity`.
-    """
-    radius = drawn.ball_radius if ball_radius is None else ball_radius
-    return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
-
-
-def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
-    """As `drawn_hertz` for balls of these radii ``(N,)`` [m], but one row for all of them where they are alike."""
-    if not (ball_radius == ball_radius[0]).all():
-        return drawn_hertz(scene, drawn, ball_radius)
-    if drawn.profile.size or not (drawn.radius == groove_radii(scene)).all():
-        return drawn_hertz(scene, drawn, ball_radius[:1])
-    if ball_radius[0] == scene.balls.radius:
-        return nominal_hertz(scene)
-    return _hertz_at(_parts_alone(scene), float(ball_radius[0]))
-
-
-def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
-    """As `drawn_hertz`, ``(N, 4)``, computed once where all balls are alike. Not to be written to."""
-    h, shape = distinct_hertz(scene, drawn, drawn.ball_radius), (drawn.ball_radius.size, 4)
-    return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
-
-
-def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
-    """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
-
-    Raises ValueError where ball and groove conform, with the first such contact.
-    """
-    curvatures = relative_curvatures(scene, drawn, gamma)
-    bad = np.argwhere(~(curvatures.min(axis=-1) > 0.0) | ~np.isfinite(curvatures).all(axis=-1))
-    if bad.size:
-        i, s = (int(k) for k in bad[0])
-        across, along = curvatures[i, s]
-        raise UnfitKey(
-            f"errors.{SIDES[s]}",
-            f"ball {i + 1} and flank {SIDES[s]} conform at their contact angle of {np.degrees(gamma[i, s]):.4g} deg: "
-            f"relative curvatures {across:.3g} 1/m across the groove, {along:.3g} 1/m along it; Hertz needs positive ones",
-        )
-    return constants_of(scene, curvatures)
-
-
-def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
-    """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
-    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
-
-
-def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
-    """Hertz constants ``(..., 4)`` of the sides' materials at relative principal curvatures ``(..., 4, 2)`` [1/m]."""
-    ball = scene.balls.material
-    bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
-    modulus = np.array(
-        [contact_modulus(ball.youngs_modulus, ball.poissons_ratio, x.youngs_modulus, x.poissons_ratio) for x in bodies]
-    )
-    return hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
-
-
-def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
-    """Hertz quantities of the screw's and the nut's side with the faults of Table B.1."""
-    bare = replace(scene, errors=Errors())
-    drawn = specimen(bare, ball_layout(bare))
-    gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    ball = scene.balls.material
-
-    def of(side: int, body: Material) -> PrintedHertz:
-        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
-        low, high = printed_radii(bare, drawn, side, gamma)[0]
-        return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
-
-    return of(0, scene.screw.material), of(3, scene.nut.material)
-
-
-def _as_printed(scene: Scene) -> Array:
-    """Constants C of each side with the faults of Table B.1, ``(4,)`` [m/N^(2/3)]."""
-    return np.repeat([side.C for side in printed_sides(scene)], 2)
-
-
-def error_free(scene: Scene) -> Scene:
-    """The scene with Hertz constants of error-free parts, as the sources' own models take them, or as printed."""
-    if scene.ingredients.hertz == "as printed":
-        return scene
-    return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))
-
-
-def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
-    """Constant C of each ball and side before any update to the actual geometry, ``(..., N, 4)``; ball_radius: as for
-    `drawn_hertz`."""
-    radius = drawn.ball_radius if ball_radius is None else ball_radius
-    kind = scene.ingredients.hertz
-    if kind in ("as printed", "error-free"):
-        return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, radius.shape)
-    if radius.ndim == 1:
-        return _repeated(distinct_hertz(scene, drawn, radius).C, radius.shape)
-    from numpy.polynomial.chebyshev import chebinterpolate, chebval
-
-    # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
-    middle, half = 0.5 * (radius.max() + radius.min()), max(0.5 * float(radius.max() - radius.min()), 1e-9)
-    series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
-    shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
-    distinct, of_side = np.unique(series[: shown + 1], axis=1, return_inverse=True)
-    values = chebval((radius - middle) / half, distinct)
-    return np.stack([values[k] for k in of_side.ravel()], axis=-1)
-
-
-def _repeated(row: Array, shape: tuple[int, ...]) -> Array:
-    """Values ``(4,)`` of the sides, or ``(*shape, 4)``, for every ball."""
-    values = np.empty((*shape, 4))
-    values[...] = row
-    return values
 
 
 def pack_geometry(
@@ -468,3 +297,85 @@ def _rigid(
     prescribed, work = np.linalg.solve(to_motion, scale * lift)[None, :], (to_motion.T @ load)[None, :]
     shaft = np.array([z0]), section, fixed, prescribed, work, np.zeros((count, 2), dtype=np.int64), B
     return Problem(scene, layout, drawn, *shaft, geometry, closure, use, 0, to_motion)
+
+
+#: Part of a constraint that must be new, relative to its size, for it to count as independent of those before it.
+INDEPENDENT = 1e-9
+#: Difference of prescribed values that counts as none, relative to the largest of them.
+AGREES = 1e-9
+
+
+@dataclass(frozen=True)
+class Held:
+    """One freedom held by a support: number of the support in the scene (from 0), freedom, its value [m or rad]."""
+
+    support: int
+    freedom: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """A held freedom that others, ``by``, already hold at another value, ``implied`` [m or rad], on a rigid screw."""
+
+    held: Held
+    implied: float
+    by: tuple[Held, ...]
+
+    def words(self, scene: Scene) -> str:
+        """The contradiction in one sentence, with stations in mm."""
+        names = ", ".join(f"{x.freedom} at {_station(scene, x)}" for x in self.by)
+        contradicted = f"{self.held.freedom} at {_station(scene, self.held)}"
+        return (
+            f"the supports contradict each other on a rigid screw: {contradicted} is {show(self.held)}, but {names} "
+            f"make it {show(Held(0, self.held.freedom, self.implied))}"
+        )
+
+
+def _station(scene: Scene, held: Held) -> str:
+    return f"{1e3 * scene.supports[held.support].at:g} mm (supports[{held.support}])"
+
+
+def show(held: Held) -> str:
+    """Value of a held freedom with its unit: um or mrad."""
+    return f"{1e6 * held.value:.6g} um" if held.freedom in FREEDOMS[:3] else f"{1e3 * held.value:.6g} mrad"
+
+
+def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
+    """Constraints of the supports on a rigid screw: rows ``(k, 6)`` on its motion at the nut's centre, values ``(k,)``.
+
+    Rotations count as lengths at the pitch radius, in rows (of motions scaled so) and values [m].
+    """
+    arm = scene.track.pitch_radius
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    held = [Held(i, name, value) for i, s in enumerate(scene.supports) for name, value in s.fixed]
+    rows, values = np.zeros((len(held), 6)), np.zeros(len(held))
+    for j, x in enumerate(held):
+        k = FREEDOMS.index(x.freedom)
+        rows[j] = rigid_transport(scene.supports[x.support].at - scene.nut.position)[k] * scale / scale[k]
+        values[j] = x.value / scale[k]
+    return rows, values, held
+
+
+def contradiction(scene: Scene) -> Contradiction | None:
+    """The first held freedom that the ones before it hold at another value if the screw is rigid; None where all agree."""
+    rows, values, held = rigid_rows(scene)
+    size = float(np.abs(values).max(initial=0.0))
+    if size == 0.0:
+        return None
+    kept: list[int] = []
+    for j in range(len(held)):
+        if not kept:
+            kept.append(j)
+            continue
+        share = np.linalg.lstsq(rows[kept].T, rows[j], rcond=None)[0]
+        new = rows[j] - share @ rows[kept]
+        if float(np.linalg.norm(new)) > INDEPENDENT * float(np.linalg.norm(rows[j])):
+            kept.append(j)
+            continue
+        implied = float(share @ values[kept])
+        if abs(implied - values[j]) > AGREES * size:
+            by = tuple(held[k] for k, x in zip(kept, share, strict=True) if abs(x) > INDEPENDENT)
+            arm = 1.0 if held[j].freedom in FREEDOMS[:3] else 1.0 / scene.track.pitch_radius
+            return Contradiction(held[j], implied * arm, by)
+    return None

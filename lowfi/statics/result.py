@@ -11,9 +11,18 @@ import numpy as np
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollingSet
+from rollbench.meshes.quantity import Stated, quantity, record
 
 Ended = Literal["converged", "not held", "not converged", "stopped"]
 Cause = Literal["", "crossed row", "mounting", "not unique"]
+
+#: Units of the six motions in results, and factors to them.
+MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
+
+
+def by_freedoms(motion: Array) -> dict[str, float]:
+    """A motion ``(6,)`` [m, rad] in um and mrad by its freedoms."""
+    return {name: factor * x for (name, factor), x in zip(MOTION, motion, strict=True)}
 
 
 class Status(str):
@@ -40,7 +49,7 @@ class Status(str):
         return self.kind, self.reason, self.cause
 
 
-@dataclass(frozen=True)
+@record
 class Equilibrium:
     """Forces [N] and moments about the origin [N m] on the screw, ``(3,)`` each; residuals relative to the largest.
 
@@ -50,18 +59,28 @@ class Equilibrium:
     those with the pin. ball_residual: largest net contact force on a ball, on number ``worst_ball`` (from 1).
     """
 
-    applied_force: Array
-    applied_moment: Array
-    reaction_force: Array
-    reaction_moment: Array
-    contact_force: Array
-    contact_moment: Array
-    force_residual: float
-    moment_residual: float
-    pin_force: Array = field(default_factory=lambda: np.zeros(3))
-    pin_moment: Array = field(default_factory=lambda: np.zeros(3))
-    pin_share: float = 0.0
-    ball_residual: float = 0.0
+    applied_force: Array = quantity("external_force_N", "sum of the loads, x, y, z", parts="[]")
+    applied_moment: Array = quantity("external_moment_Nm", "their moment about the origin", parts="[]")
+    reaction_force: Array = quantity("reaction_force_N", "sum of the supports' reactions", parts="[]")
+    reaction_moment: Array = quantity("reaction_moment_Nm", "their moment", parts="[]")
+    contact_force: Array = quantity("contact_force_N", "sum of the contact forces on the screw", parts="[]")
+    contact_moment: Array = quantity("contact_moment_Nm", "their moment", parts="[]")
+    force_residual: float = quantity(
+        "force_residual",
+        "sum of loads, reactions and contact forces over the largest force; does not use the solved equations",
+    )
+    moment_residual: float = quantity("moment_residual", "the same of moments")
+    pin_force: Array = quantity(
+        "pin_force_N",
+        "what the pin of a free motion takes; no reaction of the scene",
+        parts="[]",
+        default_factory=lambda: np.zeros(3),
+    )
+    pin_moment: Array = quantity("pin_moment_Nm", "its moment", parts="[]", default_factory=lambda: np.zeros(3))
+    pin_share: float = quantity("pin_share", "its largest part over the largest force or moment", default=0.0)
+    ball_residual: float = quantity(
+        "ball_residual", "largest unbalanced force of a ball over the largest force", default=0.0
+    )
     worst_ball: int = 0
 
     @property
@@ -70,25 +89,30 @@ class Equilibrium:
         return max(self.force_residual, self.moment_residual, self.ball_residual)
 
 
-@dataclass(frozen=True)
+@record
 class SolverReport:
     """How the solution came about. ``residual`` is the largest unbalanced force over the largest force.
 
     discretisation: largest change of a contact load against a finer beam [N], or None; notes: what happened on the way.
     """
 
-    iterations: int
-    evaluations: int
-    residual: float
-    seconds: float
-    unknowns: int
-    elements: int
-    engine: str
-    formulation: str
-    round_off_bound: float = 0.0
-    discretisation: float | None = None
+    iterations: int = quantity("iterations", "Newton steps")
+    evaluations: int = quantity("evaluations", "evaluations of the equations")
+    residual: float = quantity("residual", "largest unbalanced force of the solved equations over the largest force")
+    seconds: float = quantity("seconds", "time of the solve")
+    unknowns: int = quantity("unknowns", "unknowns of the solve")
+    elements: int = quantity("elements", "beam elements")
+    engine: str = quantity("engine")
+    formulation: str = quantity("formulation")
+    round_off_bound: float = quantity("round_off_bound", "bound of the residual that rounding alone makes", default=0.0)
+    discretisation: float | None = quantity(
+        "discretisation_percent",
+        "change of the loads when every beam element is halved, in per cent of the mean load",
+        show=lambda _: None,
+        default=None,
+    )
     setup_seconds: float = 0.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = quantity("notes", default=())
 
 
 @dataclass(frozen=True)
@@ -166,7 +190,7 @@ class StaticResult(Solved):
         return (self,)
 
 
-@dataclass(frozen=True)
+@record
 class SetResult(Answering):
     """One set. force, moment (3,): of its elements on the shaft, the moment about the axis at the set's position [N, N m];
     reaction (6,): what they do to the outer part there, the opposite but for arms that grow with the displacements;
@@ -175,12 +199,20 @@ class SetResult(Answering):
     ``equilibrium``, None for rollers; azimuth [rad] and load [N] of each roller (count,), line_loads (count, slices) [N/m].
     """
 
-    of: RollingSet
-    force: Array
-    moment: Array
+    of: RollingSet = quantity(
+        "name",
+        "",
+        Stated("kind", show=lambda of: of.kind),
+        Stated("position_mm", "station of the set's centre", show=lambda of: of.position),
+        Stated("housing", show=lambda of: of.housing),
+        Stated("offset_um", "axial offset of its outer body", show=lambda of: of.offset),
+        show=lambda of: of.name,
+    )
+    force: Array = quantity("force_on_shaft_N", "force of the set on the shaft, x, y, z", parts="[]")
+    moment: Array = quantity("moment_on_shaft_Nm", "its moment about the set's centre", parts="[]")
     reaction: Array
-    stiffness: Array
-    outer: Array
+    stiffness: Array = quantity("stiffness", "the same of one set between its two bodies", parts="[][]")
+    outer: Array = quantity("outer_motion", "displacement and rotation of its outer body", show=by_freedoms, parts=".*")
     balls: StaticResult | None = None
     roller_azimuth: Array | None = None
     roller_load: Array | None = None
@@ -197,20 +229,39 @@ class SetResult(Answering):
     )
 
     @property
+    @Stated(
+        "largest_load_N",
+        "its largest load of a contact or roller",
+        error="model form",
+        show=lambda loads: loads.max(initial=0.0),
+    )
+    @Stated(
+        "loaded",
+        "its loaded contacts or rollers",
+        show=lambda loads: int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
+    )
     def loads(self) -> Array:
         """Loads [N] of the contacts (N, 4), or of the rollers (count,)."""
         return self.balls.load if self.balls is not None else np.zeros(0) if self.roller_load is None else self.roller_load
 
 
-@dataclass(frozen=True)
+@record
 class HousingResult(Answering):
     """Motion (6,) of a housing at its station; what the frame does to it there: wrench (6,) [N, N m] of what holds it and
     of its springs; residual: unbalanced force and moment over the largest force."""
 
-    name: str
-    motion: Array
-    wrench: Array
-    residual: float
+    name: str = quantity("name")
+    motion: Array = quantity(
+        "motion", "displacement and rotation of the housing at its station", show=by_freedoms, parts=".*"
+    )
+    wrench: Array = quantity(
+        "frame_force_N",
+        "force on it of what holds it and of its springs, x, y, z",
+        Stated("frame_moment_Nm", "their moment about its station", show=lambda wrench: wrench[3:], parts="[]"),
+        show=lambda wrench: wrench[:3],
+        parts="[]",
+    )
+    residual: float = quantity("residual", "what is left of its balance, over the largest force")
     ANSWERS: ClassVar[tuple[str, ...]] = ("motion", "wrench", "residual")
 
 

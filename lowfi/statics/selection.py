@@ -8,8 +8,8 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.statics.held import Mechanism
 from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.mechanism import Mechanism
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.shape import motions_at
 from rollbench.meshes.arrays import Array, Mask

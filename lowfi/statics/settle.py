@@ -13,12 +13,16 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 import numpy as np
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
+from rollbench.lowfi.statics.contacts import actual_hertz
+from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
 from rollbench.lowfi.statics.kernel_types import Options, Outcome
-from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz
+from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
+#: Relative residual that the solver drives for.
+TOLERANCE = 1e-14
+MAX_ITERATIONS = 3000
 #: Outcomes without a usable state.
 NO_LOADS = (NOT_HELD, SINGULAR)
 #: Relative residual at which a solution counts as converged.
@@ -29,6 +33,48 @@ LOST = 1e-6
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 #: Runs for the constants and for the arms, and the change (relative, or [m]) at which they have settled.
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
+
+
+class Scale(NamedTuple):
+    """Scales of the forces and stiffnesses of a problem.
+
+    force [N]: of a typical loaded contact, from loads, interference, or else an approach of a micrometre; stiffness [N/m]:
+    its secant; floor [N]: the least that residuals are measured by: the largest load, moments over the arm, or the force by
+    which the tightest ball is pressed without load; none [N]: of a contact that counts as none.
+    """
+
+    force: float
+    stiffness: float
+    floor: float
+    none: float
+
+    @property
+    def typical(self) -> float:
+        """Force [N] above zero at which small terms that depend on a contact's size are taken."""
+        return max(self.force, 1e-6)
+
+
+def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
+    """How the solvers iterate on systems of a scale; arm [m]: makes forces of moments; furthest [m]: radius of the largest
+    ball."""
+    return Options(
+        tolerance=tolerance,
+        most=MAX_ITERATIONS,
+        stiffness=scale.stiffness,
+        arm=arm,
+        bound=1e3,
+        floor=scale.floor,
+        furthest=furthest,
+    )
+
+
+class Words(NamedTuple):
+    """What a model says of a solution: its formulation and number of unknowns, what it assumes and leaves out."""
+
+    formulation: str
+    unknowns: int
+    assumed: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
 
 class SetFlanks(NamedTuple):
@@ -73,6 +119,14 @@ class Prepared(ABC):
     @abstractmethod
     def with_arms(self, arms: Sequence[Array]) -> Self:
         """The same at the state with lever arms that are longer by (N, 4, 2) [m] for each set."""
+
+    @abstractmethod
+    def round_off(self) -> float:
+        """Relative residual that double precision cannot get below (`least_residual`)."""
+
+    @abstractmethod
+    def words(self) -> Words:
+        """What the model says of the solution."""
 
     def at_state(self, of: Prepared) -> Self:
         """Itself at the state of another."""
@@ -132,26 +186,20 @@ def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: b
 
 
 def report_of(
-    outcome: Outcome,
-    kernels: ModuleType,
-    times: tuple[float, float],
-    system: tuple[str, int, int],
-    bound: float,
-    notes: tuple[str, ...],
+    outcome: Outcome, system: Prepared, words: Words, elements: int, times: tuple[float, float], notes: tuple[str, ...]
 ) -> SolverReport:
-    """How a solution came about. times: when it began, and when its system was ready (`time.perf_counter`); system: its
-    formulation, unknowns and beam elements; bound: see ``verdict``."""
-    formulation, unknowns, elements = system
+    """How the solution of a system came about. elements: of the beam; times: when it began, and when its system was ready
+    (`time.perf_counter`)."""
     return SolverReport(
         iterations=outcome.iterations,
         evaluations=outcome.evaluations,
         residual=outcome.residual,
         seconds=perf_counter() - times[0],
-        unknowns=unknowns,
+        unknowns=words.unknowns,
         elements=elements,
-        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
-        formulation=formulation,
-        round_off_bound=bound,
+        engine="compiled" if jit.is_compiled(system.engine.__name__) else "interpreted",
+        formulation=words.formulation,
+        round_off_bound=system.round_off(),
         setup_seconds=times[1] - times[0],
         notes=notes,
     )

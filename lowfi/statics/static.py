@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
-from rollbench.lowfi.statics.kernel_types import BeamArrays, BeamContacts, BeamSystem, Options, Outcome, RowState, Slopes
-from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
+from rollbench.lowfi.statics.held import Mechanism, free_motions
+from rollbench.lowfi.statics.kernel_types import BeamArrays, BeamContacts, BeamSystem, Outcome, RowState, Slopes
 from rollbench.lowfi.statics.problem import Problem, SolvedState, build, distances, tightest
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
@@ -27,7 +27,20 @@ from rollbench.lowfi.statics.selection import (
     shifts_of_beam,
     touched_sides,
 )
-from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, lost, report_of, settled, verdict
+from rollbench.lowfi.statics.settle import (
+    NO_LOADS,
+    TOLERANCE,
+    Prepared,
+    Scale,
+    SetFlanks,
+    Words,
+    least_residual,
+    lost,
+    options_of,
+    report_of,
+    settled,
+    verdict,
+)
 from rollbench.lowfi.statics.shape import lifted
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
@@ -38,9 +51,6 @@ from rollbench.meshes.section import BeamSection
 
 Engine = Literal["auto", "interpreted", "compiled"]
 
-#: Relative residual that the solver drives for.
-TOLERANCE = 1e-14
-MAX_ITERATIONS = 3000
 #: Above this many balls the compiled engine pays even for a single solve: where machine code is kept, and where not.
 COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
 #: The same where flanks are no arcs: every contact is a search for its place on the profile.
@@ -55,25 +65,6 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     many = balls > most and (uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS))
     fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or many))
     return jit.kernels(jit.STATICS, compiled=fast)
-
-
-class Scale(NamedTuple):
-    """Scales of the forces and stiffnesses of a problem.
-
-    force [N]: of a typical loaded contact, from loads, interference, or else an approach of a micrometre; stiffness [N/m]:
-    its secant; floor [N]: the least that residuals are measured by: the largest load, moments over the arm, or the force by
-    which the tightest ball is pressed without load; none [N]: of a contact that counts as none.
-    """
-
-    force: float
-    stiffness: float
-    floor: float
-    none: float
-
-    @property
-    def typical(self) -> float:
-        """Force [N] above zero at which small terms that depend on a contact's size are taken."""
-        return max(self.force, 1e-6)
 
 
 def scale_of(problem: Problem) -> Scale:
@@ -91,28 +82,6 @@ def scale_of(problem: Problem) -> Scale:
         force = float(contact_force(1e-6, pair))
     floor = max(float(largest.max()), float(most.max()) / arm, squeeze)
     return Scale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
-
-
-def options_of(problem: Problem, scale: Scale, tolerance: float = TOLERANCE) -> Options:
-    """How the solvers iterate on a problem of a scale, with rigid outer parts or elastic bodies."""
-    return Options(
-        tolerance=tolerance,
-        most=MAX_ITERATIONS,
-        stiffness=scale.stiffness,
-        arm=float(problem.scene.track.pitch_radius),
-        bound=1e3,
-        floor=scale.floor,
-        furthest=float(problem.drawn.ball_radius.max()),
-    )
-
-
-class Words(NamedTuple):
-    """What a model says of a solution: its formulation and number of unknowns, what it assumes and leaves out."""
-
-    formulation: str
-    unknowns: int
-    assumed: tuple[str, ...]
-    left_out: tuple[str, ...] = ()
 
 
 @dataclass(kw_only=True)
@@ -138,16 +107,8 @@ class OneSet(Prepared):
         """Whether no ball touches a side that was left out, at the solution."""
 
     @abstractmethod
-    def round_off(self) -> float:
-        """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`)."""
-
-    @abstractmethod
     def solved(self) -> SolvedState:
         """State in the kernels' arrays, with the reactions."""
-
-    @abstractmethod
-    def words(self) -> Words:
-        """What the model says of the solution."""
 
 
 @dataclass(kw_only=True)
@@ -191,7 +152,7 @@ class Beam(OneSet):
         return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), self.scale)
 
     def words(self) -> Words:
-        """As `OneSet.words`."""
+        """As `Prepared.words`."""
         return Words("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
@@ -211,7 +172,8 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * problem.nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     given = BeamSystem(BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts)
-    options = options_of(problem, scale, tolerance)
+    arm, furthest = problem.scene.track.pitch_radius, float(drawn.ball_radius.max())
+    options = options_of(scale, arm, furthest, tolerance)
     build = build or Build(problem.scene, drawn, problem.layout, problem.use, engine)
     return Beam(engine=engine, given=given, state=state, options=options, problem=problem, build=build)
 
@@ -344,11 +306,10 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     problem, status = system.problem, solved.verdict()
     if outcome.status in NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
-    formulation, unknowns, assumed, also = system.words()
-    size = formulation, unknowns, problem.nodes.size - 1
-    report = report_of(outcome, build.engine, (start, solved.prepared_at), size, system.round_off(), solved.notes)
-    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *also)
-    result = assemble_result(system.solved(), name, status, report, left_out, assumed)
+    words = system.words()
+    report = report_of(outcome, system, words, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
+    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *words.left_out)
+    result = assemble_result(system.solved(), name, status, report, left_out, words.assumed)
 
     def otherwise() -> Array | None:
         again = pin(solved.build.problem(), mechanism, True)
@@ -396,7 +357,7 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 def unheld(problem: Problem) -> Status:
     """Status sentence of a screw that ran away: not held only where a linear program proves it."""
-    from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
+    from rollbench.lowfi.statics.held import opening_motion, ran_away, words_of
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
     return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(words_of(motion)))

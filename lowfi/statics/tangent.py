@@ -6,7 +6,7 @@ the flanks by Rz d; with the stiffness S^T S of all balls and G the compliance o
     K = (S Rz)^T (I + S G S^T)^-1 (S Rz),
 
 the forces and moments (6) at the clamp per motion: symmetric, not negative, and next to zero along the helix, which no
-frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.mechanism`). A machine model
+frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.held`). A machine model
 takes it between the screw's node and the nut's, and adds its own shaft and bearings.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import ElasticBuild
-from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows
+from rollbench.lowfi.statics.kernel.elastic import ball_rows
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.shaft import rows_of

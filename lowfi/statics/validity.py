@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, own_hertz
+from rollbench.lowfi.statics.contacts import own_hertz
+from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array

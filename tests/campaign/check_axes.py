@@ -228,10 +228,12 @@ def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, flo
     return "", float(noise.sum()) + none
 
 
-def crossed(result: AxisResult) -> bool:
-    """Whether a row that carries thrust one way has a loaded ball across the bottom of its groove."""
+def crossed(assembly: Assembly, result: AxisResult) -> bool:
+    """Whether a row that carries thrust one way has a loaded ball across the bottom of its groove, or on it: with less
+    thrust than is out of balance, whose sign says nothing."""
+    none = CLOSE * size_of(assembly, result)
     rows = [s.balls for s in result.sets if s.balls is not None and s.of.thrust in ("+z", "-z")]
-    return any(bool(((b.contact_angle < 0.0) & (b.load > 0.0)).any()) for b in rows)
+    return any(bool(((b.load * np.sin(b.contact_angle) <= none) & (b.load > none)).any()) for b in rows)
 
 
 def as_mounted(assembly: Assembly) -> Assembly:

@@ -22,7 +22,7 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.wings.extremes.campaign import (
+from rollbench.compare.studies.extremes.campaign import (
     BAD,
     CRASHED,
     GOOD,
@@ -35,7 +35,7 @@ from rollbench.compare.wings.extremes.campaign import (
     UNPROVEN,
     WRONG,
 )
-from rollbench.compare.wings.sweep.store import packed, unpacked
+from rollbench.compare.studies.sweep.store import packed, unpacked
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -202,7 +202,9 @@ def _crosses(assembly: Assembly, model: str) -> bool:
     if not callable(runner):
         return False
     state = runner(assembly, COMPILED)
-    return state.status.cause == "crossed row" and not check_axes.faults(assembly, state) and check_axes.crossed(state)
+    if state.status.cause != "crossed row" or check_axes.faults(assembly, state):
+        return False
+    return check_axes.crossed(assembly, state)
 
 
 def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:

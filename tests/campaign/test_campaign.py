@@ -11,7 +11,7 @@ from tests.campaign.__main__ import command_line, main
 from tests.campaign.scenes import Campaign, Part, judge_scenes
 from tests.helpers import small_screw
 
-from rollbench.compare.wings.extremes import campaign
+from rollbench.compare.studies.extremes import campaign
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, Support
 

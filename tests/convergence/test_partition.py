@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import relative, solved, with_ingredients
 
-from rollbench.compare.results.solved_json import discretisation_percent
+from rollbench.compare.results.scene_json import discretisation_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.loads import mean_load

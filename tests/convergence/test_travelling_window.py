@@ -5,7 +5,7 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.friction.whole.travelling import WINDOW, Travelling
-from rollbench.lowfi.statics.again import elastic_loads
+from rollbench.lowfi.statics.nominal import elastic_loads
 from rollbench.meshes.errors import draw
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 

@@ -86,8 +86,8 @@ def kept(command):
 
 
 def marked(command):
-    """A command with its mark: friction is a wing's."""
-    return pytest.param(command, marks=pytest.mark.wing if command.startswith("friction") else ())
+    """A command with its mark: friction is marked as further."""
+    return pytest.param(command, marks=pytest.mark.further if command.startswith("friction") else ())
 
 
 @pytest.mark.parametrize("command", [marked(command) for command in ANSWERS])

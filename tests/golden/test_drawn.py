@@ -26,9 +26,9 @@ from rollbench.compare.cli import main
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, gather_axis
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.registration import kinds
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.extremes.survey import draw as survey
+from rollbench.compare.scenes.names import KINDS
+from rollbench.compare.studies.survey import draw as survey
 from rollbench.meshes.axis import Assembly
 
 RECORD = Path(__file__).parent / "drawn_scenes.json"
@@ -174,7 +174,7 @@ def of_kind(number: int, shift: float) -> str:
 
 def of_a_kind(name: str) -> bool:
     """Whether only friction solves a shipped scene, in little time."""
-    return catalogue.heading(name).get("kind") in kinds() and not name.startswith("lin-screw-run")
+    return catalogue.heading(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
 
 
 Item = Callable[[int, float], Found]

@@ -14,7 +14,7 @@ from tests.golden.means import means, same
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.rolling import cases, runs
+from rollbench.compare.studies.rolling import cases, runs
 from rollbench.hifi import setup
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.reference import solve_reference

@@ -15,14 +15,14 @@ import pytest
 from tests.golden.means import means, same
 from tests.helpers import FLANK_ERRORS, small_screw
 
-from rollbench.compare.gate import closed_forms, further, judged, verdict
-from rollbench.compare.models import applicability, compared_point, loading, model_form, modelling, total_uncertainty, u_val
+from rollbench.compare.gate import gate, judged, verdict
+from rollbench.compare.models import applicability, loading, model_form, modelling, uncertainty
 from rollbench.compare.models.comparison import REFERENCED, from_result
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study, with_balls, with_groove
 from rollbench.compare.reference import convergence, levels, near_face, tasks, variants
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.mesh_study import table as mesh_study
+from rollbench.compare.studies.mesh_study import table as mesh_study
 
 RECORD = Path(__file__).parent / "studies.json"
 STUDY = cache(Study)
@@ -82,9 +82,9 @@ def validation():
     rows = []
     for name in REFERENCED:
         answer = from_result(STUDY().solve(name, "lin"))
-        rows += [u_val.validated(STUDY(), name, "lin", quantity, answer) for quantity in u_val.QUANTITIES]
+        rows += [uncertainty.validated(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
     rows = [row for row in rows if row is not None]
-    return {"rows": rows, "scatter": u_val.scatter(rows)}
+    return {"rows": rows, "scatter": uncertainty.scatter(rows)}
 
 
 def expectations():
@@ -94,7 +94,7 @@ def expectations():
         "left out": model_form.left_out(points, "lin")[:12],
         "places": [applicability.places(STUDY().scene(name)) for name in NAMES],
         "points": [
-            compared_point.point(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
+            model_form.point(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
             for name in REFERENCED
         ],
     }
@@ -102,7 +102,7 @@ def expectations():
 
 def uncertainties():
     found = STUDY().references(NAMES)
-    return [total_uncertainty.total(STUDY().scene(name), one) for name, one in found.items()]
+    return [uncertainty.total(STUDY().scene(name), one) for name, one in found.items()]
 
 
 def faces():
@@ -142,16 +142,16 @@ def verdicts():
         scene, found, answer = STUDY().scene(name), STUDY().reference(name), from_result(STUDY().solve(name, "lin"))
         limits = verdict.Limits(7.0, 2.0, dict.fromkeys(judged.QUANTITIES, 3.0))
         out += verdict.judge("lin", answer.load, found, limits)
-        out += further.contact_verdicts("lin", further.contacts_by(scene, answer, limits.others), scene, found, limits)
-        values = further.values_by(scene, answer, limits.others)
-        out += [further.value_verdict("lin", value, scene, found, limits) for value in values]
+        out += verdict.contact_verdicts("lin", verdict.contacts_by(scene, answer, limits.others), scene, found, limits)
+        values = verdict.values_by(scene, answer, limits.others)
+        out += [verdict.value_verdict("lin", value, scene, found, limits) for value in values]
     return {"records": out, "json": [one.as_json() for one in out]}
 
 
 def exact():
     scene = STUDY().scene("lin-case1")
-    forms = closed_forms.rigid_axial, closed_forms.cantilever, closed_forms.two_opposite_balls
-    return [closed_forms.sphere_on_flat(scene, 225.0), [form(scene) for form in forms], closed_forms.preload(scene, 7e-6)]
+    forms = gate.rigid_axial, gate.cantilever, gate.two_opposite_balls
+    return [gate.sphere_on_flat(scene, 225.0), [form(scene) for form in forms], gate.preload(scene, 7e-6)]
 
 
 def results():

@@ -12,9 +12,9 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, held_at
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import elastic as kernel
 from rollbench.lowfi.statics.kernel_types import BodyState
-from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.static import pin
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout

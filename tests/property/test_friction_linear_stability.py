@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations, diagonal_loads, elastic_loads
 from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 

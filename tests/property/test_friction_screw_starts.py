@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.evidence.source_cases import plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import plain, table_3_6
 from rollbench.lowfi.friction.screw.coupled import Guess
 from rollbench.lowfi.friction.screw.pair import Pair, PairResult, solve_pair
 

@@ -15,8 +15,8 @@ from rollbench.compare.scenes.scene_file import load
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.held import opening_motion, words_of
 from rollbench.lowfi.statics.problem import build
-from rollbench.lowfi.statics.proof import opening_motion, words_of
 from rollbench.lowfi.statics.static import solve_static, unheld
 from rollbench.lowfi.statics.tangent import tangent_stiffness
 from rollbench.meshes.errors import specimen

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rollbench.compare.commands.stability import run_drawn
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.wings.extremes.command import run_drawn
-from rollbench.compare.wings.extremes.survey import run
-from rollbench.compare.wings.extremes.survey.draw import SCENES, SEED, scene_text
-from rollbench.compare.wings.extremes.survey.record import described, surveyed
-from rollbench.compare.wings.sweep import store
+from rollbench.compare.studies.survey import run
+from rollbench.compare.studies.survey.draw import SCENES, SEED, scene_text
+from rollbench.compare.studies.survey.record import described, surveyed
+from rollbench.compare.studies.sweep import store
 from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.hifi.meshing.fit import socket_size
 from rollbench.meshes.groove_map import GrooveMap

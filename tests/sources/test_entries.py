@@ -1,14 +1,16 @@
 """Printed entries of whole sources: one finding each, counts by class and verdict, the gate, misprints with evidence."""
 
+import math
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
-from rollbench.compare.wings.evidence.audit import judge, misprints
-from rollbench.compare.wings.evidence.gate import evidence_row
-from rollbench.compare.wings.evidence.registry import by_table, evidence
+from rollbench.compare.evidence.computations import by_table, evidence
+from rollbench.compare.evidence.verdicts import misprints
+from rollbench.compare.gate.gate import evidence_row
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -23,6 +25,8 @@ COUNTS = {
     ("open", "not identifiable"): {"external": 13, "lin": 34, "liu": 20, "smith": 49},
     ("open", "contradicted"): {"lin": 4, "liu": 12, "smith": 42},
 }
+#: Entries that are judged by a value or a claim.
+SHIFTED = {"external": 136, "kalker": 36, "lin": 216, "liu": 71, "smith": 249}
 
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
@@ -31,7 +35,24 @@ def test_every_entry_has_one_finding_and_one_verdict(source):
     found = evidence(STUDY, *names)
     assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
     counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}
-    assert Counter((f.printed.cls, judge(f)[0]) for f in found) == counted
+    assert Counter((f.printed.cls, f.verdict) for f in found) == counted
+
+
+def wrong(e):
+    """A judged entry with other values: off by twice the tolerance, beyond the band on either side, not what is claimed."""
+    p = e.printed
+    if p.value is None:
+        return [replace(e, holds=not e.holds)]
+    off = e.compared + math.copysign(2.0 * p.tolerance, e.compared - p.value)
+    others = [off] if p.cls != "band" else [p.low - 2.0 * p.tolerance, p.high + 2.0 * p.tolerance]
+    return [replace(e, **{"as_printed" if p.cls == "as-printed" else "value": other}) for other in others]
+
+
+@pytest.mark.parametrize("source", ["external", "kalker", "lin", "liu", "smith"])
+def test_a_value_off_by_twice_its_tolerance_changes_the_verdict(source):
+    judged = [e for e in evidence(STUDY, *of_source(source)) if e.printed.cls != "open" and e.agrees is not None]
+    assert len(judged) == SHIFTED[source]
+    assert [e.printed.name for e in judged for other in wrong(e) if not other.change] == []
 
 
 @pytest.mark.parametrize("source", ["liu", "smith"])

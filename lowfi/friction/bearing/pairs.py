@@ -16,6 +16,7 @@ from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Scre
 from rollbench.lowfi.friction.screw.load import Cell, bare_cell, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.fields import keyed, usual
 
 #: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.
 UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9
@@ -31,6 +32,7 @@ class BallRow:
     contacts: tuple[bool, bool, bool, bool]
 
 
+@keyed
 @dataclass(frozen=True)
 class BearingCase:
     """A bearing, inner ring turning and loaded, outer ring held; SI.
@@ -45,10 +47,10 @@ class BearingCase:
     count: int
     rows: tuple[BallRow, ...]
     force: float
-    clearance: float = 0.0
-    tilt: bool = False
-    phase: float = 0.0
-    arm: float = 0.0
+    clearance: float = usual(0.0)
+    tilt: bool = usual(False)
+    phase: float = usual(0.0)
+    arm: float = usual(0.0)
 
     def __post_init__(self) -> None:
         """Refuse a helix and empty rows."""

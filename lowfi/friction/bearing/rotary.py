@@ -27,6 +27,7 @@ from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.fields import keyed, usual
 
 SIDES = ("IL", "IR", "OR", "OL")
 #: Contacts of a screw (SL, SR, NL, NR) in the order of ``SIDES``, and back again; a screw's unknowns as those here.
@@ -35,6 +36,7 @@ AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
+@keyed
 @dataclass(frozen=True)
 class Bearing(ScrewGroove):
     """A bearing with gothic grooves, of zero lead; its inner ring turns at ``screw_speed``.
@@ -42,7 +44,7 @@ class Bearing(ScrewGroove):
     clearance [m]: play of the ball along each contact normal, negative for an oversize.
     """
 
-    clearance: float = 0.0
+    clearance: float = usual(0.0)
 
     @cached_property
     def constants(self) -> Constants:

@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
+from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
 from rollbench.meshes.roots import brentq
@@ -143,6 +144,7 @@ class Grooved(HelicalMotion, ABC):
         return pair_geometry(self)
 
 
+@keyed
 @dataclass(frozen=True)
 class ScrewGroove(Grooved):
     """Four-point ball screw: lengths [m], angle [rad], Young's modulus [Pa], speeds of nut and screw [rad/s].
@@ -161,9 +163,9 @@ class ScrewGroove(Grooved):
     poisson: float
     mu: float
     nut_speed: float
-    screw_speed: float = 0.0
-    mu_balls: float | None = None
-    hertz: Mode = "right"
+    screw_speed: float = usual(0.0)
+    mu_balls: float | None = usual(None)
+    hertz: Mode = usual("right")
 
     def __post_init__(self) -> None:
         """Refuse what the model cannot treat."""

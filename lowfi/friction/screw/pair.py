@@ -15,12 +15,14 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling, ball_motion
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.roots import brentq
 
 #: Contact angles (SL, SR, NL, NR) that grow with theta: both of the screw; those of a groove shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
+@keyed
 @dataclass(frozen=True)
 class Pair:
     """Two balls in touch, the first behind the second; SI.
@@ -32,11 +34,11 @@ class Pair:
 
     groove: ScrewGroove
     theta: tuple[float, float]
-    pattern: tuple[tuple[float, ...], tuple[float, ...]] = (BOTH, BOTH)
-    oversize: float = 0.0
-    free: str = "z"
-    force: tuple[float, ...] = (0.0,)
-    coupling: Coupling = "none"
+    pattern: tuple[tuple[float, ...], tuple[float, ...]] = usual((BOTH, BOTH))
+    oversize: float = usual(0.0)
+    free: str = usual("z")
+    force: tuple[float, ...] = usual((0.0,))
+    coupling: Coupling = usual("none")
 
     def cell(self) -> Cell:
         """The balls, half the spacing before and behind azimuth 0, and their loads."""

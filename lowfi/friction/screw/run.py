@@ -18,8 +18,10 @@ from rollbench.lowfi.friction.screw.pair import BOTH
 from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.screw.travel import History, Instant, Place, simulate
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.fields import keyed, usual
 
 
+@keyed
 @dataclass(frozen=True)
 class Run:
     """A run over ``duration`` [s], in ``steps`` steps by the scheme "equal"; SI. A setting of ``travel``, azimuths on the
@@ -39,15 +41,15 @@ class Run:
     free: str
     duration: float
     steps: int
-    oversize: float = 0.0
-    amplitude: float = 0.0
-    cycles: float = 2.0
-    phase: float = 0.0
-    pattern: tuple[float, ...] = BOTH
-    tube: float = 0.0
-    first: float = 0.5
-    coupling: Coupling = "none"
-    rounds: int = 1
+    oversize: float = usual(0.0)
+    amplitude: float = usual(0.0)
+    cycles: float = usual(2.0)
+    phase: float = usual(0.0)
+    pattern: tuple[float, ...] = usual(BOTH)
+    tube: float = usual(0.0)
+    first: float = usual(0.5)
+    coupling: Coupling = usual("none")
+    rounds: int = usual(1)
 
     def __post_init__(self) -> None:
         """Refuse what does not fit."""

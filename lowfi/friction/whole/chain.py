@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.losses import BallPath, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import about_axis
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
-from rollbench.lowfi.statics.again import ContactLoads
-from rollbench.lowfi.statics.problem import (
+from rollbench.lowfi.statics.contacts import (
     actual_hertz,
     distinct_hertz,
     nominal_curvatures,
     nominal_hertz,
     relative_curvatures,
 )
+from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen

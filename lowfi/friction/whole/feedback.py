@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact.rings import settle_each
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
@@ -24,9 +25,13 @@ from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Difference of friction and what of it is fed back, as a fraction of a ball's contact forces: aimed at, and accepted
-#: after most rounds.
-AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
+#: Difference of friction and what of it is fed back, as a fraction of a ball's contact forces: aimed at, and accepted.
+AGREED, ACCEPTED = 1e-7, 1e-4
+#: Rounds after which a ball is solved by Newton's method: where a lightly loaded contact is about to slip or to stick,
+#: friction turns with the smallest change of place, and rounds go to and fro about the state.
+ROUNDS = 40
+#: Step of the differences that make its slope, and where it ends, as fractions of a ball's contact forces; trials at most.
+DIFFERENCE, SOLVED, TRIALS = 1e-8, 1e-12, 400
 #: Displaced starts in the search for other states, and difference of states, as fractions of a ball's largest force.
 DISPLACED, ANOTHER = 3.0, 1e-3
 #: Coefficient of friction from which a second, jammed state of a ball was seen.
@@ -119,7 +124,7 @@ def feed_back(
     count = at.force.shape[0]
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
     still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
-    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), Mixer(2, 40)
+    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), Mixer(2, ROUNDS)
     contacts, active, rounds = at, np.flatnonzero(loaded), 0
     if near is not None and active.size:
         guess[active] = near[active]
@@ -139,6 +144,18 @@ def feed_back(
         contacts, shift[active], failed[active] = _seated(
             contacts, place, active, still[active] + guess[active], shift[active], at, fast
         )
+    for ball in active:
+        one, size = np.array([ball]), float(contacts.force[ball].sum())
+
+        def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
+            there, _, _ = _seated(at, place, one, still[one] + size * x, shift[one], at, fast)
+            chosen = there.subset(one)
+            by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
+            return np.asarray(_answer(by_ball, chosen, place.axis)[0] / size - x)
+
+        options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
+        guess[ball] = size * root(excess, guess[ball] / size, options=options).x
+        contacts, shift[one], failed[one] = _seated(contacts, place, one, still[one] + guess[one], shift[one], at, fast)
     final = ball_friction(scene, contacts, friction, drive, fast, q)
     off = _left(contacts.force, contacts.normals[..., [0, 2]], along, still + _answer(final, contacts, place.axis))
     change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)

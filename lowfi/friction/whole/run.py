@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at,
 from rollbench.lowfi.friction.whole.feedback import feed_back, seats_at
 from rollbench.lowfi.friction.whole.settings import feeds_back
 from rollbench.lowfi.friction.whole.torque import about_axis
-from rollbench.lowfi.statics.again import ContactLoads
+from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Drawn, Specimen

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollbench.lowfi.compliance.bodies import whole_body
 from rollbench.lowfi.compliance.parts import Backend
-from rollbench.lowfi.statics.again import ContactLoads, beam_loads, elastic_loads
+from rollbench.lowfi.statics.nominal import ContactLoads, beam_loads, elastic_loads
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Scene, Track

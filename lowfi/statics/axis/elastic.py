@@ -2,7 +2,7 @@
 
 The shaft is a beam with its supports; beyond it the screw, nut and balls of a set answer contact forces as in the refined
 model of one set (`lowfi.compliance`), as long as the force is of that set: from set to set only beam and housings reach,
-and the beam's section forces, which squeeze the contacts (`lowfi.statics.squeeze`).
+and the beam's section forces, which squeeze the contacts (`lowfi.statics.shaft`).
 """
 
 from __future__ import annotations
@@ -15,43 +15,54 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, cho_factor, cho_solve, qr
+from scipy.linalg import block_diag, cho_factor, cho_solve
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section
-from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
-from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, solve_assembly
-from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
+from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, inverse, rigid_rows, solve_assembly
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
 from rollbench.lowfi.statics.axis.system import (
     BallSet,
+    RollerElements,
     System,
-    none_of,
+    asked_row,
+    roller_elements,
+    roller_springs,
+    scale_of,
     set_flanks,
-    typical,
     typical_force,
     widened,
     with_arms,
 )
-from rollbench.lowfi.statics.conformity import oblique_term
+from rollbench.lowfi.statics.contacts import nominal_hertz, oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
-from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
-from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, Options, RowState
-from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.response import by_ball, normals_of, positive, typical_axes
+from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, RowState
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.response import (
+    LARGEST,
+    by_ball,
+    contact_compliance,
+    normals_of,
+    positive,
+    spring_rows,
+    typical_axes,
+)
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.settle import SetFlanks, least_residual
+from rollbench.lowfi.statics.settle import SetFlanks, Words, least_residual, options_of
 from rollbench.lowfi.statics.shaft import (
     Shaft,
+    Squeeze,
     flank_loads,
     flank_motions_by_loads,
     flank_response,
     node_forces,
     node_motions,
     shaft_of,
+    squeezed,
+    stretch_of,
 )
-from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine
+from rollbench.lowfi.statics.shape import pivots
+from rollbench.lowfi.statics.static import Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -127,9 +138,9 @@ class ElasticSets(Sets):
         motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
         return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
 
-    def words(self) -> tuple[str, int, tuple[str, ...]]:
-        """As `Sets.words`."""
-        return CONDENSED, self.state.phi.size + self.state.a.size, self.assumed
+    def words(self) -> Words:
+        """As `Prepared.words`."""
+        return Words(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
         """Forces (N, 4, 2) [N] of the balls on their flanks."""
@@ -198,8 +209,7 @@ def housings_of(structure: Structure, arm: float) -> Housings:
         motions = np.zeros((6 * m, loose.shape[1]))
         motions[free] = scale[free, None] * loose
         if loose.shape[1]:
-            _, _, order = qr(loose.T, pivoting=True)
-            free = np.delete(free, order[: loose.shape[1]])
+            free = np.delete(free, pivots(loose.T))
     given = np.where(held, prescribed, 0.0)
     factor = cho_factor(K[np.ix_(free, free)], lower=True) if free.size else None
     found = Housings(free, factor, K, motions, given, motions.T @ load)
@@ -332,22 +342,24 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
     local[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
     work = np.concatenate([shaft.work, housings.work])
     bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work)
-    force, stiffness, floor = typical(system)
+    scale = scale_of(system)
     used = system.contacts.geometry[..., 5] > 0.0
     springs = np.concatenate(
-        [spring_rows(whole, None, stiffness) * used[:, None, :].repeat(2, axis=2), roller_springs(rollers.count, stiffness)]
+        [
+            spring_rows(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2),
+            roller_springs(rollers.count, scale.stiffness),
+        ]
     )
-    furthest = float(system.contacts.r_ball.max())
-    options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
+    options = options_of(scale, system.arm, float(system.contacts.r_ball.max()))
     contacts = BallContacts(
-        system.contacts.geometry,
-        system.contacts.closure,
-        local,
-        system.contacts.r_ball,
-        system.contacts.profile,
-        np.zeros((balls, 7)),
-        rollers.contacts,
-        none_of(system, force),
+        geometry=system.contacts.geometry,
+        closure=system.contacts.closure,
+        local=local,
+        r_ball=system.contacts.r_ball,
+        profile=system.contacts.profile,
+        pair=np.zeros((balls, 7)),
+        rollers=rollers.contacts,
+        tiny=scale.none,
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance

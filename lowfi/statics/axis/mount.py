@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.rollers.roller_slices import tapered
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array

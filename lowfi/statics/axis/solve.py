@@ -1,5 +1,9 @@
 """Equilibrium of several rolling sets on one shaft: one energy, Newton's method; by the source's model (`lin`) here, with
-elastic bodies in `lowfi.statics.axis.elastic`."""
+elastic bodies in `lowfi.statics.axis.elastic`.
+
+Flanks that load and preload open are left out: such a flank needs no node of the shaft and no rows of the matrix. The
+energy is convex: where every ball clears the flanks left out at the solution without them, that is the solution with them.
+"""
 
 from __future__ import annotations
 
@@ -12,23 +16,186 @@ from types import ModuleType
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
+from rollbench.lowfi.hertz import contact_approach, contact_force
+from rollbench.lowfi.statics.axis.held import loose_motions, pinned, unheld
 from rollbench.lowfi.statics.axis.mount import mount
-from rollbench.lowfi.statics.axis.proof import unheld
-from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
-from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
+from rollbench.lowfi.statics.axis.structure import spring_terms
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from rollbench.lowfi.statics.axis.system import System, build, none_of, placed, set_flanks, typical, with_arms
-from rollbench.lowfi.statics.kernel_types import AxisSystem, Options, RowState, Slopes
-from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.axis.system import (
+    USE,
+    BallSet,
+    Placed,
+    System,
+    asked_row,
+    build,
+    motions_of,
+    moved_flanks,
+    placed,
+    scale_of,
+    set_flanks,
+    with_arms,
+)
+from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.kernel_types import AxisSystem, RowState, Slopes
+from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.result import AxisResult, Status
-from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, report_of, settled, verdict
-from rollbench.lowfi.statics.shape import lifted
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine, pick_engine
-from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.lowfi.statics.selection import all_clear, motions_in_section
+from rollbench.lowfi.statics.settle import (
+    NO_LOADS,
+    Prepared,
+    SetFlanks,
+    Words,
+    least_residual,
+    options_of,
+    report_of,
+    settled,
+    verdict,
+)
+from rollbench.lowfi.statics.shape import lifted, rigid_transport
+from rollbench.lowfi.statics.static import Engine, pick_engine
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.roots import brentq
 from rollbench.meshes.section import BeamSection
+
+
+def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
+    """Sides (4,) of each set of balls that thrust, load and offsets leave it: a guess, to be tested by ``clear``."""
+    sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
+    if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
+        return all_sides(assembly)
+    along = axial_place(assembly, sets)
+    return [_of_set(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)]
+
+
+def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
+    """Where along z the shaft goes [m], all else rigid: where it is held, or where the sets' forces balance its load."""
+    held = [value for s in assembly.supports for name, value in s.fixed if name == "uz"]
+    force = sum(x.force[2] for x in assembly.loads)
+    if held:
+        return float(held[0])
+    sin = np.array([np.sin(scene.track.contact_angle) for _, scene in sets])
+    C = np.array([nominal_hertz(scene).C for _, scene in sets])
+    share, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
+    offset = np.array([s.offset for s, _ in sets])
+
+    def excess(u: float) -> float:
+        return float(np.sum(np.sign(u - offset) * share * contact_force(abs(u - offset) * sin, pair))) - force
+
+    reach = 1e-9 + float((contact_approach(abs(force) / share, pair) / sin).max())
+    return float(brentq(excess, offset.min() - reach, offset.max() + reach, xtol=1e-9))
+
+
+def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
+    """A shaft that moves by ``shift`` > 0 along z in its nut closes SL-NR and opens SR-NL, by the contact angle's sine."""
+    use = USE[rolling.thrust]
+    if rolling.thrust != "both" or drawn.profile.shape[1]:
+        return use
+    closed = distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
+    if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
+        return USE["+z"]
+    return USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
+
+
+def clear(system: System, state: RowState) -> bool:
+    """Whether all balls clear the flanks that a set could use and that were left out, at a solution without them."""
+    return all(_set_clear(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use))
+
+
+def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
+    contact = state.contact[b.balls]
+    shift = moved_flanks(b, state.q)
+    for s in range(2):
+        if not b.problem.use[s] and b.of.carrier is None:
+            shift[:, s] = _flank_motion(system, b, s, state.q)
+    place, load = state.p[None, b.balls], contact[None, ..., 0]
+    return bool(all_clear(place, shift[None], b.problem.geometry[None], load, b.problem.use)[0])
+
+
+def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
+    """Motion (N, 2) [m] of a screw flank that has no node: the beam's at its station."""
+    stations = contact_stations(b.problem.scene, b.problem.layout)[:, s]
+    j, m = motions_of(system.structure, stations)
+    moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
+    return motions_in_section(b.problem.layout, b.problem.drawn.centre[:, s], stations, moved)
+
+
+def all_sides(assembly: Assembly) -> list[Mask]:
+    """All sides (4,) that each set of balls can use."""
+    return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
+
+
+def complete(uses: Sequence[Mask], assembly: Assembly) -> bool:
+    """Whether nothing that the sets can use is left out."""
+    return all(np.array_equal(a, b) for a, b in zip(uses, all_sides(assembly), strict=True))
+
+
+def whole_stiffness(
+    system: System, engine: ModuleType, given: AxisSystem, state: RowState, hessians: Array
+) -> Array | None:
+    """Stiffness (6, 6) [N/m, N, N m] against wrenches on the row that is asked about, all else free to follow.
+
+    Rows and columns of held freedoms are nan. None where the row stands, or where contacts carry too little to be stiff.
+    """
+    row = asked_row(system)
+    if row < 0:
+        return None
+    r = system.structure.stations.size
+    size = given.shaft.start[-1]
+    base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
+    engine.add_axis(base, given.shaft)
+    if not engine.tangent(given, state, hessians, base, values, np.zeros(6)):
+        return None
+    compliance = np.empty((6, 6))
+    for k in range(6):
+        load = np.zeros((r, 6))
+        load[row, k] = 1.0
+        engine.solve_lines(given.shaft, values, load, step)
+        compliance[:, k] = step[row]
+    return inverse(compliance, ~system.structure.fixed[row], system.arm)
+
+
+def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
+    """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units.
+    None for what is no compliance: contacts that carry nothing leave round-off.
+    """
+    rows = np.flatnonzero(free)
+    out = np.full((6, 6), np.nan)
+    if rows.size:
+        size = np.where(rows < 3, 1.0, 1.0 / arm)
+        scaled = compliance[np.ix_(rows, rows)] / size[:, None] / size[None, :]
+        if not (np.diag(scaled) > 0.0).all():
+            return None
+        try:
+            stiffness = np.linalg.inv(scaled)
+        except np.linalg.LinAlgError:
+            return None
+        stiffness = stiffness / size[:, None] / size[None, :]
+        out[np.ix_(rows, rows)] = 0.5 * (stiffness + stiffness.T)
+    return out
+
+
+def rigid_rows(b: BallSet, stations: Array) -> Array:
+    """Motion (N, 4, 6) of the inner flanks of a set, two axes each, by its inner part as a rigid body at its position.
+
+    stations: of all rows [m].
+    """
+    return b.moved(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
+
+
+def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
+    """Stiffness (6, 6) of a set of N balls against motions of its inner part at its position, the outer one held.
+
+    hessians (N, 4, 4): of the balls' energy by the motion of their screw flanks [N/m].
+    """
+    rows = rigid_rows(b, stations)
+    return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
+
 
 #: Motion over the largest pitch radius, and rotation, from which on a linear program says whether contacts hold the loads.
 FAR = 0.1
@@ -44,14 +211,6 @@ class Sets(Prepared):
     def problems(self) -> Sequence[Problem]:
         """Of each set of balls."""
         return [b.problem for b in self.system.balls]
-
-    @abstractmethod
-    def round_off(self) -> float:
-        """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`)."""
-
-    @abstractmethod
-    def words(self) -> tuple[str, int, tuple[str, ...]]:
-        """Formulation, number of unknowns, what is assumed of the bodies."""
 
     @abstractmethod
     def rows(self) -> tuple[RowState, Array]:
@@ -80,15 +239,17 @@ class RigidSets(Sets):
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
     def round_off(self) -> float:
-        """By the largest motions and the stiffest contact."""
+        """By the largest motions and the stiffest contact, and by the springs, however little they are strained."""
         state, v0 = self.state, self.given.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-        return least_residual(motion, stiff, self.scale, self.problems)
+        contacts = least_residual(motion, stiff, self.scale, self.problems)
+        springs = spring_terms(self.system.structure, state.q, self.system.arm)
+        return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
-    def words(self) -> tuple[str, int, tuple[str, ...]]:
-        """As `Sets.words`."""
-        return "convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ()
+    def words(self) -> Words:
+        """What is assumed stands in the model."""
+        return Words("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
     def slopes(self) -> Slopes:
         """Derivatives of the energy at the state."""
@@ -115,15 +276,14 @@ def far_off(q: Array, system: System) -> bool:
 def prepare(system: System, engine: ModuleType) -> RigidSets:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
     s, n = system.structure, system.structure.nodes.size
-    force, stiffness, floor = typical(system)
+    scale, furthest = scale_of(system), float(system.contacts.r_ball.max(initial=0.0))
     q = np.zeros((s.stations.size, 6))
     q[:n], d = lifted(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
     N, M = system.contacts.r_ball.size, system.slices.drop.size
     state = RowState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
-    system.contacts = system.contacts._replace(tiny=none_of(system, force))
-    furthest = float(system.contacts.r_ball.max(initial=0.0))
-    options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
+    system.contacts = system.contacts._replace(tiny=scale.none)
+    options = options_of(scale, system.arm, furthest)
     given = AxisSystem(system.axis, system.contacts, system.slices)
     return RigidSets(engine=engine, given=given, state=state, options=options, system=system)
 
@@ -174,20 +334,26 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
             break
         uses = all_sides(mounted)
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
-    bound, (state, held) = prepared.round_off(), prepared.rows()
+    state, held = prepared.rows()
     proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
-    status = verdict(outcome, bound, partial(unheld, proven), far_off(state.q, proven))
-    system = prepared.system
+    status = verdict(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
     if outcome.status in NO_LOADS:
         return failed(status)
-    formulation, unknowns, also = prepared.words()
-    size = formulation, unknowns, system.structure.nodes.size - 1
-    report = report_of(outcome, kernels, (start, ready), size, bound, notes)
-    assumed, shifts = (*model.assumed, *also), [x.shift for x in prepared.flanks()]
-    sets, whole = prepared.stiffness()
-    solved = status, report, loose.text, held, sets, whole
-    ending = Ending(*solved, model.name, assumed, model.left_out, shifts, outcome.scale)
-    return assemble_axis(system, state, ending)
+    words, (sets, whole) = prepared.words(), prepared.stiffness()
+    ending = Ending(
+        status=status,
+        report=report_of(outcome, prepared, words, prepared.system.structure.nodes.size - 1, (start, ready), notes),
+        loose=loose.text,
+        held=held,
+        sets=sets,
+        whole=whole,
+        model=model.name,
+        assumed=(*model.assumed, *words.assumed),
+        left_out=model.left_out,
+        shifts=[x.shift for x in prepared.flanks()],
+        scale=outcome.scale,
+    )
+    return assemble_axis(prepared.system, state, ending)
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:

@@ -129,6 +129,19 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
     return ends, reach, np.array([x[4] for x in springs]).reshape(-1, 6, 6)
 
 
+def spring_terms(structure: Structure, q: Array, arm: float) -> float:
+    """Largest size [N] of the terms whose sum is a spring's force on a row at motions q (r, 6), moments over the arm [m].
+
+    Stiff springs between bodies that move far together subtract large motions: the sum keeps the round-off of its terms.
+    """
+    worst, per = 0.0, np.repeat([1.0, arm], 3)
+    for ends, reach, K in zip(structure.ends, np.abs(structure.reach), structure.springs, strict=True):
+        moved = sum((reach[e] @ np.abs(q[row]) for e, row in enumerate(ends) if row >= 0), start=np.zeros(6))
+        force = np.abs(K) @ moved
+        worst = max([worst, *(float((reach[e].T @ force / per).max()) for e, row in enumerate(ends) if row >= 0)])
+    return worst
+
+
 def rigid_motions(structure: Structure, arm: float) -> Array:
     """Motions ``(6 r, 6 (1 + m))`` of all rows with shaft and housings as rigid bodies, rotations by the arm [m]."""
     scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])

@@ -8,11 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.statics.axis.proof import crossed
-from rollbench.lowfi.statics.axis.roller_warnings import roller_warnings
-from rollbench.lowfi.statics.axis.sides import left_out
-from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System
+from rollbench.lowfi.rollers.roller_slices import slice_contacts, tapered
+from rollbench.lowfi.statics.axis.held import APEX, crossed
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
@@ -31,8 +29,10 @@ from rollbench.lowfi.statics.summary import (
     where_not_unique,
     wrench_of,
 )
+from rollbench.lowfi.statics.validity import contact_warnings, rotation_warning, tilted
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 
 #: Statements that hold for every run of the source's low-order model on several sets.
 AXIS_ASSUMPTIONS = (
@@ -46,9 +46,6 @@ ROLLERS = (
     "seated on their ribs; rings do not bend"
 )
 
-
-#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
-APEX = 1e-6
 #: Share of the largest force met up to which a contact counts as none there: what the solver is asked for, times ten.
 NOTHING = 10.0 * ACCEPTED
 
@@ -237,4 +234,19 @@ def failed_axis(
         solver=report,
         assumed=(*assembly.assumed, *assumed),
         left_out=(),
+    )
+
+
+def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]:
+    """Warnings of a row of rollers; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the shaft's centreline."""
+    if not isinstance(s.of.parts, RollerRow) or s.line_loads is None:
+        return ()
+    bearing = tapered(s.of.parts)
+    half_width, pressure = slice_contacts(bearing, s.line_loads)
+    approach = float(bearing.law().approach(s.line_loads).max(initial=0.0))
+    rx, ry = (float(np.interp(s.of.position, z, motion[:, k])) for k in (3, 4))
+    return (
+        *contact_warnings(pressure.max(axis=1), half_width.max(axis=1), 0.5 * bearing.diameter, "roller"),
+        *tilted(float(np.hypot(rx, ry)), 0.5 * bearing.pitch_diameter, approach, "roller"),
+        *rotation_warning(z, motion),
     )

@@ -1,4 +1,9 @@
-"""An assembly as arrays for the kernels: balls and rollers of all sets between the rows of a `Structure`."""
+"""An assembly as arrays for the kernels: balls and rollers of all sets between the rows of a `Structure`.
+
+Between elastic bodies a roller is one element: a ring moves as a rigid body, so that a slice's approach is that of the
+roller's middle plus its place times the slope along the roller: two motions at each ring hold all slices, and the slices'
+law is that of the model lin.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +17,18 @@ from numpy.typing import NDArray
 from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers.roller_slices import middles, tapered
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
+from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
-from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RowState
-from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry, round_off_approach, tightest
-from rollbench.lowfi.statics.settle import SetFlanks
+from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RollerContacts, RowState
+from rollbench.lowfi.statics.problem import Problem, flank_rows, pack_geometry, round_off_approach, tightest
+from rollbench.lowfi.statics.settle import Scale, SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.partition import contact_stations
-from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.section import BeamSection
 
 Ints = NDArray[np.int64]
@@ -170,20 +176,20 @@ def _ball_set(
     pieces = widened(node, on_screw, width, r), widened(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
     problem = Problem(
-        scene,
-        layout,
-        drawn,
-        nodes,
-        structure.sections[0],
-        structure.fixed[:n],
-        structure.prescribed[:n],
-        structure.load[:n],
-        node,
-        B[:, :2],
-        geometry,
-        closure,
-        use,
-        0,
+        scene=scene,
+        layout=layout,
+        drawn=drawn,
+        nodes=nodes,
+        section=structure.sections[0],
+        fixed=structure.fixed[:n],
+        prescribed=structure.prescribed[:n],
+        load=structure.load[:n],
+        node=node,
+        B=B[:, :2],
+        geometry=geometry,
+        closure=closure,
+        use=use,
+        left_out_elements=0,
     )
     return BallSet(rolling, problem, slice(first, first + N), outer, row, B, v0)
 
@@ -250,14 +256,14 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
     for b in sets:  # constants that change in one place change in the other
         b.problem = replace(b.problem, geometry=geometry[b.balls])
     return AxisBalls(
-        joined(row, (4,)).astype(np.int64),
-        joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
-        joined([b.v0 for b in sets], (4, 2)),
-        geometry,
-        joined([b.problem.closure for b in sets], (2,)),
-        joined([b.problem.drawn.ball_radius for b in sets], ()),
-        joined(profile, (4, degree)),
-        0.0,
+        row=joined(row, (4,)).astype(np.int64),
+        B=joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
+        v0=joined([b.v0 for b in sets], (4, 2)),
+        geometry=geometry,
+        closure=joined([b.problem.closure for b in sets], (2,)),
+        r_ball=joined([b.problem.drawn.ball_radius for b in sets], ()),
+        profile=joined(profile, (4, degree)),
+        tiny=0.0,
     )
 
 
@@ -330,17 +336,17 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
     sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
     lengths = np.diff(structure.nodes)
     return AxisArrays(
-        lengths,
-        sections,
-        np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
-        structure.fixed,
-        structure.load,
-        structure.ends,
-        structure.reach,
-        structure.springs,
-        place,
-        first,
-        start,
+        lengths=lengths,
+        sections=sections,
+        constants=np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
+        fixed=structure.fixed,
+        load=structure.load,
+        ends=structure.ends,
+        reach=structure.reach,
+        springs=structure.springs,
+        place=place,
+        first=first,
+        start=start,
     )
 
 
@@ -376,16 +382,9 @@ def typical_force(system: System, b: BallSet) -> float:
     return max(force, 1e-6)
 
 
-def none_of(system: System, force: float) -> float:
-    """Force [N] up to which a contact counts as none: round-off of a typical one (``force``), or where nothing presses any,
-    what an approach by round-off brings about."""
-    if force > 0.0:
-        return 1e-14 * force
-    return max((float(contact_force(round_off_approach(b.problem), pair_compliance(b))) for b in system.balls), default=0.0)
-
-
-def typical(system: System) -> tuple[float, float, float]:
-    """Force [N] of a typical loaded contact, its secant stiffness [N/m], and least force [N] that residuals count by."""
+def scale_of(system: System) -> Scale:
+    """The scale of all sets. A contact that counts as none has the round-off of a typical force, or where nothing presses
+    any, what an approach by round-off brings about."""
     load, share = system.structure.load, mean_share(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.balls:
@@ -401,4 +400,82 @@ def typical(system: System) -> tuple[float, float, float]:
         law = r.arrays
         stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
     floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
-    return force, stiffness, floor
+    none = 1e-14 * force
+    if force == 0.0:
+        pressed = (contact_force(round_off_approach(b.problem), pair_compliance(b)) for b in system.balls)
+        none = max(map(float, pressed), default=0.0)
+    return Scale(force, stiffness, floor, none)
+
+
+@dataclass(frozen=True)
+class RollerElements:
+    """M rollers of all rows. node (M,): of the shaft; outer (M,): row of the cup's motions, -1 where it stands; B
+    (M, 2, 2, 6): the normal motion of cone and cup at the roller's middle, and its slope along the roller times the
+    length [m], by the motions of those rows."""
+
+    node: NDArray[np.int64]
+    outer: NDArray[np.int64]
+    B: Array
+    contacts: RollerContacts
+
+    @property
+    def count(self) -> int:
+        """Number of rollers."""
+        return self.node.size
+
+
+def roller_elements(sets: list[RollerSet]) -> RollerElements:
+    """Rollers of all rows, one after the other."""
+    M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
+    node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
+    B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
+    place, width, drop = np.zeros((3, M, K))
+    first = 0
+    for r in sets:
+        a, n = r.arrays, r.row.slices
+        mine = slice(first, first + r.row.count)
+        first = mine.stop
+        x = middles(r.row.length, n) / r.row.length
+        rows = a.B.reshape(r.row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin takes the approach, this motions
+        base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
+        B[mine] = np.einsum("ak,ikej->ieaj", base, rows)
+        place[mine, :n] = x
+        width[mine, :n], drop[mine, :n] = a.width.reshape(-1, n), a.drop.reshape(-1, n)
+        law[0, mine], law[1, mine] = a.g[0], a.s[0]
+        node[mine], outer[mine] = a.row[0]
+    return RollerElements(node, outer, B, RollerContacts(place, width, drop, *law))
+
+
+def roller_springs(count: int, stiffness: float) -> Array:
+    """Linear springs between cone and cup at the rollers' middles in place of slices, (count, 2, 8), as
+    `lowfi.statics.response.spring_rows`."""
+    rows = np.zeros((count, 2, 8))
+    rows[:, 0, 0], rows[:, 0, 4] = np.sqrt(stiffness), -np.sqrt(stiffness)
+    return rows
+
+
+def asked(assembly: Assembly) -> float | str:
+    """Station [m] or housing whose motion and stiffness are asked for: as the assembly says, else the first housing that is
+    loaded, the first load, the first set."""
+    if assembly.stiffness_at is not None:
+        return assembly.stiffness_at
+    loaded = [h.name for h in assembly.housings if any(h.force) or any(h.moment)]
+    if loaded:
+        return loaded[0]
+    return assembly.loads[0].at if assembly.loads else assembly.sets[0].position
+
+
+def asked_row(system: System) -> int:
+    """Row of motions whose stiffness is asked for; -1 for a housing that stands."""
+    at, s = asked(system.assembly), system.structure
+    return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
+
+
+def left_out(system: System) -> tuple[str, ...]:
+    """Sentences on the sides that were left out though their sets could use them."""
+    notes = []
+    for b in system.balls:
+        idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]
+        if idle:
+            notes.append(f"{b.of.name}: sides {' and '.join(idle)}: load or offset opens them, and every ball clears them")
+    return tuple(notes)

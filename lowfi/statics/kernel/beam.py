@@ -1,11 +1,38 @@
-"""Timoshenko beam in element deformations: the state is what each element strains, not where its nodes are.
+"""A screw that is a Timoshenko beam, and its balls: regularised Newton with line search on the convex energy (seed audit;
+Lin 2.23-2.25).
 
-Node positions of a long slender shaft cancel to a part in 1e12 when subtracted; element deformations do not.
-An element from node 1 to node 2 strains by d = q_2 - T q_1, T the rigid transport over its length.
+E(q) = beam(q) - f q + sum over balls of min over the centre of the contact energies. One unknown motion (6) per node;
+banded Cholesky, so the cost is linear in the number of balls.
+
+The beam's state is what each element strains, not where its nodes are: node positions of a long slender shaft cancel to a
+part in 1e12 when subtracted; element deformations do not. An element from node 1 to node 2 strains by d = q_2 - T q_1, T
+the rigid transport over its length.
 """
 
-from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.kernel_types import Array
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+
+from rollbench.lowfi.jit import driver_of, kernel
+from rollbench.lowfi.statics.kernel_types import (
+    Array,
+    AxisArrays,
+    BeamArrays,
+    BeamContacts,
+    BeamSystem,
+    MemberArrays,
+    MemberStates,
+    Options,
+    Outcome,
+    RowRoom,
+    Rows,
+    RowState,
+    Slopes,
+)
+
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, ball_mismatch, flank_hessian, settle_ball
+from .matrices import factor_band, substitute_band
 
 
 @kernel
@@ -33,7 +60,7 @@ def force_of(d: Array, constants: tuple[float, float, float, float, float], out:
 
 @kernel
 def add_element(band: Array, node: int, length: float, section: Array) -> None:
-    """Add an element's stiffness between ``node`` and the next one to the lower band (see ``banded``)."""
+    """Add an element's stiffness between ``node`` and the next one to the lower band (see ``matrices``)."""
     kuu, kur, krr, ka, kt = element_constants(length, section)
     off = length * kur - krr
     i, j = 6 * node, 6 * node + 6
@@ -66,3 +93,361 @@ def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array
         kuu, kur, krr, ka, kt = element_constants(lengths[e], sections[e])
         constants[e, 0], constants[e, 1], constants[e, 2], constants[e, 3], constants[e, 4] = kuu, kur, krr, ka, kt
         add_element(band, e, lengths[e], sections[e])
+
+
+#: Residual over the one before from which on, near the end, the stiffness is factored again; below, the last factor serves.
+KEPT = 1e-3
+#: Least shift of the stiffness over the beam's: below it a motion that nothing resists has the stiffness of round-off.
+ROUND_OFF = 1e-17
+
+
+@kernel
+def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
+    """Motions [m] of the screw's flanks at ball i by the nodal motions (6 n,); shift (4, 2)."""
+    B = contacts.B
+    for s in range(2):
+        if contacts.geometry[i, s, USE] != 0.0:
+            start = 6 * contacts.node[i, s]
+            x, z = 0.0, 0.0
+            for k in range(m):
+                x += B[i, s, 0, k] * motion[start + k]
+                z += B[i, s, 1, k] * motion[start + k]
+            shift[s, 0], shift[s, 1] = x, z
+
+
+@kernel
+def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
+    """Add what the force (fx, fz) [N] of ball i on flank s does to the gradient (6 n,)."""
+    for k in range(m):
+        gradient[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
+
+
+@kernel
+def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
+    """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
+    energy of beam and loads; returns that energy and the largest force of either. Rows beyond the nodes are left alone."""
+    last, energy, scale = d.shape[0], 0.0, 0.0
+    fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, y, z, a, b, c = q[0, 0], q[0, 1], q[0, 2], q[0, 3], q[0, 4], q[0, 5]
+    for i in range(last + 1):
+        p, g = beam.load[i], gradient[i]
+        energy -= p[0] * x + p[1] * y + p[2] * z + p[3] * a + p[4] * b + p[5] * c
+        scale = max(scale, abs(p[0]), abs(p[1]), abs(p[2]))
+        g[0], g[1], g[2], g[3], g[4], g[5] = fx - p[0], fy - p[1], fz - p[2], mx - p[3], my - p[4], mz - p[5]
+        if i < last:
+            e, k, length = d[i], beam.constants[i], beam.lengths[i]
+            dx, dy, dz, da, db, dc = e[0], e[1], e[2], e[3], e[4], e[5]
+            fx, fy, fz = k[0] * dx - k[1] * db, k[0] * dy + k[1] * da, k[3] * dz
+            mx, my, mz = k[2] * da + k[1] * dy, k[2] * db - k[1] * dx, k[4] * dc
+            energy += 0.5 * (fx * dx + fy * dy + fz * dz + mx * da + my * db + mz * dc)
+            scale = max(scale, abs(fx), abs(fy), abs(fz))
+            g[0], g[1], g[2] = g[0] - fx, g[1] - fy, g[2] - fz
+            g[3], g[4], g[5] = g[3] - mx + length * fy, g[4] - my - length * fx, g[5] - mz
+            x, y, z, a, b, c = x + length * b + dx, y - length * a + dy, z + dz, a + da, b + db, c + dc
+            r = q[i + 1]
+            r[0], r[1], r[2], r[3], r[4], r[5] = x, y, z, a, b, c
+    return energy, scale
+
+
+@kernel
+def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, float]:
+    """Energy and gradient at the state; fills out; returns energy and scale.
+
+    The scale [N] is the largest force met: applied, in an element, or of a contact.
+    """
+    beam, contacts = given
+    node, B, geometry, closure, r_ball, profile, tiny = contacts
+    q, d, p, contact, _ = state
+    gradient, hessians = out
+    energy, scale = evaluate_beam(beam, q, d, gradient)
+    shift, rigid = np.zeros((4, 2)), np.zeros((0, 3))
+    flat = q.ravel()
+    grad = gradient.ravel()
+    m = B.shape[3]
+    for i in range(r_ball.shape[0]):
+        if m == 6:  # by its number: the compiler then unrolls the loops
+            flank_shift(contacts, flat, i, 6, shift)
+        else:
+            flank_shift(contacts, flat, i, m, shift)
+        energy += settle_ball(p[i], shift, geometry[i], closure[i], rigid, r_ball[i], profile, tiny, contact[i])
+        flank_hessian(contact[i], hessians[i])
+        for s in range(4):
+            scale = max(scale, contact[i, s, FORCE])
+        for s in range(2):
+            f = contact[i, s, FORCE]
+            if f > 0.0:
+                fx, fz = f * contact[i, s, MX], f * contact[i, s, MZ]
+                if m == 6:
+                    pull(grad, B, i, s, 6, 6 * node[i, s], fx, fz)
+                else:
+                    pull(grad, B, i, s, m, 6 * node[i, s], fx, fz)
+    return energy, scale
+
+
+@kernel
+def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, room: Array) -> None:
+    """Add b^T h b, of one flank's motion b (2, m) and its stiffness h (xx, xz, zz), to the lower band; room (2, m)."""
+    for k in range(m):
+        room[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
+        room[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
+    for k in range(m):
+        x, z = room[0, k], room[1, k]
+        for j in range(k, m):
+            band[start + k, j - k] += x * b[0, j] + z * b[1, j]
+
+
+@kernel
+def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, room: Array) -> None:
+    """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2) between them, to the lower
+    band from ``rows`` and ``columns`` on; room (2, m)."""
+    m = b.shape[1]
+    for a in range(2):
+        for k in range(m):
+            room[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
+    for j in range(m):
+        x, z = b[0, j], b[1, j]
+        for k in range(min(m, rows - columns + j + 1)):
+            band[columns + k, rows - columns + j - k] += x * room[0, k] + z * room[1, k]
+
+
+@kernel
+def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
+    """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
+    fixed, node, B = beam.fixed, contacts.node, contacts.B
+    band[:] = beam.band
+    m = B.shape[3]
+    room = np.empty((2, m))
+    for i in range(node.shape[0]):
+        for s in range(2):
+            o, t = 2 * s, 2 - 2 * s
+            stiffness = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
+            if stiffness[0] == 0.0 and stiffness[2] == 0.0:
+                continue
+            if m == 6:  # by its number: the compiler then unrolls the loops
+                add_own(band, B[i, s], stiffness, 6 * node[i, s], 6, room)
+            else:
+                add_own(band, B[i, s], stiffness, 6 * node[i, s], m, room)
+            if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
+                between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
+                add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, room)
+    for i in range(fixed.shape[0]):
+        for k in range(6):
+            band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
+            if fixed[i, k]:
+                hold(band, 6 * i + k)
+
+
+@kernel
+def hold(band: Array, i: int) -> None:
+    """Take the unknown i out of the equations."""
+    width = band.shape[1]
+    for w in range(width):
+        band[i, w] = 0.0
+    for w in range(1, min(width, i + 1)):
+        band[i - w, w] = 0.0
+    band[i, 0] = 1.0
+
+
+@kernel
+def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Array, step: Array, t: float) -> None:
+    """State at (q0, d0) plus t step, the shaft in element deformations: the strain of the step is taken from the step."""
+    q, d, lengths = state.q, state.d, shaft.lengths
+    for k in range(6):
+        q[0, k] = q0[0, k] + t * step[0, k]
+        for i in range(d.shape[0] + 1, q.shape[0]):
+            q[i, k] = q0[i, k] + t * step[i, k]
+    for e in range(d.shape[0]):
+        x = lengths[e]
+        d[e, 0] = d0[e, 0] + t * (step[e + 1, 0] - step[e, 0] - x * step[e, 4])
+        d[e, 1] = d0[e, 1] + t * (step[e + 1, 1] - step[e, 1] + x * step[e, 3])
+        for k in range(2, 6):
+            d[e, k] = d0[e, k] + t * (step[e + 1, k] - step[e, k])
+
+
+@kernel
+def energy_at(given: BeamSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
+    """``evaluate``, for the driver."""
+    return evaluate(given, state, room.slopes)
+
+
+@kernel
+def find_step(given: BeamSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
+    """Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
+    beam, band = given.shaft, room.matrix
+    if fresh:
+        least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
+        assemble(band, beam, given.contacts, room.slopes.hessians, max(shift, least), options.arm)
+        if not factor_band(band):
+            return False
+    step_down(given, room)
+    return True
+
+
+@kernel
+def step_down(given: BeamSystem, room: RowRoom) -> None:
+    """Step against the gradient by the factor in the room."""
+    fixed, gradient, step = given.shaft.fixed, room.slopes.gradient, room.step
+    for i in range(step.shape[0]):
+        for k in range(6):
+            step[i, k] = 0.0 if fixed[i, k] else -gradient[i, k]
+    substitute_band(room.matrix, step.ravel())
+
+
+@kernel
+def residual_at(given: Rows, state: RowState, options: Options, room: RowRoom, scale: float) -> float:
+    """Largest free component of the gradient over the scale [N]; moments divided by the arm."""
+    gradient, worst = room.slopes.gradient, 0.0
+    for i in range(gradient.shape[0]):
+        for k in range(6):
+            if not given.shaft.fixed[i, k]:
+                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else options.arm))
+    return worst / scale if scale > 0.0 else worst
+
+
+@kernel
+def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
+    """Slope of the energy along the step."""
+    gradient, step, total = room.slopes.gradient, room.step, 0.0
+    for i in range(step.shape[0]):
+        for k in range(6):
+            if not given.shaft.fixed[i, k]:
+                total += gradient[i, k] * step[i, k]
+    return total
+
+
+@kernel
+def reach_of(given: BeamSystem, room: RowRoom) -> float:
+    """Largest motion [m] of a flank by the step."""
+    contacts, motion = given.contacts, room.step.ravel()
+    m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
+    for i in range(contacts.node.shape[0]):
+        if m == 6:
+            flank_shift(contacts, motion, i, 6, shift)
+        else:
+            flank_shift(contacts, motion, i, m, shift)
+        for s in range(2):
+            largest = max(largest, shift[s, 0] ** 2 + shift[s, 1] ** 2)
+    return sqrt(largest)
+
+
+@kernel
+def keep(state: RowState, room: RowRoom) -> None:
+    """Note where the step begins."""
+    room.q0[:], room.d0[:] = state.q, state.d
+
+
+@kernel
+def move(given: Rows, state: RowState, room: RowRoom, t: float) -> None:
+    """State t steps from where the step begins."""
+    advance(given.shaft, state, room.q0, room.d0, room.step, t)
+
+
+@kernel
+def finish(given: Rows, state: RowState, room: RowRoom) -> None:
+    """Nothing is left to find again."""
+
+
+@kernel
+def least_force(given: Rows, state: RowState, options: Options) -> float:
+    """Least force [N] that residuals are measured by: a screw bent by moments alone, or pushed off its last contact, has no
+    force left to compare with."""
+    floor, f = options.floor, np.empty(6)
+    for e in range(state.d.shape[0]):
+        c = given.shaft.constants[e]
+        force_of(state.d[e], (c[0], c[1], c[2], c[3], c[4]), f)
+        for k in range(3, 6):
+            floor = max(floor, abs(f[k]) / options.arm)
+    return floor
+
+
+@kernel
+def furthest(given: Rows, state: RowState) -> float:
+    """Furthest motion [m] of a row."""
+    q, moved = state.q, 0.0
+    for i in range(q.shape[0]):
+        moved = max(moved, q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2)
+    return sqrt(moved)
+
+
+@kernel
+def unbalanced(state: RowState, scale: float) -> float:
+    """Largest net force on a ball over ``scale`` [N]."""
+    return ball_mismatch(state.contact, scale)
+
+
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+
+
+@kernel
+def start_on_springs(given: BeamSystem, state: RowState, options: Options, room: RowRoom) -> None:
+    """Go to the equilibrium of the screw on linear springs in place of contacts, where it can be found.
+
+    No flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
+    first, as those of a contact angle near zero under an axial load.
+    """
+    geometry, hessians, stiffness = given.contacts.geometry, room.slopes.hessians, options.stiffness
+    evaluate_beam(given.shaft, state.q, state.d, room.slopes.gradient)
+    hessians[:] = 0.0
+    for i in range(geometry.shape[0]):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                wx, wz, own = geometry[i, s, WX], geometry[i, s, WZ], hessians[i, 2 * s : 2 * s + 2, 2 * s : 2 * s + 2]
+                size = max(geometry[i, s, SIZE], 1e-30)
+                own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
+                own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
+    assemble(room.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
+    if factor_band(room.matrix):
+        step_down(given, room)
+        shorten_first_step(given, state, options, room, reach_of(given, room))
+
+
+@kernel
+def shorten_first_step(given: Rows, state: RowState, options: Options, room: RowRoom, reach: float) -> None:
+    """Go along the step, or as far as no flank goes further than ``options.furthest``; reach [m]: of the whole step."""
+    keep(state, room)
+    move(given, state, room, 1.0 if reach <= options.furthest else options.furthest / reach)
+
+
+@kernel
+def room_for(given: BeamSystem, state: RowState) -> RowRoom:
+    """Room for an iteration."""
+    n, band = state.q.shape[0], given.shaft.band
+    slopes = Slopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
+    return RowRoom(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
+
+
+@kernel
+def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool) -> Outcome:
+    """Minimise the energy, from the linear start or from the given state."""
+    room = room_for(given, state)
+    if start:
+        start_on_springs(given, state, options, room)
+    return minimise(given, state, options, room)
+
+
+@kernel
+def ensemble(given: BeamSystem, begin: RowState, options: Options, members: MemberArrays, out: MemberStates) -> None:
+    """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
+
+    Every member begins where ``begin`` is, the solution of ``given``, which stays as it is, so that calls may run side by
+    side; fills ``out``.
+    """
+    contacts = given.contacts
+    state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
+    room, shared = room_for(given, state), members.B.shape[0] == 1
+    for m in range(members.r_ball.shape[0]):
+        of_member = BeamContacts(
+            contacts.node,
+            members.B[0 if shared else m],
+            members.geometry[m],
+            members.closure[m],
+            members.r_ball[m],
+            contacts.profile,
+            contacts.tiny,
+        )
+        for to, start in ((state.q, begin.q), (state.d, begin.d), (state.p, begin.p)):
+            to[:] = start
+        outcome = minimise(BeamSystem(given.shaft, of_member), state, options, room)
+        out.status[m], out.residual[m] = outcome.status, outcome.residual
+        out.q[m], out.p[m] = state.q, state.p
+        out.force[m] = state.contact[:, :, FORCE]

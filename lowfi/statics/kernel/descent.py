@@ -8,13 +8,26 @@ The shift is proportional to the residual, so it vanishes at the solution and co
 
 from typing import Any
 
-from rollbench.lowfi.jit import kernel, system_of
+from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Options, Outcome, Progress
 
-from .search import GROWN, SOLVED, WHOLE_STEPS, first_trial, got_on, next_trial
-from .status import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SHIFTS, SINGULAR
+from .search import (
+    BALANCED,
+    CONVERGED,
+    GROWN,
+    ITERATIONS,
+    NOT_HELD,
+    SHIFTS,
+    SINGULAR,
+    SOLVED,
+    WHOLE_STEPS,
+    first_trial,
+    got_on,
+    next_trial,
+)
 
-system = system_of(__name__)
+#: The module that this copy of the driver serves, put here by `lowfi.jit.driver_of`.
+system: Any = globals()["system"]
 KEPT: float = system.KEPT
 #: Energy [J] and largest force met [N] at the state; fills the derivatives in the room.
 energy_at = system.energy_at

@@ -14,6 +14,8 @@ from .contact import SETTLED
 
 #: Flanks of a ball whose places a roller's cone and cup take.
 CONE, CUP = 0, 2
+#: Approach of a slice over the sum of the sizes of its terms up to which round-off alone closes it: it counts as open.
+ROUND_OFF = 2.0**-52
 
 
 @kernel
@@ -49,14 +51,15 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
     """Forces and stiffnesses of all slices; adds them to the gradient; returns their energy and the largest force."""
     energy, scale = 0.0, 0.0
     for i in range(rollers.drop.shape[0]):
-        delta = -rollers.drop[i]
+        delta, terms = -rollers.drop[i], abs(rollers.drop[i])
         for end in range(2):
             row = rollers.row[i, end]
             if row >= 0:
                 for k in range(6):
-                    delta += rollers.B[i, end, k] * q[row, k]
+                    moved = rollers.B[i, end, k] * q[row, k]
+                    delta, terms = delta + moved, terms + abs(moved)
         slices[i, 0], slices[i, 1] = 0.0, 0.0
-        if delta <= 0.0:
+        if delta <= ROUND_OFF * terms:
             continue
         load, slope, stored = roller_law(delta, rollers.g[i], rollers.s[i])
         force = rollers.width[i] * load

@@ -3,6 +3,13 @@
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Progress, Trial
 
+#: Converged, out of iterations, moved without limit, stiffness not positive definite.
+CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
+#: Net force on a ball over the largest force up to which it counts as balanced.
+BALANCED = 1e-10
+#: Shifts of the stiffness that are tried before it counts as singular, each a hundred times the one before.
+SHIFTS = 12
+
 #: Relative round-off of an energy, summed over springs of both signs of work.
 ROUNDING = 1e-14
 #: Trials of a search: on a convex energy they never run out, where they do twice the iteration ends.

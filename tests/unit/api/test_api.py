@@ -55,6 +55,13 @@ def test_the_axial_stiffness_is_that_of_the_matrix_with_all_but_the_rotation_fre
     assert not np.allclose(elsewhere.stiffness, K, rtol=1e-3)
 
 
+def test_the_stiffness_is_there_without_an_axial_force() -> None:
+    scene = rollbench.read("lin-case3")  # preloaded
+    found = rollbench.solve(replace(scene, loads=()), "lin")
+    assert found.axial_stiffness == pytest.approx(found.stiffness[2, 2], rel=0.05)
+    assert found.to_dict()["summary"]["axial"]["tangent_N_per_um"] is None
+
+
 def test_fields_of_several_sets(command) -> None:
     found, data = rollbench.solve("double-nut", "lin"), command.answer("solve", "double-nut", "--model", "lin")
     assert [*found.sets] == [one["name"] for one in data["sets"]]
@@ -137,8 +144,20 @@ def test_a_row_for_every_ball(solved: rollbench.Result) -> None:
     assert len(columns["ball"]) == 32
     np.testing.assert_array_equal(columns["load_SL_N"], solved.loads[:, 0])
     np.testing.assert_array_equal(columns["pressure_NR_Pa"], solved.pressure[:, 3])
+
+
+def test_balls_are_rows_of_a_data_frame(solved: rollbench.Result, tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
-    assert isinstance(solved.to_dataframe(), pandas.DataFrame)
+    frame = solved.to_dataframe()
+    assert isinstance(frame, pandas.DataFrame)
+    assert (frame.ball.tolist(), frame.load_SL_N.max()) == ([*range(1, 33)], solved.loads[:, 0].max())
+    assert frame.angle_SR_rad.isna().equals(frame.load_SR_N == 0.0)
+    double = rollbench.solve("double-nut", "lin")
+    of_sets = double.to_dataframe().groupby("set", sort=False).load_SL_N.max()
+    assert of_sets.to_dict() == {name: one.loads[:, 0].max() for name, one in double.sets.items()}
+    assert rollbench.solve(written(tmp_path), "lin").to_dataframe().case.unique().tolist() == ["balls", "push", "loose"]
+    lost = rollbench.solve(replace(rollbench.read("lin-case1"), supports=()), "lin")
+    assert lost.to_dataframe().empty
 
 
 def test_the_library_prints_nothing_and_changes_no_state() -> None:

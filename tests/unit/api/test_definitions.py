@@ -4,7 +4,7 @@ from itertools import chain
 
 from tests.shipped_texts import own_text
 
-from rollbench.compare.definitions import _known, definition
+from rollbench.compare.results.definitions import _known, definition
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.template import template
 

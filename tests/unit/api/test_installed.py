@@ -167,45 +167,59 @@ def test_the_names_of_the_library_are_loaded_when_used() -> None:
         rollbench.nothing  # noqa: B018
 
 
-#: A user's script: what is right, then a fault in each of the last lines.
+#: A user's script of all the library: what is right, then a fault in each of the last lines.
 SCRIPT = """\
+from pathlib import Path
+
 import rollbench
 
-result = rollbench.solve("lin-case1", "lin")
+scene = rollbench.read("lin-case1")
+result = rollbench.solve(rollbench.new("40x10"), "lin", stiffness_at=0.4)
 assert result.loads is not None and result.displacement is not None and result.life is not None
 largest: float = float(result.loads.max())
 moved: float = float(result.displacement[2])
 life: float = result.life.L10
 forces = [one.force for one in result.sets.values()]
 worst = {name: one.worst.pressure for name, one in result.cases.items() if one.worst is not None}
-passed: bool = rollbench.check(rollbench.new("40x10"), max_error=7).passed
-error: float = rollbench.compare_models("lin-case1").errors["lin"]
-torque: float | None = rollbench.friction("lin-case1", mu=[0.1]).torque
-orders = [row.order for row in rollbench.mesh_study("lin-case1").quantities]
+expected: float | None = None if result.expected_error is None else result.expected_error.loads
+page: Path = result.view("screw.html")
+result.plot().savefig("loads.svg")
+rows: int = len(result.to_dataframe())
+version = result.to_dict()["schema"]
+passed: bool = rollbench.check(scene, max_error=7, limits={"pressure": 5.0}).passed
+judged = [(row.quantity, row.error, row.judgement is rollbench.Judgement.FAIL) for row in rollbench.check(scene).rows]
+comparison = rollbench.compare_models(scene, ["lin"])
+error: float = comparison.errors["lin"]
+bars = None if comparison.uncertainty is None else comparison.uncertainty.discretisation
+friction = rollbench.friction(scene, mu=[0.1])
+torque: float | None = friction.torque
+speeds = [ball.orbit for ball in friction.balls]
+orders = [row.order for row in rollbench.mesh_study(scene).quantities]
 mean = {name: one.mean for name, one in rollbench.sweep("lin-case1", ["x=1,2"]).outputs.items() if one is not None}
+members: int = rollbench.ensemble("lin-random", 3).members
+written: Path = rollbench.report("lin-case1").page
 rollbench.solve(17)
 word: int = rollbench.check("lin-case1").word
 result.loads = None
 result.life.l10
 unsure: float = rollbench.friction("lin-case1").torque
 """
+#: Checkers of types, as they are called with an interpreter that the library is installed in, and how they name a fault.
+CHECKERS = {
+    "mypy": (("--strict", "--follow-imports=silent", "--python-executable"), r"mine\.py:(\d+): error:"),
+    "pyright": (("--pythonpath",), r"mine\.py:(\d+):\d+ - error:"),
+}
 
 
-def test_types_of_the_library_are_checked_in_a_users_script(python: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("checker", CHECKERS)
+def test_types_of_the_library_are_checked_in_a_users_script(python: Path, tmp_path: Path, checker: str) -> None:
+    pytest.importorskip(checker)
     (tmp_path / "mine.py").write_text(SCRIPT)
-    mypy = (
-        "-m",
-        "mypy",
-        "--strict",
-        "--follow-imports=silent",
-        "--cache-dir",
-        tmp_path / "cache",
-        "--python-executable",
-        python,
-    )
-    done = here_python(*mypy, "mine.py", cwd=tmp_path)
+    options, fault = CHECKERS[checker]
+    done = here_python("-m", checker, *options, python, "mine.py", cwd=tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
-    assert [line.split(":")[1] for line in done.stdout.splitlines() if ": error:" in line] == ["15", "16", "17", "18", "19"]
+    last = len(SCRIPT.splitlines())
+    assert [int(line) for line in re.findall(fault, done.stdout)] == [*range(last - 4, last + 1)], done.stdout
 
 
 def test_no_signature_of_the_library_is_untyped() -> None:

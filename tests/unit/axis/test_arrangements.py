@@ -5,9 +5,9 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.registration import offered
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_set
+from rollbench.compare.scenes.bearing_pairs import starting_torque as torque
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
 from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
@@ -90,7 +90,6 @@ def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
 
 
 def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> None:
-    (torque,) = offered("starting torque")
     parts = read(SET).sets[0].parts
     one, two = (torque(parts, thrust) for thrust in (1000.0, -2000.0))
     assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)

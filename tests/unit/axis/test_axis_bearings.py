@@ -11,7 +11,7 @@ from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.bearings import angular_contact, combined_load
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
 from rollbench.lowfi.rollers.tapered_roller import RollerRow as ThrustRow
-from rollbench.lowfi.statics.axis import elastic, proof, system
+from rollbench.lowfi.statics.axis import elastic, held, system
 from rollbench.lowfi.statics.axis.solve import RigidSets, solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import helix, partition
@@ -190,7 +190,7 @@ def test_linear_program_says_whether_rows_can_carry_a_load(case):
     places = {"a": 0.1, "b": 0.13}
     sets = [roller_set() if r == "r+" else bearing(r, places[r[0]], f"{r[1]}z") for r in rows]
     parts = assembly(*sets, supports=(Support(0.15, (("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),), loads=(Load(0.15, force),))
-    motion = proof.opening_motion(system.build(parts))
+    motion = held.opening_motion(system.build(parts))
     assert (motion is None) == can
     found = solve_assembly(parts, engine="interpreted")
     assert found.converged == can
@@ -205,4 +205,4 @@ def test_a_preloaded_axis_is_held_and_nothing_to_prove_without_load():
     idle = fixed_axis((0.0, 0.0, 0.0))
     warm = replace(idle, thermal_strain=1e-4)  # pairs of forces that do no work on rigid motions
     for axis in (fixed_axis((0.0, 0.0, 600.0)), idle, warm):
-        assert proof.opening_motion(system.build(axis)) is None
+        assert held.opening_motion(system.build(axis)) is None

@@ -7,7 +7,7 @@ import pytest
 from tests.copies import ROOT
 from tests.processes import ran
 
-from rollbench.compare.wings.doctor.command import requirements
+from rollbench.compare.commands.doctor import requirements
 from rollbench.lowfi import jit
 from rollbench.meshes import libraries
 

@@ -1,27 +1,64 @@
-"""The bench: its structure, and ratios above one (seconds are never asserted)."""
+"""The bench: what it measures and says (seconds are never asserted)."""
 
-import subprocess
+import json
+from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.sources.liu import bench as chain_bench
-from rollbench.compare.wings.bench import bench
-from rollbench.compare.wings.bench.costs import timing
+from rollbench.compare.commands import bench
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.sections import reference_time
+from rollbench.compare.studies.run_times import timing, typed
+from rollbench.compare.studies.run_times.kept import load_times
 
 
-def test_a_process_is_launched_as_a_users_without_threads_set_and_its_failure_is_told(monkeypatch):
+def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
     seconds, done = timing.launch(["-c", code], {"OWN": "x"})
     assert seconds > 0.0
     assert done.stdout == "None x\n"
-    monkeypatch.setattr(bench, "launch", lambda _: (0.1, subprocess.CompletedProcess([], 1, "", "first\nlast\n")))
-    with pytest.raises(RuntimeError, match=r"the timing process failed: \['last'\]"):
-        bench.run_bench()
 
 
-def test_random_errors_against_the_elimination():
-    found = list(chain_bench.jobs(1))
-    assert [j.job.split(", ")[1].split()[0] for j in found] == ["constant", "implicit", "exact"]
-    assert all(j.ratio is not None and j.ratio > 1.0 for j in found)
-    assert all("a second" in j.note and j.unknowns == 78 for j in found)
+def test_a_command_is_timed_from_an_empty_home_and_again():
+    found = typed.typed("schema --help")
+    assert found.job == "schema --help, from an empty home"
+    assert found.seconds > 0.0
+    assert "again: " in found.note
+    failed = typed.typed("solve no-such-scene")
+    assert failed.seconds is None
+    assert failed.note.startswith("not measured: rollbench: ")
+
+
+def test_threads_are_compared_with_one():
+    one, two = typed.in_threads(20, 1)
+    assert one.ratio == 1.0
+    assert two.ratio == pytest.approx(one.seconds / two.seconds)
+
+
+def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_path, command):
+    kept = load_times((shipped_store(),))
+    monkeypatch.setattr(reference_time, "measured_now", lambda *_, **__: kept)
+    monkeypatch.setattr(typed, "COMMANDS", ())
+    monkeypatch.setattr(typed, "in_threads", list)
+    rows = {row["job"]: row for row in command.answer("bench", "lin-case1")}
+    study = Study()
+    study.computed[reference_time.measuring_run, print] = kept
+    points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, print)
+    timed = {f"lin-case1: {p.label}": p for p in points if p.cold is not None}
+    assert rows.keys() == timed.keys() > set()
+    for name, p in timed.items():
+        assert (rows[name]["seconds"], rows[name]["error_percent"]) == (p.cold, pytest.approx(p.error))
+    json.dumps(list(rows.values()), allow_nan=False)
+    command.answer("bench", "--long", "--store", tmp_path)
+    assert load_times([tmp_path]) == replace(kept)
+    assert "name scenes that have a 3D reference" in command.refused("bench", "two-ball")
+    assert "one measuring run" in command.refused("bench", "--store", tmp_path)
+
+
+def test_what_is_not_timed_is_no_job():
+    study = Study()
+    study.computed[reference_time.measuring_run, print] = None
+    points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, print)
+    assert list(bench.jobs_of("lin-case1", points)) == []

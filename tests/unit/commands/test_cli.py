@@ -12,10 +12,10 @@ from unittest.mock import Mock
 import pytest
 from tests.processes import python
 
-from rollbench.compare.commands import listing
-from rollbench.compare.commands.arguments import commands, order
+from rollbench.compare.cli import COMMANDS, commands
+from rollbench.compare.commands import list as listing
 from rollbench.compare.scenes.catalogue import scene_text
-from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
+from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]
@@ -121,11 +121,11 @@ def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: P
 
 def test_help_begins_with_what_one_starts_with(command) -> None:
     out = command.said("--help")
-    places = [out.index(heading) for heading in order.ORDER]
+    places = [out.index(heading) for heading in COMMANDS]
     assert places == sorted(places)
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
-    listed = {name for names in order.ORDER.values() for name in names}
+    listed = {name for names in COMMANDS.values() for name in names}
     assert listed <= {*commands()}
     assert "refined, the default" in " ".join(command.said("compare", "--help").split())
     # paragraphs are wrapped whole, and no empty default is shown

@@ -7,12 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.commands.comparing import compare_output as output
+from rollbench.compare.commands import compare_output as output
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import RULE, Loads, compared_models, options_for
 from rollbench.compare.models.model_form import estimate, shipped_points
 from rollbench.compare.models.registry import MODELS, run_model
-from rollbench.compare.models.total_uncertainty import Choices, Total
+from rollbench.compare.models.uncertainty import Choices, Total
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.compare.results import compared as found_by

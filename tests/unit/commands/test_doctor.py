@@ -7,7 +7,7 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.compare import system
-from rollbench.compare.wings.doctor import command as doctor
+from rollbench.compare.commands import doctor as doctor
 from rollbench.meshes import libraries
 from rollbench.reports import offscreen
 

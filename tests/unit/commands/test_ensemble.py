@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import with_ingredients
 
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.wings.members.ensemble import one_pass, run_ensemble, work_of
+from rollbench.compare.studies.members.ensemble import one_pass, run_ensemble, work_of
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 

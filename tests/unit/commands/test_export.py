@@ -16,12 +16,13 @@ from skfem.quadrature import get_quadrature
 from tests import two_balls
 from tests.fe_meshes import boundary_faces, jacobians, nodal_areas
 
+from rollbench.compare.commands.export import run_export
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.crosscheck.calculix import run_calculix
-from rollbench.compare.wings.export import command as export_command
-from rollbench.compare.wings.export.command import parts_of, run_export
+from rollbench.compare.studies import export as export_command
+from rollbench.compare.studies.crosscheck.calculix import run_calculix
+from rollbench.compare.studies.export import parts_of
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.elements import assembly, forms
 from rollbench.meshes import parts, solid

@@ -8,11 +8,11 @@ import pytest
 from tests.feed_drive import MINE, answer, mine
 from tests.helpers import small_screw
 
+from rollbench.compare.commands.friction import as_table, run_friction
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.friction.answer import as_table
-from rollbench.compare.wings.friction.solve import run_friction, solve_friction
-from rollbench.compare.wings.friction.whole import Choices
+from rollbench.compare.studies.friction.solve import solve_friction
+from rollbench.compare.studies.friction.whole import Choices
 from rollbench.meshes.parts import Friction
 
 

@@ -7,7 +7,7 @@ import pytest
 from tests.feed_drive import answer, mine
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
-from rollbench.compare.wings.friction.answer import three
+from rollbench.compare.studies.friction.answer import three
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.meshes.parts import Errors, Friction
 

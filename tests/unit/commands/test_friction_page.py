@@ -7,7 +7,8 @@ from tests.friction_runs import MU, TURN
 from tests.helpers import small_screw
 
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.wings.friction import page, run, whole
+from rollbench.compare.sections import own_friction as page
+from rollbench.compare.studies.friction import run, whole
 from rollbench.meshes.parts import Time
 
 pytestmark = pytest.mark.xdist_group("run in time")

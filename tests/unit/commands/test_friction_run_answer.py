@@ -10,8 +10,8 @@ from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.wings.friction.run import judged, run_data, run_lines
-from rollbench.compare.wings.friction.whole import Choices, solve_scene
+from rollbench.compare.studies.friction.run import judged, run_data, run_lines
+from rollbench.compare.studies.friction.whole import Choices, solve_scene
 from rollbench.lowfi.friction.screw.travel import Observed, StepError, simulate
 from rollbench.meshes.parts import Time
 

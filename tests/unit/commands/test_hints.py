@@ -21,7 +21,7 @@ def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> 
     assert hinted(command("new", file).out) == ["rollbench", "solve", str(file)]
     written = command("solve", file, "--model", "lin", "--loads-csv", loads).out
     assert hinted(written[written.index("rollbench check") :])[-1] == str(loads)
-    shutil.copy(catalogue.data_files("scenes")["two-balls"], tmp_path / "two balls.toml")
+    shutil.copy(catalogue.shipped_files("scenes")["two-balls"], tmp_path / "two balls.toml")
     out = command("compare", tmp_path / "two balls.toml", "--model", "lin", "--store", tmp_path).out
     assert hinted(out)[:4] == ["rollbench", "solve", str(tmp_path / "two balls.toml"), "--condensed"]
     plain = tmp_path / "plain.toml"

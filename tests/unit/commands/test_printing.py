@@ -2,7 +2,7 @@
 
 import pytest
 
-from rollbench.compare.commands.printing import Answer, cell, print_answer
+from rollbench.compare.text.printing import Answer, cell, print_answer
 
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):

@@ -1,11 +1,11 @@
 """Quantities of results: a key says its unit, the unit its factor from SI."""
 
 import math
-from types import SimpleNamespace
 
 import pytest
 
-from rollbench.compare.quantities import UNITS, quantity, record, shown
+from rollbench.compare.quantities import UNITS, as_json, from_json, quantities, shown
+from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
 KEPT = ("percent", "million_revolutions", "hours")
@@ -18,13 +18,41 @@ def test_the_factor_of_a_unit_is_that_of_pint(ending):
     assert one.to_base_units().magnitude * UNITS[ending].factor == pytest.approx(1.0)
 
 
-def test_a_record_is_read_in_the_units_of_its_keys():
-    found = SimpleNamespace(approach=2e-6, tilt=math.pi, ball=3, words="", edge=math.nan, load=None)
-    keys = ("ball", "approach_um", "tilt_deg", "words", "edge_mm", "load_N")
-    expected = {"ball": 3, "approach_um": 2.0, "tilt_deg": 180.0, "words": "", "edge_mm": None, "load_N": None}
-    assert record([quantity(key) for key in keys], found) == expected
-    assert record((), None) is None
-    assert (quantity("peak_pressure_MPa").label, quantity("peak_pressure_MPa").unit) == ("peak pressure", "MPa")
+@record
+class Part:
+    force: tuple[float, float] = quantity("forces.x_N", "", Stated("forces.y_N", show=lambda f: f[1]), show=lambda f: f[0])
+
+
+@record
+class Whole:
+    ball: int = quantity("ball")
+    approach: float = quantity("peak_approach_um", "how far both come closer", error="small")
+    tilt: float = quantity("tilt_deg")
+    edge: float = quantity("edge_mm")
+    load: float | None = quantity("load_N", default=None)
+    part: Part = quantity("part", default=Part((1.0, 2.0)))
+    inner: int = 0
+
+    @property
+    @Stated("half_deg")
+    def half(self) -> float:
+        return 0.5 * self.tilt
+
+
+def test_a_record_is_shown_in_the_units_of_its_keys():
+    found = as_json(Whole(3, 2e-6, math.pi, math.nan))
+    part = {"part": {"forces": {"x_N": 1.0, "y_N": 2.0}}}
+    numbers = {"ball": 3, "peak_approach_um": 2.0, "tilt_deg": 180.0, "edge_mm": None, "load_N": None, "half_deg": 90.0}
+    assert found == numbers | part
+    assert (as_json(None), [*as_json(Whole(3, 0.0, 0.0, 0.0), "part", "edge_mm")][-1]) == (None, "half_deg")
+    column = quantities(Whole)["peak_approach_um"]
+    assert (column.label, column.unit, column.value(Whole(3, 2e-6, 0.0, 0.0))) == ("peak approach", "um", 2.0)
+
+
+def test_fields_are_read_back_from_json_in_si_units():
+    found = from_json(Whole, {"ball": 3, "peak_approach_um": 2.0, "edge_mm": None})
+    none = dict.fromkeys(("tilt", "edge", "load", "part"))
+    assert found == {"ball": 3, "approach": pytest.approx(2e-6)} | none
 
 
 SHOWN = [

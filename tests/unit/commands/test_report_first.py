@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.commands.reporting import first as report_first
-from rollbench.compare.commands.reporting import report
-from rollbench.compare.commands.reporting.first import CHECKED, LEVEL, LiveCheck, live_check
 from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.report import first as report_first
+from rollbench.compare.report import report
+from rollbench.compare.report.first import CHECKED, LEVEL, LiveCheck, live_check
 from rollbench.compare.scenes import catalogue
 
 

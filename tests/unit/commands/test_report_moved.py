@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 from tests.report_samples import paged
 
-from rollbench.compare.commands.reporting.verify import MOST, checked_report, moved_tables, run_verify, tables
 from rollbench.compare.errors import InputError
 from rollbench.compare.provenance import SCENE, inputs
+from rollbench.compare.report.verify import MOST, checked_report, moved_tables, run_verify, tables
 from rollbench.compare.scenes import catalogue
 from rollbench.reports import html, manifest
 from rollbench.reports.content import Quantity, Report, Section, Table

@@ -2,16 +2,17 @@
 
 import pytest
 
-from rollbench.compare.commands.reporting import first, report
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import applicability, ladder, model_form
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.report import first, report
+from rollbench.compare.report.pages import SECTIONS
 
 
 def test_wanted_parts():
-    assert [p.name for p in report.wanted_parts(["timing", "hertz"], quick=True)] == ["hertz", "timing"]
-    assert [p.name for p in report.wanted_parts([])] == list(report.SECTIONS)
+    assert [p.name for p in report.wanted_parts(["stability", "hertz"], quick=True)] == ["hertz", "stability"]
+    assert [p.name for p in report.wanted_parts([])] == [part.name for part in SECTIONS]
     quick = report.wanted_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
     assert {p.name for p in quick}.isdisjoint({*first.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})

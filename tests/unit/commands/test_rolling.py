@@ -4,13 +4,13 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.compare.commands.comparing import kinds as rolling_choices
+from rollbench.compare.commands import rolling as rolling
+from rollbench.compare.commands import rolling as rolling_choices
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.rolling import commands as rolling
-from rollbench.compare.wings.rolling import runs
-from rollbench.compare.wings.rolling.rows import RollingRow, uncertainty, within
+from rollbench.compare.studies.rolling import runs
+from rollbench.compare.studies.rolling.rows import RollingRow, uncertainty, within
 from rollbench.hifi.rolling import balls, bodies
 
 

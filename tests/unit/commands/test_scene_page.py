@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.commands.reporting import scene_page, verify
+from rollbench.compare.report import scene_page, verify
 from rollbench.reports.cells import typeset
 from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
 

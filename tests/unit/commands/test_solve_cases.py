@@ -9,11 +9,11 @@ from tests.helpers import small_screw
 from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
-from rollbench.compare.commands.reporting.verify import _stable, read
 from rollbench.compare.models import load_cases, registry
-from rollbench.compare.wings.sweep.keys import read_vary
-from rollbench.compare.wings.sweep.run import Sweep
-from rollbench.compare.wings.sweep.sample import solve_sample
+from rollbench.compare.report.verify import _stable, read
+from rollbench.compare.studies.sweep.keys import read_vary
+from rollbench.compare.studies.sweep.run import Sweep
+from rollbench.compare.studies.sweep.sample import solve_sample
 from rollbench.lowfi.rating.equivalent import equivalent_life
 from rollbench.lowfi.rating.life import life, over_cases
 

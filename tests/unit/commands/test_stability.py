@@ -2,7 +2,7 @@
 
 import pytest
 
-from rollbench.compare.wings.extremes import static
+from rollbench.compare.studies.extremes import static
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import elastic
 

@@ -4,7 +4,7 @@ import inspect
 
 import pytest
 
-from rollbench.compare.commands.arguments import commands as complete
+from rollbench.compare.cli import commands as complete
 from rollbench.compare.scenes import catalogue
 
 #: Shipped scenes, the smallest of each kind that `solve` and `friction` take, and of those that only `friction` does.
@@ -55,7 +55,7 @@ def test_solve(command, name):
     assert strict(command, "solve", name, "--model", "lin")["scene"] == name
 
 
-@pytest.mark.wing
+@pytest.mark.further
 @pytest.mark.parametrize("name", [*WHOLE, *FRICTION_ONLY])
 def test_friction(command, tmp_path, name):
     scene = name

@@ -9,13 +9,14 @@ import pytest
 
 from rollbench.compare import errors
 from rollbench.compare.reference import estimate, grid_parts
-from rollbench.compare.wings.crosscheck import study as crosscheck_study
-from rollbench.compare.wings.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
-from rollbench.compare.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
-from rollbench.compare.wings.crosscheck.deck import DeckOptions
-from rollbench.compare.wings.crosscheck.fit import LENGTHS, element_error, extrapolate
-from rollbench.compare.wings.crosscheck.rows import agreement, contact_rows, series
-from rollbench.compare.wings.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
+from rollbench.compare.sections import crosscheck as crosscheck
+from rollbench.compare.studies.crosscheck import study as crosscheck_study
+from rollbench.compare.studies.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
+from rollbench.compare.studies.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
+from rollbench.compare.studies.crosscheck.deck import DeckOptions
+from rollbench.compare.studies.crosscheck.fit import LENGTHS, element_error, extrapolate
+from rollbench.compare.studies.crosscheck.rows import agreement, contact_rows, series
+from rollbench.compare.studies.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01

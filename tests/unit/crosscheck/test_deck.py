@@ -12,9 +12,9 @@ from tests.fe_meshes import cube
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.crosscheck import calculix, export_deck
-from rollbench.compare.wings.crosscheck.deck import DeckOptions, build_deck
-from rollbench.compare.wings.crosscheck.nut import check_nut, load_nut, save_nut
+from rollbench.compare.studies.crosscheck import calculix, export_deck
+from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
+from rollbench.compare.studies.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes import helix, parts
 from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 

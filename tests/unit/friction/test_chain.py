@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.ellipse import contacts, friction
 from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations, diagonal_loads, directions, semi_axes
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import balanced_loads
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations, newton, path

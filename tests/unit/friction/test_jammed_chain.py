@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from rollbench.compare.sources.lin.evidence import source_cases
-from rollbench.compare.wings.friction.solve import solve_friction
-from rollbench.compare.wings.friction.whole import Choices
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.studies.friction.solve import solve_friction
+from rollbench.compare.studies.friction.whole import Choices
 from rollbench.lowfi.friction.as_source.linear import linear_balls
 from rollbench.lowfi.friction.contact.ellipse import dissipation
 from rollbench.lowfi.friction.linear.bearing import elastic_loads

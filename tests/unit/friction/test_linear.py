@@ -8,7 +8,7 @@ from scipy.optimize import fsolve
 from scipy.special import ellipe
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
 from rollbench.lowfi.friction.linear import analytic
 from rollbench.lowfi.friction.linear.bearing import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.bearing.rotary import (
     AXIAL,
     INNER,

@@ -8,8 +8,8 @@ from scipy.optimize import minimize
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
-from rollbench.compare.sources.lin.evidence import source_cases
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing.rotary import solve_ball
 from rollbench.lowfi.friction.contact.rings import cell_state

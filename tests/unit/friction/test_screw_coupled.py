@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import feedback, hold_screw

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.coupled import solve_joint
 from rollbench.lowfi.friction.screw.load import settle_load

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from tests.helpers import SCREW_STATES as STATES
 
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi.friction.contact.ellipse import dissipation
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from rollbench.compare.sources.lin.evidence.source_cases import lin_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.screw.run import deviation, equal_steps, run_cell, summarise
 from rollbench.lowfi.friction.screw.travel import History

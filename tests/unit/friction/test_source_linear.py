@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.as_source.chain import solve_by_root
 from rollbench.lowfi.friction.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
 from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
 from rollbench.lowfi.friction.as_source import run as source_run
 from rollbench.lowfi.friction.as_source.chain import solve_by_root
 from rollbench.lowfi.friction.as_source.loads import Places, first_place, loads_by_root

@@ -8,7 +8,7 @@ from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.bodies import whole_body
 from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.whole.travelling import APART, WINDOW, Travelling
-from rollbench.lowfi.statics.again import elastic_loads
+from rollbench.lowfi.statics.nominal import elastic_loads
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 

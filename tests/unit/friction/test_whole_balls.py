@@ -8,13 +8,13 @@ from scipy.special import ellipe
 from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
-from rollbench.compare.sources.lin.evidence.source_cases import four_point, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_3_6
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
-from rollbench.lowfi.statics.problem import drawn_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Motion, Support

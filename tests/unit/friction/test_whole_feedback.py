@@ -9,8 +9,8 @@ from tests.friction_runs import setting
 from tests.helpers import mirrored, small_screw
 from tests.whole_screws import SCENES, TURN, scene_of, single, state
 
+from rollbench.compare.cases.lin.evidence.source_cases import table_3_6
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.lin.evidence.source_cases import table_3_6
 from rollbench.lowfi.friction.whole.feedback import feed_back, seats
 from rollbench.lowfi.friction.whole.losses import ball_friction
 from rollbench.lowfi.friction.whole.torque import about_axis, sum_up

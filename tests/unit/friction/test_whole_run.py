@@ -11,7 +11,7 @@ from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
-from rollbench.compare.sources.lin.evidence.source_cases import lin_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.run import run_cell
@@ -19,8 +19,8 @@ from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.lowfi.statics.again import beam_loads, elastic_loads
 from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import draw, specimen
 from rollbench.meshes.helix import ball_layout, reduced_lead

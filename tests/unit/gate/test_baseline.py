@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.baseline import changes
-from rollbench.compare.gate.publish import HEADS, Outcome, of_verdict, table
+from rollbench.compare.gate.publish import HEADS, Outcome, changes, of_verdict, table
 from rollbench.compare.gate.verdict import Verdict
 
 NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))

@@ -7,13 +7,11 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
-from rollbench.compare.gate.further import not_judged
-from rollbench.compare.gate.loads_file import column, read_loads
+from rollbench.compare.gate.given_files import GivenValue, column, read_loads, read_values
 from rollbench.compare.gate.user import asked, check_scenes
-from rollbench.compare.gate.values_file import GivenValue, read_values
-from rollbench.compare.gate.verdict import LARGEST, Verdict
-from rollbench.compare.models import loading, u_val
-from rollbench.compare.models.referenced import referenced
+from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
+from rollbench.compare.models import loading, uncertainty
+from rollbench.compare.models.comparison import referenced
 from rollbench.compare.reference import jobs, store, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
@@ -109,7 +107,9 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     found = stored()
     place, at = np.interp([GIVEN.nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
     assert moved.error == pytest.approx(100.0 * (22.5e-6 / place - 1.0))
-    assert moved.uncertainty == pytest.approx(float(u_val.grid_uncertainty(GIVEN, found, u_val.QUANTITIES[2])[0]), rel=1e-6)
+    assert moved.uncertainty == pytest.approx(
+        float(uncertainty.grid_uncertainty(GIVEN, found, uncertainty.QUANTITIES[2])[0]), rel=1e-6
+    )
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
@@ -124,7 +124,7 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
         loads.append(sets[0][1].load)
         return float(sets[0][1].load.sum())
 
-    monkeypatch.setattr("rollbench.compare.gate.judged.offered", lambda hook: [torque] if hook == "torque" else [])
+    monkeypatch.setattr("rollbench.compare.models.friction_sums.torque", torque)
     (found,) = judged(values=values(tmp_path / "v.csv", "torque,15,N m,"))
     reference = stored()
     assert found.pair == ("torque_Nmm", pytest.approx(15e3), pytest.approx(reference.load.sum()))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.models import referenced as references
+from rollbench.compare.models import comparison as references
 from rollbench.compare.reference.store import load, shipped_store
 from rollbench.compare.reference.tasks import balls_of
 from rollbench.compare.scenes import catalogue

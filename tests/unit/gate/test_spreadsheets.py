@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.loads_file import read_loads
+from rollbench.compare.gate.given_files import read_loads, read_values
 from rollbench.compare.gate.reference_file import read_reference
-from rollbench.compare.gate.values_file import read_values
 from rollbench.compare.scenes import catalogue
 
 TWO = catalogue.scene("two-balls")

@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.reference.computing import BEYOND, enlarged
 from rollbench.compare.reference.tasks import settings_of
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
 from rollbench.meshes.groove_map import GrooveMap

@@ -1,6 +1,7 @@
 """The canonical form that keys are made of: it survives new fields, and nothing that numbers depend on escapes it."""
 
 import dataclasses
+import tomllib
 import typing
 from pathlib import Path
 
@@ -14,30 +15,53 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import Status
 from rollbench.meshes import canonical as module
 from rollbench.meshes.canonical import Fields, canonical, digest
-from rollbench.meshes.frozen_defaults import FROZEN
+from rollbench.meshes.fields import FROZEN, keyed, usual
 from rollbench.meshes.parts import Errors, Scene
 
-pytestmark = pytest.mark.every_run  # wings' records are among those of the core
+pytestmark = pytest.mark.every_run  # records of studies are among those of one solve
 RECORDS = keyed_records()
 FIELDS = [(name, field) for name, record in RECORDS.items() for field in names(record)]
-#: Fields whose default was changed on purpose since they were frozen: scenes that rely on it have another key since.
-CHANGED: set[tuple[str, str]] = set()
+#: Frozen defaults as they were in 0.15, by record and field.
+FROZEN_THEN = tomllib.loads(Path(__file__).with_name("frozen_defaults.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", sorted(FROZEN_THEN))
+def test_frozen_defaults_stay(name: str) -> None:
+    """A default that is changed is written `usual(FORMER, now=NEW)`: the former one stays frozen."""
+    frozen = module._usual(RECORDS[name])
+    assert {field: frozen.get(field) for field in FROZEN_THEN[name]} == FROZEN_THEN[name]
+
+
+def test_a_field_with_a_default_that_is_not_frozen_fails_at_import() -> None:
+    @dataclasses.dataclass(frozen=True)
+    class Forgotten:
+        known: float
+        added: float = 0.25
+
+    with pytest.raises(TypeError, match=r"Forgotten\.added: its default is not frozen: write usual"):
+        keyed(Forgotten)
+
+
+def test_a_default_that_is_changed_later_changes_the_form_of_what_relies_on_it() -> None:
+    @keyed
+    @dataclasses.dataclass(frozen=True)
+    class Later:
+        sign: float = usual(1.0, now=-1.0)
+
+    assert (canonical(Later()), canonical(Later(1.0))) == ("Later(sign=-1)", "Later()")
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
-def test_frozen_defaults_name_every_field(name: str) -> None:
-    """A new field is added to meshes/frozen_defaults.py with its default; a changed default stands in CHANGED here."""
-    kept = [f for f in names(RECORDS[name]) if (name, f) not in CHANGED]
-    usual = {f: default(RECORDS[name], f) for f in kept}
-    today = {f: canonical(value) for f, value in usual.items() if value is not dataclasses.MISSING}
-    frozen = {f: text for f, text in FROZEN.get(name, {}).items() if (name, f) not in CHANGED}
-    assert set(FROZEN) <= set(RECORDS)
-    assert frozen == today, f"meshes/frozen_defaults.py: {name}"
+def test_every_record_of_keys_is_keyed(name: str) -> None:
+    """So that a default that is not frozen fails when the record is imported, before a key is made."""
+    record = RECORDS[name]
+    has_default = [field for field in names(record) if default(record, field) is not dataclasses.MISSING]
+    assert set(has_default) == set(FROZEN.get(name, {}))
 
 
 def with_field(record: type, field: str, value: object) -> type:
     """The record's class as it will be with a new field, or a new default."""
-    new = dataclasses.field(default_factory=lambda: value)
+    new = dataclasses.field(default_factory=lambda: value, metadata={"usual": value})
     return dataclasses.make_dataclass(record.__name__, [(field, typing.Any, new)], bases=(record,), frozen=True)
 
 
@@ -55,7 +79,8 @@ def test_a_new_field_changes_no_key_of_records_runs_and_bodies(name: str, monkey
     before = {key: canonical(example(record)) for key, record in RECORDS.items()}
     keys = key_of(scene, "land", cell, (0, 3)), bodies_key(scene, cell, (0, 3))
     later = with_field(RECORDS[name], "added", 0.25)
-    monkeypatch.setitem(module.FROZEN, name, FROZEN.get(name, {}) | {"added": "0.25"})
+    monkeypatch.setitem(FROZEN, name, FROZEN.get(name, {}) | {"added": 0.25})
+    monkeypatch.setattr(module, "_usual", module._usual.__wrapped__)
     for key, record in RECORDS.items():
         changed_record = as_class(example(record), later)
         assert canonical(changed_record) == before[key], key
@@ -105,7 +130,7 @@ def test_containers_and_arrays_count_by_content() -> None:
     assert canonical(square) == canonical(np.asfortranarray(square)) != canonical(square.T)
     rows, columns, more = sp.csr_matrix(square), sp.csc_matrix(square), sp.csr_matrix(square + 1.0)
     assert canonical(rows) not in (canonical(columns), canonical(more))
-    assert canonical(Fields("Errors", {"seed": 0})) == canonical(Errors()) == "Errors()"
+    assert canonical(Fields(Errors, {"seed": 0})) == canonical(Errors()) == "Errors()"
     assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
 
 

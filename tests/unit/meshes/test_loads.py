@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.measure import load_error
-from rollbench.compare.results.answers_json import loads_json
+from rollbench.compare.results.scene_json import loads_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics import nominal, static
 from rollbench.meshes.loads import mean_load

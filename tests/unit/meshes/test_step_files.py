@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from rollbench.compare.commands.export import run_step
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.export.command import placed_sets, run_step
+from rollbench.compare.studies.export import placed_sets
 from rollbench.meshes import gmsh_session
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout

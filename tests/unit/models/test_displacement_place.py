@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.compared_point import pull
+from rollbench.compare.models.model_form import pull
 from rollbench.lowfi.statics.static import solve_static
 
 

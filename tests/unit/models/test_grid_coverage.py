@@ -7,15 +7,15 @@ import pytest
 from scipy.optimize import nnls
 from tests.judging_levels import COUNT, chosen, name_of
 
-from rollbench.compare.models import answers, modelling, study, total_uncertainty
+from rollbench.compare.models import answers, modelling, study, uncertainty
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import grid_coverage
-from rollbench.compare.wings.crosscheck.data import load, shipped
-from rollbench.compare.wings.crosscheck.fit import extrapolate
-from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
-from rollbench.compare.wings.mesh_study.table import study_table
+from rollbench.compare.studies.crosscheck.data import load, shipped
+from rollbench.compare.studies.crosscheck.fit import extrapolate
+from rollbench.compare.studies.mesh_study.table import study_table
+from rollbench.compare.studies.survey.draw import SEED, scene_text
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
@@ -105,7 +105,7 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )
     assert found.scenes == kept.scenes
-    choices = total_uncertainty.read(store.shipped_store())
+    choices = uncertainty.read(store.shipped_store())
     for name in modelling.VARIED:
         total = modelling.combined(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
@@ -116,7 +116,7 @@ def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
     ours, theirs = STUDY.reference("two-balls"), load(shipped(), "two-balls")
     limit = 100.0 * (extrapolate(theirs.runs).load.sum() / ours.load.sum() - 1.0)
-    low, high = total_uncertainty.SHARED
+    low, high = uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
     refined = [e for e in modelling.varied(STUDY.scene("lin-case3")) if e.variant.startswith("finer")]
     assert len(refined) == 7
@@ -132,4 +132,4 @@ def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     on = small.load > 0.0
     a = worst.a * (small.load[on] / worst.force) ** (1.0 / 3.0)
     lost = -(large.load - small.load)[on] / small.load[on]
-    assert lost == pytest.approx(total_uncertainty.SECOND_ORDER * a / scene.balls.radius, rel=0.16)
+    assert lost == pytest.approx(uncertainty.SECOND_ORDER * a / scene.balls.radius, rel=0.16)

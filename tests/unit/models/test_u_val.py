@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare import data
-from rollbench.compare.models import u_val
+from rollbench.compare.models import uncertainty
 from rollbench.compare.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import estimate
@@ -20,54 +20,61 @@ STUDY = Study()
 SCENE = "lin-case1"
 
 
-@pytest.mark.parametrize("quantity", u_val.QUANTITIES, ids=lambda q: q.name)
+def test_an_unknown_part_leaves_u_val_unknown_and_counts_nothing_where_that_is_said() -> None:
+    parts = uncertainty.Uncertainty({"a": np.array([3.0, np.nan]), "b": 4.0})
+    assert parts.combined() == pytest.approx([5.0, np.nan], nan_ok=True)
+    assert parts.combined(unknown=0.0) == pytest.approx([5.0, 4.0])
+
+
+@pytest.mark.parametrize("quantity", uncertainty.QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
-    found = u_val.uncertainty(STUDY, SCENE, quantity)
-    for values in (found.grid, found.model, found.inputs):
+    found = uncertainty.uncertainty(STUDY, SCENE, quantity)
+    assert len(found.parts) == 3
+    for values in found.parts.values():
         assert np.isfinite(values).all()
         assert values.max() > 0.0
-    assert (found.combined >= np.maximum(np.maximum(found.grid, found.model), found.inputs)).all()
+        assert (found.combined() >= values).all()
 
 
 def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
     ref = STUDY.reference(SCENE)
-    found = u_val.uncertainty(STUDY, SCENE, u_val.QUANTITIES[0])
-    assert found.grid == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
+    found = uncertainty.uncertainty(STUDY, SCENE, uncertainty.QUANTITIES[0])
+    assert found.parts[uncertainty.GRID] == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     ref = STUDY.reference(SCENE)
     answer = from_run(ref.best, "3D")
-    for quantity in u_val.QUANTITIES:
-        same = u_val.validated(STUDY, SCENE, "3D", quantity, answer)
+    for quantity in uncertainty.QUANTITIES:
+        same = uncertainty.validated(STUDY, SCENE, "3D", quantity, answer)
         assert (same.error, same.within) == (0.0, 1.0)
     larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)
-    found = {q.name: u_val.validated(STUDY, SCENE, "3D", q, larger) for q in u_val.QUANTITIES}
+    found = {q.name: uncertainty.validated(STUDY, SCENE, "3D", q, larger) for q in uncertainty.QUANTITIES}
     assert found["largest load"].error == pytest.approx(2.0)
     assert found["axial displacement"].error == pytest.approx(5.0)
-    assert found[u_val.CONTACTS].ratio == pytest.approx([1.02] * 64)
+    assert found[uncertainty.CONTACTS].ratio == pytest.approx([1.02] * 64)
 
 
 def test_the_largest_load_is_as_uncertain_as_its_contact() -> None:
     ref, scene = STUDY.reference("lin-case3"), STUDY.scene("lin-case3")
-    largest = next(q for q in u_val.QUANTITIES if q.name == "largest load")
+    largest = next(q for q in uncertainty.QUANTITIES if q.name == "largest load")
     bar = ref.uncertainty.ravel()[ref.load.argmax()]
-    assert u_val.grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())
+    assert uncertainty.grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())
 
 
-def row(ratio: tuple[float, ...], grid: float, within: float) -> u_val.Validated:
-    return u_val.Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
+def row(ratio: tuple[float, ...], grid: float, within: float) -> uncertainty.Validated:
+    return uncertainty.Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
-    (exact,) = u_val.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
+    (exact,) = uncertainty.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
     assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
     spread = tuple(np.exp([-0.03, 0.0, 0.03]))
-    (noisy,) = u_val.scatter([row(spread, 0.0, 0.5)])
+    (noisy,) = uncertainty.scatter([row(spread, 0.0, 0.5)])
     assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
-    (less,) = u_val.scatter([row(spread, 2.0, 0.5)])
+    (less,) = uncertainty.scatter([row(spread, 2.0, 0.5)])
     assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
-    (none,) = u_val.scatter([row(spread, 20.0, 0.5)])
+    (none,) = uncertainty.scatter([row(spread, 20.0, 0.5)])
     assert none.scatter == 0.0
 
 

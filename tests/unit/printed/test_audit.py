@@ -1,13 +1,15 @@
-"""The audit: verdicts by rule, the stored list, misprints with a test each."""
+"""Verdicts by rule and as they are expected, misprints with a test each."""
 
 import re
+from collections import Counter
 from dataclasses import replace
 
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.printed.printed_data import Printed, load_table, tables
-from rollbench.compare.wings.evidence import audit, record
+from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence.verdicts import counts, misprints, sources, trust
+from rollbench.compare.printed.printed_data import VERDICTS, Printed, load_table, tables
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
@@ -29,37 +31,38 @@ RULES = [
     ({"cls": "open", "value": None, "claim": "so"}, {"holds": True}, "not identifiable"),
     ({"value": None, "claim": "so"}, {"holds": True}, "reproduced"),
     ({"value": None, "claim": "so"}, {"holds": False}, "contradicted"),
-    ({"cls": "open", "table": "liu-4.2", "key": "plus_Q33_5000"}, {"value": 142.9}, "contradicted"),
+    ({"cls": "open", "contradicted": "its sums"}, {"value": 1.0}, "contradicted"),
 ]
 
 
 @pytest.mark.parametrize(("change", "found", "verdict"), RULES)
 def test_verdict_by_rule(change, found, verdict):
-    assert audit.judge(record.Evidence(replace(PLAIN, **change), **found))[0] == verdict
+    assert Evidence(replace(PLAIN, **change), **found).verdict == verdict
 
 
-def test_every_entry_is_in_the_stored_list_with_its_data():
-    names = {f"{row.table}:{row.key}": row for row in ENTRIES}
-    assert set(audit.stored()) == set(names)
-    for name, row in names.items():
-        digest, verdict = audit.stored()[name]
-        assert digest == audit.data_digest(row), f"{name}: its data changed; judge it again: rollbench audit --write"
-        assert verdict in audit.VERDICTS
+def test_every_entry_has_an_expected_verdict_and_what_contradicts_an_open_one_a_reason():
+    assert [row.name for row in ENTRIES if row.verdict is None] == []
+    assert all((row.verdict == "contradicted") == bool(row.contradicted) for row in ENTRIES if row.cls == "open")
 
 
-def test_a_verdict_that_changes_without_its_data_is_named(monkeypatch):
-    (row,) = (r for r in ENTRIES if (r.table, r.key) == ("lin-B1", "e_S"))
-    one = audit.Audited(record.Evidence(row), "contradicted", "")
-    held = {one.name: (audit.data_digest(row), "only as printed")}
-    monkeypatch.setattr(audit, "stored", lambda: held)
-    assert audit.changes([one]) == ["lin-B1:e_S: only as printed became contradicted, without its data changing"]
-    held[one.name] = ("x", "only as printed")
-    assert "so did its data" in audit.changes([one])[0]
-    held[one.name] = (audit.data_digest(row), "contradicted")
-    assert audit.changes([one]) == []
+def test_a_verdict_other_than_the_expected_is_named():
+    right, wrong = (Evidence(replace(PLAIN, verdict="reproduced"), value=value) for value in (1.0, 2.0))
+    assert (right.change, wrong.change) == ("", "lin-x:a: expected reproduced, came out contradicted")
+    assert Evidence(PLAIN, value=1.0).change == "lin-x:a: no verdict is expected, came out reproduced"
 
 
-@pytest.mark.parametrize("row", audit.misprints(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
+def test_counts_by_source_add_up():
+    rows = [Evidence(row) for row in ENTRIES]
+    counted = counts(rows)
+    assert [row["source"] for row in counted] == [*sources(), "all"]
+    total = Counter(row.verdict for row in rows)
+    assert {v: counted[-1][v] for v in VERDICTS} == {v: total[v] for v in VERDICTS}
+    assert counted[-1]["all"] == len(ENTRIES) == sum(row["all"] for row in counted[:-1])
+    assert all(row["judged"] == row["all"] - row["input"] - row["identity"] for row in counted)
+    assert all(str(row["contradicted"]) in trust(row) for row in counted)
+
+
+@pytest.mark.parametrize("row", misprints(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
 def test_every_misprint_has_a_command_and_a_test(row):
     path, _, name = row["test"].partition("::")
     assert re.search(rf"^def {name}\(", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE), row["test"]

@@ -2,10 +2,10 @@
 
 import pytest
 
+from rollbench.compare.evidence import computations
+from rollbench.compare.evidence.record import Evidence, Sheet
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, load_table
-from rollbench.compare.wings.evidence import audit, registry
-from rollbench.compare.wings.evidence.record import Evidence, Sheet
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
@@ -14,7 +14,7 @@ def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_wha
     sheet.number("mu", 0.1)
     found = sheet.evidence()
     assert [e.printed for e in found] == list(load_table("lin-3.3"))
-    filed = {e.printed.key: audit.judge(e)[0] for e in found if e.agrees is not None}
+    filed = {e.printed.key: e.verdict for e in found if e.agrees is not None}
     assert filed == {"mu": "input", "sign_region": "reproduced"}
     with pytest.raises(KeyError, match=r"lin-3\.3: no printed entry 'my'"):
         Sheet("lin-3.3").number("my", 1.0)
@@ -25,15 +25,15 @@ def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_wha
 def test_compared_value_follows_the_class():
     row = next(r for r in load_table("lin-3.2") if r.cls == "as-printed")
     e = Evidence(row, value=2.0 * row.value, as_printed=row.value, reading=1.5 * row.value)
-    assert (audit.judge(e)[0], e.error_percent) == ("only as printed", 0.0)
+    assert (e.verdict, e.error_percent) == ("only as printed", 0.0)
     assert e.reading_error_percent == pytest.approx(50.0)
 
 
 def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():
     study = Study(members=0)
     for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in registry.by_table()[name].compute(study)] == list(load_table(name))
-    found = {e.printed.key: e for e in registry.evidence(study, "lin-2.4.2")}
+        assert [e.printed for e in computations.by_table()[name].compute(study)] == list(load_table(name))
+    found = {e.printed.key: e for e in computations.evidence(study, "lin-2.4.2")}
     assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True
     assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.computed)

@@ -5,17 +5,18 @@ from dataclasses import replace
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
+from rollbench.compare.commands.check import run_gate
+from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.gate import gate
+from rollbench.compare.gate.gate import evidence_row
 from rollbench.compare.models.study import Study
-from rollbench.compare.wings.evidence.gate import evidence_row
-from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.lowfi.statics import problem
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 def test_passes_with_every_kind_of_check() -> None:
-    rows = gate.run_gate(STUDY, 7.0)
+    rows = run_gate(STUDY, 7.0)
     assert len(rows) > 50
     assert [row.name for row in rows if not row.passed] == []
     each = {"printed, hard", "external, band", "printed, as-printed", "input, held by its scene", "claim, hard"}

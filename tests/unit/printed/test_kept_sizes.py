@@ -4,8 +4,8 @@ import math
 import re
 
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.wings.rolling import body_sizes
-from rollbench.compare.wings.rolling.body_sizes import variants
+from rollbench.compare.studies.rolling import body_sizes
+from rollbench.compare.studies.rolling.body_sizes import variants
 
 
 def test_every_choice_is_kept_with_the_package_and_has_the_sizes_that_its_name_says():

@@ -5,10 +5,9 @@ import math
 import pytest
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.printed import printed_data
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.evidence.audit import judge
-from rollbench.compare.wings.evidence.record import Evidence
 
 TABLES = printed_data.tables()
 MAKERS = ("MASTA", "NSK", "Jones and Harris", "CONTACT", "Ansys VM63", "SNFA", "GMN", "THK", "HIWIN", "Rexroth")
@@ -113,6 +112,8 @@ FAULTY = {
     "row[0].remark": (ROW.replace('"hard"', '"as-printed"'),),
     "row[0].kind": (ROW + 'kind = "claim"\n', ROW.replace('"hard"', '"input"') + 'kind = "zero"\n'),
     "row[0].tolerance": tuple(f"{ROW}tolerance = {value}\n" for value in ("-1", "nan", '"1"')),
+    "row[0].verdict": (ROW + 'verdict = "good"\n',),
+    "row[0].contradicted": (ROW + 'contradicted = "so"\n',),
     "row[0].colour": (ROW + 'colour = "red"\n',),
     "row[1].key": (ROW + ROW,),
     "file": ('title = "none"\n', "row = 3\n", "[[row]\n"),
@@ -128,7 +129,7 @@ def test_faulty_rows_are_refused(text, key):
 
 def test_a_band_is_not_called_reproduced():
     entry = row("lin-2.4.1", "case1_ratio")
-    judged = [judge(Evidence(entry, value))[0] for value in (entry.low, entry.high + 1.0, None)]
+    judged = [Evidence(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
     assert judged == ["band", "contradicted", "not identifiable"]
 
 
@@ -143,5 +144,5 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            judged = [judge(Evidence(r, value=value))[0] for value in (r.value, r.value + abs(r.value) + 1.0)]
+            judged = [Evidence(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
             assert judged == ["input", "contradicted"]

@@ -8,13 +8,13 @@ import pytest
 from tests.copies import ROOT
 from tests.sources.entries import keys
 
+from rollbench.compare.evidence.computations import by_table, computations, evidence, traces
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import load_table, tables
-from rollbench.compare.wings.evidence.registry import by_table, evidence, not_computed, traces
 
-#: The sources' modules are imported by the names that their registrations give.
-pytestmark = pytest.mark.wing
-BY_TABLE, NOT_COMPUTED = by_table(), not_computed()
+#: The cases' modules are imported by the names that ``computations.toml`` gives.
+pytestmark = pytest.mark.further
+BY_TABLE, NOT_COMPUTED = by_table(), computations().keys() - by_table().keys()
 COMPUTATIONS = tuple(BY_TABLE.values())
 TRACES = list(traces())
 
@@ -22,9 +22,7 @@ TRACES = list(traces())
 def test_every_printed_entry_is_traced_once():
     entries = Counter((r.table, r.key) for name in tables() for r in load_table(name))
     assert Counter((t.table, t.key) for t in TRACES) == entries
-    assert set(BY_TABLE) | set(NOT_COMPUTED) == set(tables())
-    assert not set(BY_TABLE) & set(NOT_COMPUTED)
-    assert len(BY_TABLE) == len(COMPUTATIONS)
+    assert set(computations()) == set(tables())
 
 
 @pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
@@ -50,7 +48,7 @@ def test_command(command):
     rows = command.answer("list", "--trace")
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
-    assert row["computation"] == "rollbench.compare.sources.lin.evidence.rotary_linear:table_3_2"
+    assert row["computation"] == "rollbench.compare.cases.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/sources/lin/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
     assert "F_IR_II" in command.said("list", "--trace")

@@ -10,8 +10,8 @@ from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.lowfi.random_errors import chain as chains
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.mei import solve_mei
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
 

@@ -8,11 +8,11 @@ from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import own_text
 
-from rollbench.compare.commands.solving.entries import block
 from rollbench.compare.models.load_cases import solve_axis
 from rollbench.compare.models.registry import Options
-from rollbench.compare.results.answers_json import whole_json
+from rollbench.compare.results.scene_json import whole_json
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.text.entries import block
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.roller_contacts import roller_safety, worst_roller
 from rollbench.lowfi.rollers.roller_slices import slice_contacts

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.reference.measured import Measured
-from rollbench.compare.wings.bench.costs import cold
-from rollbench.compare.wings.bench.costs.kept import Kept, load_times, save_times
-from rollbench.compare.wings.bench.sections.reference_time import level_table
+from rollbench.compare.sections.reference_time import level_table
+from rollbench.compare.studies.run_times import cold
+from rollbench.compare.studies.run_times.kept import Kept, load_times, save_times
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:

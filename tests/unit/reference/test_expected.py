@@ -13,7 +13,7 @@ from rollbench.compare.reference import expected as module
 from rollbench.compare.reference.expected import Progress, duration, expected, need_memory
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.bench.costs.kept import load_times
+from rollbench.compare.studies.run_times.kept import load_times
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.leftovers import for_group

@@ -9,14 +9,14 @@ from scipy.optimize import brentq
 from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.total_uncertainty import beside_face, total
+from rollbench.compare.models.uncertainty import beside_face, total
 from rollbench.compare.reference.near_face import AWAY, FILE, left_out, read, too_large
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.expected import hertz_units
 from rollbench.meshes.helix import ball_layout
 
-pytestmark = pytest.mark.every_run  # of a wing are only the screws that it drew
+pytestmark = pytest.mark.every_run  # only the screws that the survey drew are of a study
 ROWS = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))
 KNOWN = read(shipped_store())
 

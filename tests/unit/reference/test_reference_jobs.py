@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.compare.commands.comparing import study
-from rollbench.compare.commands.comparing.study import code_of, parse_levels
+from rollbench.compare.commands import compare as study
+from rollbench.compare.commands.compare import code_of, parse_levels
+from rollbench.compare.commands.mesh_study import run_mesh_study
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
-from rollbench.compare.models.total_uncertainty import total
+from rollbench.compare.models.uncertainty import total
 from rollbench.compare.reference import jobs
 from rollbench.compare.reference.estimate import reference_of
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save, shipped_store
@@ -19,7 +20,6 @@ from rollbench.compare.reference.tasks import Task
 from rollbench.compare.results.compared import levels_text
 from rollbench.compare.results.comparison import unconverged
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.mesh_study.command import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies
 
 

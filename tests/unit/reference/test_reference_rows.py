@@ -14,7 +14,7 @@ from rollbench.compare.reference import grid_parts, near_face, store
 from rollbench.compare.reference.estimate import Reference, reference, reference_of
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.mesh_study.table import SCATTERS, closing, study_table
+from rollbench.compare.studies.mesh_study.table import SCATTERS, closing, study_table
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models import comparison, ladder, study
-from rollbench.compare.wings.bench.sections import reference_time
+from rollbench.compare.sections import reference_mesh as reference_mesh
+from rollbench.compare.sections import reference_time
 
 STUDY = study.Study()
 

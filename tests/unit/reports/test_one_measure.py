@@ -7,10 +7,10 @@ import pytest
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import comparison, ladder, registry, study
+from rollbench.compare.report.overview import standing_table, standings
 from rollbench.compare.sections.ladder import ladder_table
 from rollbench.compare.sections.reference import error_table, exceedance_table
-from rollbench.compare.wings.bench.sections.overview import standing_table, standings
-from rollbench.compare.wings.bench.sections.reference_time import time_points, time_table
+from rollbench.compare.sections.reference_time import time_points, time_table
 
 NAME = "unseen-thin-nut"
 STUDY = study.Study()

@@ -7,8 +7,8 @@ import pytest
 from rollbench.compare.models.applicability import shipped_places, survey
 from rollbench.compare.models.model_form import shipped_points
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.wings.bench.sections import overview
-from rollbench.compare.wings.bench.sections.reference_time import Largest, TimePoint
+from rollbench.compare.report import overview
+from rollbench.compare.sections.reference_time import Largest, TimePoint
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:

@@ -9,9 +9,9 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference import store
 from rollbench.compare.reference.measured import Measured, here
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.wings.bench.costs import kept as kept_times
-from rollbench.compare.wings.bench.costs.cold import Cold, ColdLevel
-from rollbench.compare.wings.bench.sections import reference_time
+from rollbench.compare.sections import reference_time
+from rollbench.compare.studies.run_times import kept as kept_times
+from rollbench.compare.studies.run_times.cold import Cold, ColdLevel
 
 OLD, OTHER = Measured("0.7.0", "", "a machine"), Measured("0.9.0", "abc", "a machine")
 KEPT = kept_times.Kept(

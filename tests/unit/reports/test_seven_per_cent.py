@@ -5,11 +5,11 @@ import pytest
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import ladder
-from rollbench.compare.models.compared_point import point
+from rollbench.compare.models.model_form import point
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
+from rollbench.compare.report import overview
 from rollbench.compare.sections import fit
-from rollbench.compare.wings.bench.sections import overview
 
 STUDY = Study()
 CASE = "lin-case1"  # lin is off by 6.15 % of the mean load there, and by 7.26 % by the gate's rule

@@ -11,10 +11,10 @@ from tests.shipped_texts import axis_names, own_text
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS, Model, run_model
-from rollbench.compare.scenes import catalogue, kinds, scene_file
+from rollbench.compare.scenes import catalogue, kind_table, scene_file
 from rollbench.compare.scenes.template import AXES, BEARINGS, template
-from rollbench.compare.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.units import show
 
 ROLLERS = own_text("rollers")
 
@@ -96,7 +96,7 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
 
 
 def test_schema_knows_axes():
-    text = json.dumps(kinds.json_schema())
+    text = json.dumps(kind_table.json_schema())
     assert all(words in text for words in ("rolling sets, in any order", "cup_angle"))
 
 

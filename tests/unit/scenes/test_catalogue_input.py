@@ -10,7 +10,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import registry
-from rollbench.compare.scenes import catalogue, catalogue_input, keys, kinds, preload, scene_file
+from rollbench.compare.scenes import catalogue, from_keys, keys, kind_table, scene_file
 from rollbench.compare.scenes.like import double_nut_like, scene_like
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.friction.whole.circuit import circuits
@@ -56,7 +56,7 @@ def test_materials_by_name() -> None:
     assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
     for grade in ("100Cr6", "AISI 52100"):
         assert read((steel[0], f'name = "{grade}"')).screw.material == read(steel).screw.material
-    assert set(get_args(keys.MaterialName)) == set(catalogue_input.MATERIALS), "every grade is a name of the schema"
+    assert set(get_args(keys.MaterialName)) == set(keys.MATERIALS), "every grade is a name of the schema"
     ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
     assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
     assert ceramic.screw == read().screw
@@ -73,7 +73,7 @@ def test_a_material_may_have_any_name_with_both_of_its_values() -> None:
     one = 'youngs_modulus = "210 GPa"'
     assert "any other name with youngs_modulus and poissons_ratio" in refused((both, f'name = "my steel"\n{one}')).allowed
     assert refused((both, f'name = ["my steel"]\n{both}')).key == "material.name"
-    schema = kinds.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
+    schema = kind_table.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
     assert {"type": "string"} in schema["anyOf"], "editors take it too"
 
 
@@ -118,7 +118,7 @@ def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     alpha = math.atan2(20e-3, 2.0 * math.pi * 16.5e-3)
     axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
     assert axial == pytest.approx(3000.0, rel=0.02)
-    assert preload.oversize_for(scene, 3000.0) == scene.errors.balls.oversize
+    assert from_keys.oversize_for(scene, 3000.0) == scene.errors.balls.oversize
 
 
 def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
@@ -182,7 +182,7 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
 def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
     share = 0.025 if "2.5" in text else 0.05
-    assert scene.errors.balls.oversize == preload.oversize_for(read(), share * rating(read()))
+    assert scene.errors.balls.oversize == from_keys.oversize_for(read(), share * rating(read()))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.shipped_texts import changed
 
+from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
-from rollbench.compare.wings.friction import solve, whole
-from rollbench.compare.wings.friction.kind_solvers import solve_kind
+from rollbench.compare.studies.friction import solve, whole
+from rollbench.compare.studies.friction.kind_solvers import solve_kind
 from rollbench.lowfi.friction.bearing import pairs
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
 from rollbench.lowfi.friction.screw.run import summarise

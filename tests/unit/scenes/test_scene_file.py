@@ -8,9 +8,9 @@ from tests.shipped_texts import axis_names
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.friction_kinds import screw_balls
+from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.template import template
-from rollbench.compare.wings.friction.kinds import screw_balls
-from rollbench.compare.wings.friction.registration import KINDS as FRICTION_ONLY
 
 
 @pytest.mark.parametrize("name", ["lin-case3", "lin-case3-offset"])

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from rollbench.compare.scenes import units
+from rollbench.meshes import units
 
 #: Values in SI units of texts by dimension, exact by the table.
 EXACT = {

@@ -10,8 +10,9 @@ from scipy.optimize import minimize
 from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import hertz_C, pack_geometry
+from rollbench.lowfi.statics.problem import pack_geometry
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors

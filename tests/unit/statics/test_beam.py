@@ -6,7 +6,7 @@ from tests.helpers import STEEL, dense, relative, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source.static import element_stiffness
-from rollbench.lowfi.statics.kernel import banded, beam
+from rollbench.lowfi.statics.kernel import beam, matrices
 from rollbench.lowfi.statics.shape import rigid_transport, shape_polynomials
 from rollbench.meshes.partition import fixed_partition
 from rollbench.meshes.section import tube_section
@@ -34,8 +34,8 @@ def cantilever(nodes, load):
     band = assembled(nodes)[6:]
     b = np.zeros(band.shape[0])
     b[-6:] = load
-    assert banded.factor_band(band)
-    banded.substitute_band(band, b)
+    assert matrices.factor_band(band)
+    matrices.substitute_band(band, b)
     return b.reshape(-1, 6)
 
 

@@ -14,7 +14,7 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.problem import drawn_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle

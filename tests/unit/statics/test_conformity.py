@@ -8,8 +8,7 @@ from scipy.signal import fftconvolve
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.conformity import curvature_changes, oblique_term
-from rollbench.lowfi.statics.problem import drawn_hertz, hertz_C, nominal_hertz
+from rollbench.lowfi.statics.contacts import curvature_changes, drawn_hertz, hertz_C, nominal_hertz, oblique_term
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, SideErrors

@@ -10,10 +10,10 @@ import pytest
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.members.ensemble import work_of
+from rollbench.compare.studies.members.ensemble import work_of
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
+from rollbench.lowfi.statics.elastic import ElasticMembers, shared
 from rollbench.meshes.parts import Load, Scene
 
 

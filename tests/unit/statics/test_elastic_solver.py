@@ -8,15 +8,15 @@ from tests.helpers import FLANK_ERRORS, relative, small_screw, with_ingredients
 
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
-from rollbench.lowfi.statics import elastic_system as model
+from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import contact as laws
 from rollbench.lowfi.statics.kernel_types import BodyState
-from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.shaft import flank_motions_by_loads, flank_response, node_motions, shaft_of
 from rollbench.lowfi.statics.static import pin, solve_static

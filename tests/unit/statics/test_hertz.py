@@ -7,7 +7,7 @@ from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import axis_ratio, complete_integrals, contact_modulus, hertz_constants
-from rollbench.lowfi.statics.problem import actual_hertz, nominal_hertz
+from rollbench.lowfi.statics.contacts import actual_hertz, nominal_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 

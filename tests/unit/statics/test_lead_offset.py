@@ -12,8 +12,8 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.like import scene_like
 from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
 from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.errors import beyond_step, draw
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Errors, Load, Support

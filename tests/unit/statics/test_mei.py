@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes.catalogue import scene
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.mei import solve_mei
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Material, Scene
 from rollbench.meshes.section import screw_section

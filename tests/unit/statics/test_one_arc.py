@@ -10,8 +10,8 @@ from tests.shipped_texts import own_text
 
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.tangent import tangent_stiffness
 from rollbench.meshes.one_arc import LEAST, as_one_arc, is_one_arc

@@ -11,8 +11,8 @@ from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 
 SOLVERS = {

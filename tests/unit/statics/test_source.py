@@ -15,7 +15,8 @@ from rollbench.lowfi.as_source.static import (
     solve_source,
     solve_source_result,
 )
-from rollbench.lowfi.statics.problem import build, nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.problem import build
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors

@@ -11,8 +11,7 @@ from rollbench.lowfi.compliance.ends import end_response
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import Problem, build
-from rollbench.lowfi.statics.shaft import Shaft, shaft_of
-from rollbench.lowfi.statics.squeeze import Squeeze, loaded_beyond, squeezed, stretch_of
+from rollbench.lowfi.statics.shaft import Shaft, Squeeze, loaded_beyond, shaft_of, squeezed, stretch_of
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support

@@ -8,15 +8,15 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import small_screw, solved
 
-from rollbench.compare.commands.solving.output import case_table
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.load_cases import Solved
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.results.solved_json import case_json
+from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.text.solved import case_table
 from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Support

@@ -12,10 +12,9 @@ from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import loads
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.mechanism import free_motions
-from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.held import free_motions
+from rollbench.lowfi.statics.problem import build, contradiction
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.lowfi.statics.supports import contradiction
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Support

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
 from rollbench.lowfi.warned import Warned, above

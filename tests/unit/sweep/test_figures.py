@@ -1,7 +1,7 @@
 """Figures of a sweep: what stands on their axes."""
 
-from rollbench.compare.wings.sweep.keys import read_vary
-from rollbench.compare.wings.sweep.section import stored
+from rollbench.compare.sections.tolerances import stored
+from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import draw, drawing
 

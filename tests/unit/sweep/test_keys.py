@@ -2,7 +2,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, like, scene_file, scene_tables
-from rollbench.compare.wings.sweep.keys import Vary, changed, displaced, read_vary
+from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_vary
 
 
 def test_forms():

@@ -12,16 +12,17 @@ import numpy as np
 import pytest
 from tests.processes import python
 
+from rollbench.compare.commands.sweep import run_sweep
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.answers import gather, gather_axis
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.wings.sweep import outputs, store
-from rollbench.compare.wings.sweep import run as sweeping
-from rollbench.compare.wings.sweep import sample as sampling
-from rollbench.compare.wings.sweep.command import run_sweep, sweep_of
-from rollbench.compare.wings.sweep.summary import summary
+from rollbench.compare.studies.sweep import outputs, store
+from rollbench.compare.studies.sweep import run as sweeping
+from rollbench.compare.studies.sweep import sample as sampling
+from rollbench.compare.studies.sweep.study import sweep_of
+from rollbench.compare.studies.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion
 
@@ -33,8 +34,8 @@ import os, random, signal, sys, time
 from pathlib import Path
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.wings.sweep import run as sweeping, store
-from rollbench.compare.wings.sweep.keys import read_vary
+from rollbench.compare.studies.sweep import run as sweeping, store
+from rollbench.compare.studies.sweep.keys import read_vary
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
 text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
@@ -231,7 +232,7 @@ def test_nothing_needs_what_only_unix_has(tmp_path):
     program = f"""
 import sys
 sys.modules["fcntl"] = sys.modules["resource"] = None
-import rollbench.compare.wings.crosscheck.calculix
+import rollbench.compare.studies.crosscheck.calculix
 from rollbench.compare.cli import main
 main({[*words, "--out", str(tmp_path / "sweep")]!r})
 """

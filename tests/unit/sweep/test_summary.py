@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.wings.sweep import keys, outputs, run
-from rollbench.compare.wings.sweep.outputs import MAIN
-from rollbench.compare.wings.sweep.summary import indices, main_effects, statistics, summary
+from rollbench.compare.studies.sweep import keys, outputs, run
+from rollbench.compare.studies.sweep.outputs import MAIN
+from rollbench.compare.studies.sweep.summary import indices, main_effects, statistics, summary
 
 KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
 NAMES = tuple(outputs.OUTPUTS)

@@ -7,12 +7,12 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys, of_source
 
+from rollbench.compare.cases.external.evidence import bearings, case, screws
+from rollbench.compare.evidence.verdicts import audit, left_out
+from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
-from rollbench.compare.sources.external.evidence import bearings, case, screws
-from rollbench.compare.sources.external.gate import band_row, external_rows
-from rollbench.compare.wings.evidence.audit import audit, left_out
-from rollbench.compare.wings.friction.whole import coefficients
+from rollbench.compare.studies.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
 from rollbench.lowfi.rating.life import rating
@@ -43,7 +43,7 @@ def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
-    rows = external_rows(STUDY, 7.0)
+    rows = band_rows(STUDY)
     assert [row.passed for row in rows] == 78 * [True]
     tilt = found("external-masta:tilt")
     beyond, within = (band_row(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
@@ -100,6 +100,6 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
     assert [f.feedback for f in coefficients(replace(nut, friction=None), (0.1,))] == [True]
-    drag = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
-    assert drag.found.value == pytest.approx(941.0, rel=2e-3)
+    drag = next(e for e in audit(STUDY, "external-thk") if e.printed.key == "drag")
+    assert drag.value == pytest.approx(941.0, rel=2e-3)
     assert "1.09 times the printed torque" in drag.reason

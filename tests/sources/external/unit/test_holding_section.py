@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.external import holding
+from rollbench.compare.cases.external.evidence.screws import scene_name
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.external import holding
-from rollbench.compare.sources.external.evidence.screws import scene_name
 from rollbench.hifi.condensation.responses import on_bolts
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.loads import mean_load

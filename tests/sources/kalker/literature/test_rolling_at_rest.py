@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.kalker.proof import STATIC_CELLS, STATIC_REACH, resting
+from rollbench.compare.cases.kalker.evidence import STATIC_CELLS, STATIC_REACH, resting
 
 
 @pytest.mark.survey

@@ -5,9 +5,9 @@ from functools import partial
 import pytest
 from tests.evidence_study import GROUP
 
-from rollbench.compare.sources.external.evidence.contacts import EXAMPLE_CELLS, example
-from rollbench.compare.sources.kalker import proof as rolling_proof
-from rollbench.compare.sources.kalker.proof import FINER, Proof, proofs
+from rollbench.compare.cases.external.evidence.contacts import EXAMPLE_CELLS, example
+from rollbench.compare.cases.kalker import evidence as rolling_proof
+from rollbench.compare.cases.kalker.evidence import FINER, Proof, proofs
 from rollbench.hifi.rolling.bodies import Sizes
 
 pytestmark = pytest.mark.xdist_group(GROUP)

@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.kalker import page as rolling
+from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Proof
+from rollbench.compare.cases.kalker.page import PatchField
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.kalker import section as rolling
-from rollbench.compare.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
-from rollbench.compare.sources.kalker.section import PatchField
-from rollbench.compare.wings.rolling import changes as rolling_changes
-from rollbench.compare.wings.rolling import rows as rolling_rows
-from rollbench.compare.wings.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
-from rollbench.compare.wings.rolling.changes import Change, Series, changes, from_rest
-from rollbench.compare.wings.rolling.rows import KNOWN
-from rollbench.compare.wings.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
+from rollbench.compare.studies.rolling import changes as rolling_changes
+from rollbench.compare.studies.rolling import rows as rolling_rows
+from rollbench.compare.studies.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
+from rollbench.compare.studies.rolling.changes import Change, Series, changes, from_rest
+from rollbench.compare.studies.rolling.rows import KNOWN
+from rollbench.compare.studies.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
 from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_map
 

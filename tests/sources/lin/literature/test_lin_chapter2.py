@@ -4,8 +4,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
-from rollbench.compare.sources.lin.evidence.chapter_2 import CASES, ratio
-from rollbench.compare.sources.lin.sections import cases
+from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, ratio
+from rollbench.compare.cases.lin.pages import cases
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

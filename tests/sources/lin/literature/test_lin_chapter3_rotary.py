@@ -5,7 +5,7 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, rows
 
-from rollbench.compare.sources.lin.evidence import rotary_linear, source_cases
+from rollbench.compare.cases.lin.evidence import rotary_linear, source_cases
 from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.screw.motion import source_law

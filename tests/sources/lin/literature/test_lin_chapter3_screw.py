@@ -9,8 +9,8 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys, rows
 
-from rollbench.compare.sources.lin.evidence import source_cases
-from rollbench.compare.sources.lin.evidence.screw import AMPLITUDES, as_stepped, pair
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, as_stepped, pair
 from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, PairResult, implied_load, sliding_speed, solve_pair
 from rollbench.lowfi.friction.screw.run import RunSummary, equal_steps, summarise
 

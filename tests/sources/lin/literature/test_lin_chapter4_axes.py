@@ -7,10 +7,10 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
+from rollbench.compare.cases.lin.evidence.steering import PATTERNS, places, rack, ratios
+from rollbench.compare.cases.smith.evidence import layouts
+from rollbench.compare.cases.smith.evidence.case import APPLIED
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.lin.evidence.steering import PATTERNS, places, rack, ratios
-from rollbench.compare.sources.smith.evidence import layouts
-from rollbench.compare.sources.smith.evidence.case import APPLIED
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

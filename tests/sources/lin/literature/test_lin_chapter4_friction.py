@@ -9,8 +9,8 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys, rows
 
+from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.compare.sources.lin.evidence.source_cases import double_row, four_point
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
 from rollbench.lowfi.friction.screw.groove import contact_spacing
 from rollbench.lowfi.friction.whole.losses import ball_path

@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.lin.pages import reconstruction
+from rollbench.compare.cases.lin.reconstruction import combined, readings
+from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.lin.reconstruction import combined, readings
-from rollbench.compare.sources.lin.sections import reconstruction
-from rollbench.compare.wings.evidence.audit import judge
-from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, on_mesh
 from rollbench.meshes.block import Influence, tetrahedra
 
@@ -64,7 +63,7 @@ def test_no_combination_has_all_that_is_printed(study):
 
 def test_no_error_against_ansys_comes_out(study):
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.1")}
-    assert {judge(found[key])[0] for key in combined.ERRORS} == {"not identifiable"}
+    assert {found[key].verdict for key in combined.ERRORS} == {"not identifiable"}
     assert all("combinations of readings" in found[key].words for key in combined.ERRORS)
 
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.lin.reconstruction.solvers import Dragging
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.lin.reconstruction.dragging import Dragging
 from rollbench.meshes.groove_map import GrooveMap
 
 

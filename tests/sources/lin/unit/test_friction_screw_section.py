@@ -2,9 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
-from functools import partial
 from itertools import count
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -12,14 +10,12 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
+from rollbench.compare.cases.lin import extremes
+from rollbench.compare.cases.lin.evidence import screw
+from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
+from rollbench.compare.cases.lin.pages import extremes as friction_stability
+from rollbench.compare.cases.lin.pages import friction_screw
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.compare.sources.lin import bench as friction_bench
-from rollbench.compare.sources.lin.evidence import screw, screw_varied
-from rollbench.compare.sources.lin.evidence.source_cases import lin_3_4_4
-from rollbench.compare.sources.lin.extremes import cases, tally
-from rollbench.compare.sources.lin.extremes import items as friction_stability
-from rollbench.compare.sources.lin.extremes.tally import BALLS, Record, Tally
-from rollbench.compare.sources.lin.sections import friction_screw
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
@@ -33,7 +29,7 @@ def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(screw_varied, "simulate_by_root", lambda run: simulate_by_root(run, 15))
+        patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
@@ -51,9 +47,9 @@ def records() -> list[Record]:
     source's method on a quarter of the pairs: these take most of its time."""
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("BALLS", (2, 5)), ("CHAIN_STARTS", 1), ("STARTS", 3)):
-            patch.setattr(tally, name, value)
+            patch.setattr(extremes, name, value)
         for name in ("from_linear_starts", "from_pair_starts"):
-            patch.setattr(cases, name, every_fourth(getattr(cases, name)))
+            patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
         return friction_stability.rows()
 
 
@@ -134,8 +130,8 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
         assert max(r.energy, r.spread) < 1e-8, r
     groups = {r.group for r in records}
     assert {"k_S 100", "k_S 1000", "k_S 10000", "two-point transition", "zero speed", "chains"} <= groups
-    linear = solve_linear_chain(cases.linear_chain(max(BALLS), 0.5).chain())
-    screws = solve_chain(cases.screw_chain(max(BALLS)))
+    linear = solve_linear_chain(extremes.linear_chain(max(BALLS), 0.5).chain())
+    screws = solve_chain(extremes.screw_chain(max(BALLS)))
     assert (linear.status, screws.converged) == ("converged", True)
     assert linear.power == pytest.approx(linear.loss, rel=1e-8)
     assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)
@@ -161,23 +157,3 @@ def test_a_failure_would_be_counted(records):
     assert table.rows[0]["ours"] == "1 of 2"
     assert [row["source"] for row in table.rows] == ["–", "3 of 9"]
     assert "3 of 9" in text.paragraphs[0]
-
-
-def once(work, _):
-    """Wall clock of one run [s]: a median is not the point here."""
-    begin = perf_counter()
-    work()
-    return perf_counter() - begin
-
-
-def test_bench_rows_are_positive(monkeypatch):
-    monkeypatch.setattr(friction_bench, "timed", once)
-    monkeypatch.setattr(friction_bench, "SOURCE_STEPS", 4)
-    monkeypatch.setattr(friction_bench, "lin_3_4_4", partial(lin_3_4_4, steps=20, duration=0.4))
-    rows = list(friction_bench.jobs(1))
-    assert len({r.name for r in rows}) == len(rows) == 17
-    for r in rows:
-        assert min(r.seconds, r.target, r.ratio or 1.0) > 0.0
-        assert r.reached == (r.seconds <= r.target)
-        assert len(r.note) > 10
-    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 5 * 0.15e-3, 20 * 0.15e-3, 20e-3, 5e-3, 3.0}

@@ -6,14 +6,13 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
+from rollbench.compare.cases.lin.evidence import rotary_linear
+from rollbench.compare.cases.lin.pages import friction
+from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_hash
-from rollbench.compare.sources.lin.evidence import rotary_linear
-from rollbench.compare.sources.lin.sections import friction
-from rollbench.compare.wings.evidence.audit import judge
-from rollbench.compare.wings.evidence.registry import evidence
-from rollbench.compare.wings.evidence.sections.notes import assumptions
+from rollbench.compare.sections.notes import assumptions
 from rollbench.reports.content import Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -37,7 +36,7 @@ def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
         ("lin-3.4:a_eps2_numerical", -0.81, -0.79),
     ):
         f = found(key)
-        assert judge(f)[0] == "only as printed", key
+        assert f.verdict == "only as printed", key
         assert f.value == pytest.approx(right, rel=5e-3)
         assert f.as_printed == pytest.approx(faulty, rel=5e-3)
         assert abs(f.value - f.printed.value) > f.printed.tolerance, key

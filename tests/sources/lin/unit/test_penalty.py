@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.sources.lin.reconstruction.penalty import penalised
+from rollbench.compare.cases.lin.reconstruction.solvers import penalised
 from rollbench.hifi.condensation.sides import SidePatches
 from rollbench.hifi.contact.balls import press
 from rollbench.hifi.contact.compliance import plain

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.lin.evidence import steering as gear
+from rollbench.compare.cases.lin.evidence.steering import REACH, at_angle, rack, ratios
+from rollbench.compare.cases.lin.pages import steering
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.lin.evidence import steering as gear
-from rollbench.compare.sources.lin.evidence.steering import REACH, at_angle, rack, ratios
-from rollbench.compare.sources.lin.sections import steering
 from rollbench.reports.content import Table
 from rollbench.reports.figures import draw
 

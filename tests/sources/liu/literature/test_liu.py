@@ -7,11 +7,10 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys, of_source
 
+from rollbench.compare.cases.liu.evidence import case, drawn, given
+from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.compare.sources.liu.evidence import case, drawn, given
-from rollbench.compare.wings.evidence.audit import judge
-from rollbench.compare.wings.evidence.record import Evidence
-from rollbench.compare.wings.evidence.registry import evidence
 from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
 
@@ -128,7 +127,7 @@ def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None
     out = [row.key for row in rows if not drawn.stiffness_comes_out(row, 0.0)]
     assert (len(rows), len(out)) == (19, 8)
     assert all(drawn.stiffness_comes_out(row, 0.12) for row in rows)
-    assert {judge(by_key(key))[0] for key in out if key != "K_0_3000"} == {"not identifiable"}
+    assert {by_key(key).verdict for key in out if key != "K_0_3000"} == {"not identifiable"}
 
 
 def test_no_contact_stiffness_mends_the_offset() -> None:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.liu.evidence import bodies, case
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sources.liu.evidence import bodies, case
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.meshes.parts import Scene
 

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.compare.registration import offered
-from rollbench.compare.sources.makers import section
-from rollbench.compare.sources.makers.laws import bearings, nuts, torque
-from rollbench.compare.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
-from rollbench.compare.sources.makers.tables import Table, half_step, table
+from rollbench.compare.cases.makers import page
+from rollbench.compare.cases.makers.laws import bearings, nuts, torque
+from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
+from rollbench.compare.cases.makers.tables import Table, half_step, table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -114,20 +113,21 @@ def test_drag_torque_of_the_measured_screws() -> None:
 
 
 def test_all_values_and_their_table() -> None:
-    found = section.outside_values(STUDY)
+    found = page.outside_values(STUDY)
     judged = [x for x in found if not x.left]
     assert len(judged) >= 1500
     assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}
     assert all(x.computed.low <= x.computed.value <= x.computed.high and x.origin for x in found)
     assert len(summary(found).rows) <= 30
-    (first_page,) = offered("outside")
+    from rollbench.compare.cases.makers.page import first_page
+
     columns = first_page(STUDY)
     assert sum(row[NUMBER] for row in columns.values()) == len(judged)
     assert abs(columns["preload"][BIAS]) < 0.5
 
 
 def test_section_says_its_conclusion_first() -> None:
-    found = section.section(STUDY, lambda _: None)
+    found = page.section(STUDY, lambda _: None)
     assert found.conclusion.startswith("Of 36")
     assert "1020: a formula in disguise" in found.items[1].note
 

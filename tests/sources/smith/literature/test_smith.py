@@ -5,10 +5,9 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, of_source
 
+from rollbench.compare.cases.smith.evidence import ball, case, screw, taper
+from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.compare.sources.smith.evidence import ball, case, screw, taper
-from rollbench.compare.wings.evidence.audit import judge
-from rollbench.compare.wings.evidence.record import Sheet
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 from rollbench.lowfi.bearings.sets import equilibrium
@@ -28,7 +27,7 @@ def test_entry(key: str) -> None:
 def test_as_printed_in_that_mode_only(key: str) -> None:
     """Comes out with the faults repeated; the right value stands beside it and is another one."""
     f = found(key)
-    assert judge(f)[0] == "only as printed", (f.as_printed, f.printed.printed)
+    assert f.verdict == "only as printed", (f.as_printed, f.printed.printed)
     assert f.value not in (None, f.as_printed)
     assert f.printed.value is not None
 
@@ -148,4 +147,4 @@ def test_stiffness_has_its_power_of_ten_in_its_value() -> None:
 
 def test_a_split_cell_is_no_fault_of_the_source() -> None:
     """0.015646 in are 0.397408 mm: the scan cuts the cell in two."""
-    assert judge(found("smith-2.1:P_d_mm"))[0] == "identity"
+    assert found("smith-2.1:P_d_mm").verdict == "identity"

@@ -7,11 +7,11 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
+from rollbench.compare.cases.smith import page as smith
+from rollbench.compare.cases.smith.evidence import case
+from rollbench.compare.evidence.record import Sheet
 from rollbench.compare.printed.printed_data import load_table
-from rollbench.compare.scenes import units
-from rollbench.compare.sources.smith import section as smith
-from rollbench.compare.sources.smith.evidence import case
-from rollbench.compare.wings.evidence.record import Sheet
+from rollbench.meshes import units
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -1,0 +1,110 @@
+"""The cases: what a publication printed, the scenes, how each number is computed, and its page of the report.
+
+Ours are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry point of the group
+``rollbench.cases`` that names its `Case`; it is loaded when printed data are judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module, resources
+from pathlib import Path
+from typing import Any
+
+from rollbench.compare import data
+from rollbench.compare.errors import InputError
+
+GROUP = "rollbench.cases"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A publication, or several of a kind, that answers are held against.
+
+    The folder of its package holds ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
+    ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
+    """
+
+    #: Names of its tables begin with it and a hyphen.
+    name: str
+    #: The publication as answers name it; empty where no table is printed.
+    title: str
+    #: Import name of the package with all of it.
+    package: str
+    #: Module below ``package`` whose ``section(study, step)`` is its page of the report, or a package of such modules.
+    page: str = ""
+
+    @property
+    def folder(self) -> Path:
+        """Where its files are."""
+        return Path(str(resources.files(self.package)))
+
+    def files(self, folder: str) -> dict[str, Path]:
+        """Its TOML files in a folder, ``printed`` or ``scenes``, by name without ending."""
+        return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
+
+    def load(self, function: str) -> Any:
+        """The object that ``module:name`` names in its package, imported now."""
+        module, _, name = function.partition(":")
+        return getattr(import_module(f"{self.package}.{module}"), name)
+
+
+#: Cases of this package, in the order of the report.
+CASES = (
+    Case("lin", "Lin (2019)", "rollbench.compare.cases.lin", "pages"),
+    Case("smith", "Smith (1994)", "rollbench.compare.cases.smith", "page"),
+    Case("kalker", "Kalker (1990)", "rollbench.compare.cases.kalker", "page"),
+    Case("liu", "Liu et al. (2025)", "rollbench.compare.cases.liu", "page"),
+    Case("external", "other programs, makers, textbooks", "rollbench.compare.cases.external", "page"),
+    Case("makers", "", "rollbench.compare.cases.makers", "page"),
+)
+
+
+@cache
+def others() -> tuple[Case, ...]:
+    """Cases of other packages, sorted by name. Raises InputError for one that cannot be loaded, is no `Case`, or has the
+    name of another."""
+    from importlib.metadata import entry_points  # takes longer to import than all of this
+
+    found: dict[str, Case] = {}
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        place, allowed = f"entry point {point.name}", "a rollbench.compare.case.Case of a package that can be imported"
+        advice = "mend the package that adds it, or uninstall it"
+        try:
+            one = point.load()
+            folder = one.folder if isinstance(one, Case) else None
+        except Exception as error:
+            raise InputError(place, point.value, f"{type(error).__name__}: {error}", allowed, advice) from error
+        if folder is None:
+            raise InputError(place, point.value, repr(one), allowed, advice)
+        if one.name in found or one.name in (case.name for case in CASES):
+            raise InputError(place, "name", f'"{one.name}"', "a name that no other case has", advice)
+        found[one.name] = one
+    return tuple(found.values())
+
+
+def every_case() -> tuple[Case, ...]:
+    """Ours, then those of other packages."""
+    return (*CASES, *others())
+
+
+@cache
+def shipped_files(folder: str) -> dict[str, Path]:
+    """Shipped TOML files in a folder, ``scenes`` or ``printed``, by name without ending, sorted."""
+    files = {path.stem: path for path in data.place(folder).glob("*.toml")}
+    for case in CASES:
+        files |= case.files(folder)
+    return dict(sorted(files.items()))
+
+
+def file_of(folder: str, name: str) -> Path | None:
+    """The file of a scene or printed table by name: ours, or of another package's case; None where there is none."""
+    path = shipped_files(folder).get(name)
+    return path or next((files[name] for case in others() if name in (files := case.files(folder))), None)
+
+
+def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
+    """The files of that name, one a case, of the cases that have one."""
+    return {case: path for case in cases if (path := case.folder / name).is_file()}

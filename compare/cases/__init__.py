@@ -1,0 +1,1 @@
+"""A folder a case, as `rollbench.compare.case` describes it."""

@@ -1,0 +1,397 @@
+"""Chapter 2 and Table B.1: case studies, geometric errors, Hertz constants; what the open choices change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rollbench.compare.cases.lin.reconstruction import combined
+from rollbench.compare.evidence.record import Sheet, count_of
+from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models.comparison import PRINTED
+from rollbench.compare.models.study import Study, with_groove
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.studies.members.ensemble import of_study
+from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.partition import fixed_partition
+from rollbench.meshes.parts import SIDES, Errors, Scene, SideErrors, Support
+from rollbench.meshes.section import groove_section
+from rollbench.meshes.surface import principal_curvatures
+
+#: Conformity that Table B.1 was computed with (Table 3.6), not Table 2.1's groove radius.
+TABLE_CONFORMITY = 0.56
+
+
+def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
+    """The same quantities from I^-1 II and exact elliptic integrals, keyed as in Table B.1.
+
+    rho1 is the radius across the groove, rho2 along it (convex positive), R1 <= R2 the relative radii.
+    """
+    bare = replace(scene, errors=Errors())
+    drawn = specimen(bare, ball_layout(bare))
+    gamma = np.full(scene.ball_count, scene.track.contact_angle)
+    constants = nominal_hertz(bare)
+    out = {}
+    for letter, side in (("S", 0), ("N", 3)):
+        across, along = principal_curvatures(bare, drawn, side, gamma)[0]
+        r2, r1 = 1.0 / (1.0 / scene.balls.radius + across), 1.0 / (1.0 / scene.balls.radius + along)
+        out[letter] = {
+            "e": float(constants.eccentricity[side]),
+            "C": float(constants.C[side]),
+            "C_a": float(constants.C_a[side]),
+            "C_b": float(constants.C_b[side]),
+            "rho1": float(1.0 / across),
+            "rho2": float(1.0 / along),
+            "R1": float(r1),
+            "R2": float(r2),
+            "rho_eq": float(np.sqrt(r1 * r2)),
+        }
+    return out
+
+
+#: Quantities of the table by the key's first part: attribute with the faults, key of the right value, unit of the table.
+QUANTITIES = {
+    "e_": ("e", "e", 1.0),
+    "C_": ("C", "C", 1.0),
+    "C_a": ("C_a", "C_a", 1.0),
+    "C_b": ("C_b", "C_b", 1.0),
+    "rho1_": ("rho_1", "rho1", 1e3),
+    "rho2_": ("rho_2", "rho2", 1e3),
+    "R1_": ("R_1", "R1", 1e3),
+    "R2_": ("R_2", "R2", 1e3),
+    "rho_eq_": ("rho_eq", "rho_eq", 1e3),
+}
+#: The table's rows 1 and 2 of the nut are along and across the groove, those of the screw across and along.
+SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
+
+
+def table_b_1(sheet: Sheet, study: Study) -> None:
+    """Table B.1: as printed with conformity 0.56 and the faults, right with the same groove."""
+    scene = with_groove(study.scene("lin-case1"), TABLE_CONFORMITY)
+    faulty, right = dict(zip("SN", printed_sides(scene), strict=True)), right_sides(scene)
+    for letter, printed in faulty.items():
+        for start, (attribute, name, unit) in QUANTITIES.items():
+            key = f"{start}{letter}"
+            words = f"with the faults repeated (section hertz); right: {unit * right[letter][name]:.5g}"
+            true = unit * right[letter][SWAPPED.get(key, name)]
+            sheet.number(key, true, words, as_printed=unit * getattr(printed, attribute))
+    sheet.number("F_1", None, as_printed=faulty["S"].F_1)
+
+
+# --- section 2.4.1, case studies 1, 2 and 3: printed numbers and claims, with the errors against ANSYS
+
+
+def table_2_1(sheet: Sheet, study: Study) -> None:
+    """Table 2.1 and the loads of 2.4.1: inputs, as the scenes hold them."""
+    scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
+    track, nut, steel = scene.track, scene.nut, scene.screw.material
+    mm = {"length": scene.screw.length, "R_P": track.pitch_radius, "lead": track.lead, "R_B": scene.balls.radius}
+    mm |= {"r_G": scene.screw.groove_radius, "nut_diameter": nut.outer_diameter, "nut_length": nut.length}
+    sheet.numbers({key: 1e3 * value for key, value in mm.items()})
+    sheet.numbers({"balls": scene.ball_count, "beta": np.degrees(track.contact_angle), "nu": steel.poissons_ratio})
+    sheet.numbers({"force": scene.loads[0].force[2], "oversize": 1e6 * preloaded.errors.balls.oversize})
+    sheet.number("oversize_17", 1e6 * dict(study.scene("lin-case2").errors.balls.listed)[17])
+    sheet.number("offset", 1e6 * dict(offset.supports[-1].fixed)["ux"])
+    young = steel.youngs_modulus
+    sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One reading of the right end: words, its scenes without and with offset, and whether it is the text's own."""
+
+    label: str
+    plain: str
+    offset: str
+    of_text: bool = False
+
+
+#: Readings of the right end; the others are measured against the first, which the 3D reference has.
+READINGS = (
+    Reading("ux and uy held", "lin-case3", "lin-case3-offset"),
+    Reading("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
+    Reading("only ux held", "lin-case3-ux", "lin-case3-offset-ux", of_text=True),
+)
+
+
+CASES = ("lin-case1", "lin-case2", *(name for r in READINGS for name in (r.plain, r.offset)))
+
+
+def ratio(load: Array) -> float:
+    """Largest over smallest load; infinite where a ball is not loaded."""
+    return float(load.max() / load.min()) if load.min() > 0.0 else float("inf")
+
+
+def two_point(load: Array) -> bool:
+    """Whether every ball carries on SL and NR and nothing on SR and NL; load ``(n, 4)`` [N]."""
+    return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
+
+
+def spread_of_choices(study: Study) -> str:
+    """Range of the ratio over the beam's partition and the readings of C.8."""
+    variants = [
+        study.changed("lin-case1", partition=p, section=s)
+        for p in ("nodal", "source")
+        for s in ("groove", "groove squared")
+    ]
+    ratios = [ratio(study.solve(v).load[:, 0]) for v in variants]
+    return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
+
+
+def section_2_4_1(sheet: Sheet, study: Study) -> None:
+    """Numbers and claims of 2.4.1."""
+    _case_1(study, sheet)
+    _case_2(study, sheet)
+    _case_3(study, sheet)
+    _against_ansys(study, sheet)
+    elements = fixed_partition(study.changed("lin-case1", partition="source")).size - 1
+    sheet.number("elements", float(elements), "12 outside + 3 of 15 mm inside + 12 outside")
+    times = {k: value_of("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
+    sheet.number(
+        "speed_ratio",
+        times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
+        "arithmetic of Table 2.2, case 1; run times of this project are in section timing",
+    )
+
+
+def _case_1(study: Study, sheet: Sheet) -> None:
+    load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
+    mei = study.solve("lin-case1", "mei").load[:, 0]
+    lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
+    run = study.reference("lin-case1")  # without errors of the grooves, as the case: the one number that it can say
+    in_3d = None if run is None else ratio(run.load[:, 0])
+    sheet.number("case1_ratio", ratio(load[:, 0]), spread_of_choices(study), reference=in_3d)
+    falling = f"{mei[0]:.1f} N at ball 1 falling at every ball to {mei[-1]:.1f} N at ball 32"
+    sheet.claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
+    sheet.claim("case1_two_point", two_point(load), f"SL {count_of(load[:, 0] > 0)} loaded, SR {count_of(load[:, 1] > 0)}")
+    words = f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model"
+    sheet.claim("case1_lateral", lateral > 0.1, words)
+
+
+def _case_2(study: Study, sheet: Sheet) -> None:
+    case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
+    change = error_percent(case2, case1, float(case1.mean()))
+    most = float(np.abs(np.delete(change, 16)).max())
+    words = f"ball 17 {change[16]:+.1f} % of the mean load, every other ball within {most:.2f} %"
+    sheet.claim("case2_ball17", bool(change[16] > 5.0 * most), words)
+
+
+def _case_3(study: Study, sheet: Sheet) -> None:
+    smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
+    words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
+    sheet.claim("case3_four_point", min(smallest) > 0.0, words)
+    rise = [study.solve(r.offset).load - study.solve(r.plain).load for r in READINGS]
+    last = [int(np.argsort(x[:, 1] + x[:, 2])[-3:].min()) + 1 for x in rise]
+    places = ", ".join(f"{ball} and up ({r.label})" for ball, r in zip(last, READINGS, strict=True))
+    sheet.claim("case3_last_balls", all(x >= 30 for x in last), f"the three largest rises of SR + NL are at balls {places}")
+
+
+def _against_ansys(study: Study, sheet: Sheet) -> None:
+    """The source's errors against ANSYS: those of its model against the 3D reference, and by readings of what the text
+    leaves open."""
+    every = [c.errors["own"] for c in study.once(combined.combinations) if not c.against_text]
+    readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
+    for name, (largest, rms, _) in PRINTED.items():
+        found = study.reference(name)
+        if found is None:
+            continue
+        e = load_error(study.solve(name).load, found.load, found.contacts)
+        for key, error, mean in ((largest, e.own_max_percent, e.max_percent), (rms, e.own_rms_percent, e.rms_percent)):
+            words = (
+                "computed here: the source's model against this project's 3D reference, in per cent of each load "
+                f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed"
+            )
+            values = readings[key]
+            others = f"{len(values)} combinations of readings of what the text leaves open give {min(values):.2f} to "
+            sheet.number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
+
+
+# --- case study 1 under the choices that the source leaves open, and under its faults
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One choice: what it is, the result with it, and what it changes against the first, in per cent of its mean load."""
+
+    label: str
+    result: StaticResult
+    change: LoadError
+
+
+def choices(study: Study) -> list[Choice]:
+    """Case 1 under every choice that the source leaves open, and under its faults; the first is the default."""
+    base = study.solve("lin-case1")
+    case = study.scene("lin-case1")
+    small = with_groove(case, TABLE_CONFORMITY)
+    variants: Sequence[tuple[str, Scene, str]] = (
+        ("default: node at every contact, C.8 with its root, right Hertz constants", case, "lin"),
+        ("partition of the source (15 mm in the nut)", study.changed("lin-case1", partition="source"), "lin"),
+        ("C.8 read without the root", study.changed("lin-case1", section="groove squared"), "lin"),
+        ("groove ignored in the beam's section", study.changed("lin-case1", section="full"), "lin"),
+        (
+            "source's partition and C.8 without the root",
+            study.changed("lin-case1", partition="source", section="groove squared"),
+            "lin",
+        ),
+        ("Hertz constants as printed (faults of Table B.1)", study.changed("lin-case1", hertz="as printed"), "lin"),
+        ("groove radius 0.56 x diameter, right Hertz constants", small, "lin"),
+        (
+            "groove radius 0.56 x diameter, as printed (Table B.1 itself)",
+            replace(small, ingredients=replace(small.ingredients, hertz="as printed")),
+            "lin",
+        ),
+        ("Hertz constants at each contact's actual geometry", study.changed("lin-case1", hertz="actual"), "lin"),
+        ("lever arm frozen at the nominal contact point", study.changed("lin-case1", arm="nominal"), "lin"),
+        ("force enters the beam at the ball's station", study.changed("lin-case1", arm="ball"), "lin"),
+        ("source's own equations (lever arm and station follow the contact angle)", case, "source"),
+        ("axial bars only, rigid nut (Mei)", case, "mei"),
+        ("axial bars only, nut an elastic bar (Mei)", case, "mei-nut"),
+    )
+    found = [(label, study.solve(scene, model)) for label, scene, model in variants]
+    return [Choice(label, result, load_error(result.load, base.load)) for label, result in found]
+
+
+# --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need drawn screws
+
+
+#: Change of a load, in per cent of the mean load, from which a distribution counts as significantly changed: twice the
+#: largest error that the source reports of its own model (5.38 %).
+SIGNIFICANT = 2.0 * 5.38
+#: Fraction of the drawn screws that a claim on random errors must hold in.
+SEEN = 0.05
+
+
+def section_2_4_2(sheet: Sheet, study: Study) -> None:
+    """Numbers and claims of 2.4.2; those on random errors stay open where the study draws no screws."""
+    groove = groove_section(study.scene("lin-case1"))
+    sheet.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
+    sheet.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
+    _given_errors(study, sheet)
+    _single_errors(study, sheet)
+    if study.members != 0:
+        _drawn_errors(study, sheet)
+
+
+def _given_errors(study: Study, sheet: Sheet) -> None:
+    """The errors themselves, as the scenes hold them."""
+    profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
+    for side in SIDES:
+        sheet.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
+        sheet.number(f"pitch_{side}", 1e6 * pitch.side(side).pitch[0].sin)
+    sheet.number("random_sigma", 1e6 * study.scene("lin-random").errors.balls.sigma)
+
+
+def _single_errors(study: Study, sheet: Sheet) -> None:
+    base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
+    for name, load in (("profile", profile), ("pitch", pitch)):
+        words = f"SL {count_of(load[:, 0] > 0)}, SR {count_of(load[:, 1] > 0)} loaded"
+        sheet.claim(f"{name}_two_point", two_point(load), words)
+    little, much = load_error(profile, base), load_error(pitch, base)
+    sheet.claim(
+        "profile_little",
+        little.max_percent < SIGNIFICANT,
+        f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: {much.max_percent:.1f} %)",
+    )
+    sheet.claim(
+        "pitch_much",
+        much.max_percent > SIGNIFICANT,
+        f"largest change {much.max_percent:.1f} % of the mean load, ball {much.ball} {much.side}",
+    )
+
+
+def _drawn_errors(study: Study, sheet: Sheet) -> None:
+    base = study.solve("lin-case1").load
+    random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
+    kept = np.array([two_point(load) for load in random])
+    sheet.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
+    changed = np.array([load_error(load, base).max_percent for load in random])
+    low, high = np.percentile(changed, [5, 95])
+    sheet.claim(
+        "random_much",
+        bool((changed > SIGNIFICANT).mean() > SEEN),
+        f"largest change {low:.0f} to {high:.0f} % of the mean load in nine of ten drawn screws; significant in "
+        f"{count_of(changed > SIGNIFICANT)}",
+    )
+    four = np.array([bool(np.any(load[:, [1, 2]] > 0.0)) for load in combined])
+    words = f"some ball carries on SR or NL in {count_of(four)} drawn screws"
+    sheet.claim("combined_four_point", bool(four.mean() > SEEN), words)
+
+
+SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
+#: Clearances tried for the claim of two-point contact: change of every ball's radius [m].
+CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
+
+
+def spread(result: StaticResult) -> float:
+    """Standard deviation of the loads on SL over their mean."""
+    return float(result.load[:, 0].std() / result.load[:, 0].mean())
+
+
+def unloaded(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Balls without any contact."""
+    return np.asarray(result.load.sum(axis=1) == 0.0)
+
+
+def cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[int, float]:
+    """Dominant number of cycles per turn (1 to 4) in the pattern of lost balls, and its share of the power."""
+    phi = ball_layout(scene).azimuth
+    x = lost.astype(float) - lost.mean()
+    power = np.array([np.abs((x * np.exp(-1j * k * phi)).sum()) ** 2 for k in range(1, 5)])
+    if power.sum() == 0.0:
+        return 0, 0.0
+    return int(power.argmax()) + 1, float(power.max() / power.sum())
+
+
+def readings(scene: Scene) -> list[tuple[str, Scene]]:
+    """Supports and clearances that the source does not print."""
+    rotation = (Support(0.0, (("rz", 0.0),)),)
+    lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
+    no_right = replace(scene.errors, SR=SideErrors())
+    out = [
+        ("as shipped: left end clamped but for axial motion", scene),
+        ("left end: only rotation about the axis held", replace(scene, supports=rotation)),
+        ("left end: lateral displacement and rotation about the axis held", replace(scene, supports=lateral)),
+        ("error on SL only, as the formula is printed", replace(scene, errors=no_right)),
+    ]
+    for c in CLEARANCES[1:]:
+        errors = replace(scene.errors, balls=replace(scene.errors.balls, oversize=c))
+        out.append((f"ball radius smaller by {-1e6 * c:.0f} um", replace(scene, errors=errors)))
+    return out
+
+
+def section_4_3_2(sheet: Sheet, study: Study) -> None:
+    """Numbers and claims of 4.3.2."""
+    pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
+    sheet.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
+    sheet.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
+    sheet.number("force", pitch.loads[0].force[2], "key of the scene")
+    for screw in SCREWS:
+        _claims(study, sheet, screw)
+
+
+def _claims(study: Study, sheet: Sheet, screw: str) -> None:
+    pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
+    third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
+    sheet.claim(
+        f"two_point_{screw}",
+        max(third) == 0.0,
+        f"a third contact carries up to {third[0]:.1f} N (pitch) and {third[1]:.1f} N (roundness); "
+        "with clearance it vanishes, see table manufacturing-readings",
+    )
+    sheet.claim(
+        f"less_uniform_{screw}",
+        spread(roundness) > spread(pitch),
+        f"standard deviation over mean {spread(roundness):.2f} with roundness, {spread(pitch):.2f} with pitch error",
+    )
+    lost = unloaded(roundness)
+    words = f"{count_of(lost)} balls without contact; with pitch error {count_of(unloaded(pitch))}"
+    sheet.claim(f"lost_{screw}", bool(lost.any()), words)
+    count, power = cycles(study.scene(f"lin-roundness-{screw}"), lost)
+    words = f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else "no ball loses contact"
+    sheet.claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)

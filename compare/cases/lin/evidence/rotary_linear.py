@@ -1,0 +1,315 @@
+"""Sections 3.2 and 3.3 and appendix G: evidence of every printed number, each solution made once; other assumptions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from math import degrees
+
+import numpy as np
+
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import entry, load_table, value_of
+from rollbench.lowfi.friction.bearing import rotary
+from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
+from rollbench.lowfi.friction.linear.analytic import velocity_deviation
+from rollbench.lowfi.friction.linear.bearing import Loads
+from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction.screw.groove import Mode
+from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.meshes.arrays import Array
+from rollbench.reports.content import Quantity, Row
+
+#: Tables 3.1 and 3.3: inputs of the two case studies.
+ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force
+LINEAR, VERTICAL, SIDE = source_cases.linear().bearing, source_cases.linear().vertical, float(source_cases.linear().side[0])
+THETA, WORST = source_cases.linear().deviation, source_cases.linear(source_cases.LINEAR_WORST).deviation
+#: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
+CASES = {name: source_cases.rotary(name).displacement for name in source_cases.ROTARY_SCENES}
+#: Slope of the normalised friction force, as printed.
+K_F = source_cases.k_f()
+#: The source's own law of friction, with what was inferred for it.
+PRINTED_LAW = source_law(
+    ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
+)
+LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
+#: Yield strength [MPa] and its multiple that make the allowable pressure of appendix G.
+YIELD, MULTIPLE = 370.0, 4.2
+
+
+# --- solutions, each made once
+
+
+@cache
+def as_printed(case: str) -> rotary.Solution:
+    """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
+    scene = source_cases.rotary(case, printed=True)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
+    return rotary.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
+
+
+@cache
+def right(case: str, hertz: Mode = "right") -> rotary.Solution:
+    """The same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
+    return rotary.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
+
+
+@cache
+def pair(theta: float = THETA, loads: Loads = "balanced", mated: bool = False, mu_balls: float = 0.1) -> PairResult:
+    """The linear pair at the side force ratio of the case study."""
+    return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
+
+
+@cache
+def claim_maps() -> PairMaps:
+    """Coarse maps that the claims are held against: theta from -3 to 3 deg, rho from -0.6 to 0.6."""
+    return maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
+
+
+# --- values of the printed entries
+
+
+def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.1: inputs."""
+    b = ROTARY
+    values = {
+        "R_B": 1e3 * b.ball_radius,
+        "conformity": 0.5 * b.groove_radius / b.ball_radius,
+        "R_P": 1e3 * b.pitch_radius,
+        "beta": degrees(b.contact_angle),
+        "F_x": AXIAL,
+        "omega_I": b.screw_speed / (2.0 * np.pi),
+        "mu": b.mu,
+        "E": b.young,
+        "nu": b.poisson,
+    }
+    sheet.numbers(values)
+
+
+def rotary_value(s: rotary.Solution, key: str) -> float:
+    """Quantity of a row of Table 3.2 (the key without its case) in the unit printed there."""
+    kind, _, what = key.partition("_")
+    if kind == "F":
+        return float(s.load.force.sum() if what == "sum" else s.load.force[rotary.SIDES.index(what)])
+    if kind == "P":
+        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[rotary.SIDES.index(what)])
+    if kind == "omega":
+        return float(s.motion.q["Bxy".index(what)])
+    return 1e3 * s.torque
+
+
+def rise(first: rotary.Solution, raised: rotary.Solution, what: str) -> float:
+    """Increase of the sum of forces [%], or of the torque in torques of the first."""
+    if what == "force":
+        return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
+    return raised.torque / first.torque - 1.0
+
+
+def table_3_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.2 and the increases of 3.2.2: as printed, and with exact Hertz constants and least dissipation."""
+    for row in load_table("lin-3.2"):
+        key, _, case = row.key.rpartition("_")
+        if key.endswith("_increase"):
+            what = key.removesuffix("_increase")
+            faulty, true = rise(as_printed("I"), as_printed(case), what), rise(right("I"), right(case), what)
+        else:
+            faulty, true = rotary_value(as_printed(case), key), rotary_value(right(case), key)
+        words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
+        sheet.number(row.key, true, words, as_printed=faulty)
+
+
+def table_3_3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.3: inputs, the worst case of 3.3.4.1 and its claims."""
+    b = LINEAR
+    values = {
+        "ball_radius": 1e3 * b.ball_radius,
+        "conformity": b.conformity,
+        "psi": b.psi(),
+        "vertical": VERTICAL,
+        "speed": 1e3 * b.speed,
+        "mu": b.mu,
+        "young": b.young,
+        "poisson": b.poisson,
+        "contact_angle": degrees(b.contact_angle),
+        "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
+    }
+    sheet.numbers(values)
+    _worst_case(sheet)
+    _claims_of_maps(sheet, claim_maps())
+
+
+def _worst_case(sheet: Sheet) -> None:
+    worst = pair(WORST)
+    total = 100.0 * worst.touching.loss / worst.free.loss
+    added = float(error_percent(worst.rubbing_ratio, 1.0))
+    sheet.number(
+        "worst_ratio",
+        total,
+        f"an increase of {added:.1f} %, of {float(error_percent(total, 100.0)):.1f} % with the groove losses' "
+        "change, which the right value counts",
+        as_printed=100.0 * worst.rubbing_ratio,
+    )
+
+
+def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
+    difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
+    fields = (force[4:, 2::-1], ratio[4:, 2::-1])
+    grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
+    top = float(error_percent(ratio.max(), 1.0))
+    sheet.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
+    pairs = ((difference, m.difference.error), (force, m.force.error), (ratio - 1.0, m.ratio.error))
+    inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
+    corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
+    sheet.claim(
+        "maps_agree",
+        inside < 0.02 and corner > 3.0 * inside,
+        f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
+        f"at least {corner:.1%} at the corners",
+    )
+    closing = difference > 1e-9
+    apart = float(np.abs(force[~closing]).max())
+    sheet.claim(
+        "sign_region",
+        bool(np.all(force[closing] > 0.0)) and apart < 1e-8,
+        f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
+    )
+
+
+def formula_deviation(mated: bool) -> Array:
+    """Deviations (2,) of both balls by (3.43) at the loads of the text."""
+    angles, loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
+    return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
+
+
+def table_3_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.4: velocity deviations [%], and its inputs."""
+    sheet.numbers({"theta": degrees(THETA), "rho": SIDE})
+    for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
+        scene = source_cases.linear(name)
+        top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
+        sheet.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
+    for case, ball in product("ab", (1, 2)):
+        mated = case == "b"
+        found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)
+        of_text = pair(loads="diagonal", mated=mated).free.deviation  # the text: equal loads on each diagonal
+        balanced, diagonal = (100.0 * float(d[ball - 1]) for d in (found, of_text))
+        if mated:
+            sheet.number(f"{case}_eps{ball}_numerical", balanced)
+        else:
+            sheet.number(f"{case}_eps{ball}_numerical", diagonal, as_printed=balanced)
+        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]))
+
+
+def misprinted_force() -> float:
+    """(3.51) for case (a) with its exponents -2/3 [N if its dimensions held]."""
+    loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
+    right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
+    joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
+    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
+
+
+def table_3_5(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
+    spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
+    formula = {case: pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=case == "b")[1] for case in "ab"}
+    as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
+    for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
+        sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads)
+        sheet.number(f"{case}_force_analytic", formula[case], of_formula)
+    ansys, numerical = (value_of("lin-3.5", f"a_force_{name}") for name in ("ansys", "numerical"))
+    sheet.number("error_numerical", float(error_percent(numerical, ansys)))
+    off = abs(float(error_percent(formula["a"], ansys)))
+    sheet.claim("error_analytic", off < 6.0, f"{off:.1f} % off the printed ANSYS force")
+    for model, case in product(("numerical", "analytic", "ansys"), "ab"):
+        sheet.words(f"{case}_time_{model}", "another machine and language; not compared, see table timing-friction")
+
+
+def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
+    """Ratio b/a, and a over the ball's radius at the Hertz pressure [Pa], of a ball in a straight groove."""
+    h = hertz_constants(
+        np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
+    )
+    return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
+
+
+def appendix_g(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Appendix G: the linear range of the friction force, for the groove of Table 3.3 and conformity 0.52."""
+    pressure = MULTIPLE * YIELD
+    ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
+    slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
+    a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
+    reach, cut = value_of("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
+    off = 100.0 * float(linear_error(ratio, K_F))
+    sheet.number(
+        "k_f",
+        slope,
+        f"exact slope at c = 0 for conformity {LINEAR.conformity}; secant to c/a = 0.5 {slope - 0.25 * cubic:.3f}; the "
+        f"printed slope is off by up to {off:.1f} % of the force",
+    )
+    sheet.words("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
+    sheet.number("pressure", pressure)
+    sheet.number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
+    eta = degrees(reach * a_over_r)
+    sheet.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
+
+
+# --- lin 3.2 and 3.3 under several sets of assumptions: balance of power of the rotary cases, loads of the linear pair
+
+
+def balance_rows() -> list[Row]:
+    """Cases I to III: torque [N mm], power in and out [W], contacts at rest, by three sets of assumptions."""
+    rows: list[Row] = []
+    for case in CASES:
+        for label, s in (
+            ("right", right(case)),
+            ("least dissipation at the loads as printed", right(case, "as printed")),
+            ("as printed", as_printed(case)),
+        ):
+            torque = rotary.inner_torque(ROTARY, s.load, s.motion)
+            power = torque * ROTARY.screw_speed
+            rows.append(
+                {
+                    "case": case,
+                    "model": label,
+                    Quantity("force", "sum of forces", "N", ".3f"): float(s.load.force.sum()),
+                    Quantity("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
+                    Quantity("input", "power in", "W", ".6f"): power,
+                    Quantity("loss", "dissipation", "W", ".6f"): s.motion.loss,
+                    Quantity("balance", "power in against dissipation", "%", "g2"): float(
+                        error_percent(power, s.motion.loss)
+                    ),
+                    Quantity("rest", "contacts at rest", "", "s"): int(s.motion.rest.sum()),
+                    "status": s.motion.status,
+                }
+            )
+    return rows
+
+
+def sensitivity_rows() -> list[Row]:
+    """The linear pair under each assumption on loads and on friction between the balls: deviations and changes in per cent,
+    force in N."""
+    rows: list[Row] = []
+    printed = entry("lin-3.5", "a_force_numerical")
+    against = f"against the printed {printed.printed} N"
+    for loads, mu in product(LOADS, (0.1, 0.0)):
+        r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
+        increase = float(error_percent(worst.touching.loss, worst.free.loss))
+        rows.append(
+            {
+                "loads": loads,
+                Quantity("mu", "friction between balls", "", "g2"): mu,
+                Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[0]),
+                Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[1]),
+                Quantity("force", "force, θ = 2°", "N", ".3f"): r.force,
+                Quantity("error", against, "%", ".2f"): float(error_percent(r.force, printed.value or 0.0)),
+                Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.rubbing_ratio,
+                Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
+                "status": r.touching.status,
+            }
+        )
+    return rows

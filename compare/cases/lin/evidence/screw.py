@@ -1,0 +1,519 @@
+"""Sections 3.4 and 4.3: evidence of every printed number, each solution made once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from math import degrees, radians
+from typing import Literal
+
+import numpy as np
+
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.scenes.catalogue import case as case_of
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.lowfi.friction.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
+from rollbench.lowfi.friction.screw.groove import Mode
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, PairResult, implied_load, oversize_map, solve_pair
+from rollbench.lowfi.friction.screw.run import Run, RunSummary, equal_steps, summarise
+from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
+from rollbench.lowfi.friction.whole.onset import Onset, contact_onset
+from rollbench.meshes.arrays import Array
+from rollbench.reports.content import Quantity, Row
+
+#: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
+THETA = {name: degrees(source_cases.deviation(name)) for name in source_cases.PAIR_SCENES}
+AMPLITUDES = tuple(source_cases.RUN_SCENES)
+#: Angles [rad] of the load in 4.3.1.
+ANGLES = source_cases.bearings().angle
+#: Error of the steps of a run that is small enough, as a fraction of its mean torque.
+STEP_GOAL = 0.003
+#: Scenes of 4.3.2.
+SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
+
+
+# --- solutions, each made once
+
+
+@cache
+def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
+    """A case of Table 3.7 in a reading."""
+    return solve_pair(case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
+
+
+@cache
+def screw_run(amplitude: float) -> History:
+    """The whole screw of 3.4.4 in steps chosen by their error (``stepped``); amplitude [deg] of theta."""
+    return stepped(amplitude)[0]
+
+
+@cache
+def stepped(amplitude: float) -> tuple[History, StepError | None]:
+    """The run with as many steps as keep their error below ``STEP_GOAL``, and that error."""
+    run = source_cases.run_of(amplitude)
+    return resolved(run, run.duration, None, STEP_GOAL)
+
+
+@cache
+def as_stepped(amplitude: float) -> History:
+    """The run over the source's 200 steps, loads and motions at the start of each."""
+    return equal_steps(source_cases.run_of(amplitude))
+
+
+@cache
+def loose_run() -> History:
+    """The same with 3 degrees, without oversize, friction moving balls and screw."""
+    return equal_steps(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
+
+
+@cache
+def curve(name: str, tilt: bool) -> TorqueCurve:
+    """Torque against load angle of a bearing of Table 4.2, "4P" or "DR"."""
+    return torque_curve(source_cases.four_point(tilt=tilt) if name == "4P" else source_cases.double_row(tilt=tilt), ANGLES)
+
+
+def cut(found: TorqueCurve, end: float) -> float:
+    """Largest over smallest torque up to a load angle [deg]."""
+    torque = found.torque[found.angle <= radians(end) * (1.0 + 1e-12)]
+    return float(torque.max() / torque.min())
+
+
+def increase(r: PairResult) -> float:
+    """Increase of all losses by contact [%]."""
+    return float(error_percent(r.touching.motion.loss, r.free.motion.loss))
+
+
+def onset(study: Study, errors: str, idle: float) -> Onset:
+    """Onset of ball-to-ball contact with errors of a kind on the screw of Table 4.1."""
+    name = SCREWS[errors]
+    return contact_onset(study.scene(name), study.solve(name), idle=idle)
+
+
+# --- values of the printed entries
+
+
+def given_3_6(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.6: inputs."""
+    g = source_cases.table_3_6()
+    values = {
+        "R_B": 1e3 * g.ball_radius,
+        "conformity": 0.5 * g.groove_radius / g.ball_radius,
+        "R_P": 1e3 * g.pitch_radius,
+        "lead": 1e3 * g.lead,
+        "beta": degrees(g.contact_angle),
+        "omega_N": g.speed / np.pi,
+        "mu": g.mu,
+        "nu": g.poisson,
+        "force": source_cases.plain(0.0).force[0],
+        "theta_1": degrees(source_cases.plain().theta[0]),
+        "theta_2_a": THETA["a"],
+        "theta_2_b": THETA["b"],
+    }
+    sheet.numbers(values)
+    _modulus(sheet, g.young)
+
+
+def _modulus(sheet: Sheet, young: float) -> None:
+    """Young's modulus in the unit printed."""
+    sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
+
+
+def table_3_7(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 3.7 and the text around it: plain reading and inferred reading."""
+    for case in THETA:
+        _pair_of_3_7(sheet, case)
+        force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
+        sheet.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
+        sheet.words(f"ansys_{case}", "another program; the 3D model of this project is in table rolling-pairs")
+        words = "another machine and language; run times of this project are in table timing-friction"
+        sheet.words(f"time_{case}", words)
+
+
+def _pair_of_3_7(sheet: Sheet, case: str) -> None:
+    force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
+    as_text, oversized = pair(case, "plain"), pair(case, "inferred")
+    implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
+    off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
+    sheet.number(
+        f"force_{case}",
+        as_text.force,
+        f"{_both(as_text.force, oversized.force)}; the text as it stands does not give it ({off[0]:+.0f} %): printed force "
+        f"and increase imply {implied:.0f} N of contact load a ball, the plain reading has {as_text.load.mean():.0f} N, "
+        f"the inferred one {oversized.load.mean():.0f} N ({off[1]:+.1f} %)",
+        reading=oversized.force,
+    )
+    values = increase(as_text), increase(oversized)
+    off = [float(error_percent(value, percent)) for value in values]
+    words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
+    sheet.number(f"increase_{case}", values[0], words, reading=values[1])
+
+
+def _both(as_text: float, oversized: float) -> str:
+    return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
+
+
+def settled(r: History) -> Array:
+    """Torque of the grooves [N m] after the first step, whose loads are computed without friction."""
+    return r.groove_torque[1:]
+
+
+def variation(r: History) -> float:
+    """Largest less smallest torque of the grooves over its mean, from the second step on."""
+    torque = settled(r)
+    return float(np.ptp(torque) / torque.mean())
+
+
+def engages_again(r: History) -> bool:
+    """Whether contact begins, ends and begins again."""
+    touch = np.asarray(np.any(r.contact, axis=1), dtype=bool).reshape(-1)
+    changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
+    return not bool(touch[0]) and changes.tolist() == [True, False, True]
+
+
+def steps_in_words(amplitude: float) -> str:
+    """How many steps the run takes, their error, and what the source's own number of steps would give."""
+    (found, error), base = stepped(amplitude), as_stepped(amplitude)
+    size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
+    few = 100.0 * summarise(base).largest
+    return (
+        f"in {found.steps} steps, whose error is {size} of the mean torque; the source's {base.steps} steps give "
+        f"{few:.1f} %"
+    )
+
+
+def section_3_4_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """3.4.4: inputs, the numbers with theta of 3 degrees (and of 2 in the words), and the claims."""
+    base = source_cases.lin_3_4_4()
+    inputs = {
+        "balls": base.count,
+        "turns": base.turns,
+        "force": base.force[0],
+        "duration": base.duration,
+        "steps": base.steps,
+        "occupation": 100.0 * base.occupation,
+    }
+    sheet.numbers(inputs)
+    _numbers_of_run(sheet)
+    _claims_of_run(sheet)
+
+
+def _numbers_of_run(sheet: Sheet) -> None:
+    low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
+    assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
+    earlier = "; earlier than printed, see table friction-run-sensitivity"
+    between = (
+        f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; the source's rule of contact"
+    )
+    words = f"{between}, which lets balls overlap, gives less (table friction-run-sensitivity); {steps_in_words(3.0)}"
+    sheet.number("largest", 100.0 * high.largest, words)
+    sheet.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + earlier)
+    sheet.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + earlier)
+
+
+def _claims_of_run(sheet: Sheet) -> None:
+    low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
+    words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
+    sheet.claim("groups", low.groups == high.groups == 4, words)
+    vary = [low.groove_variation, high.groove_variation]
+    loose = loose_run()
+    sheet.claim(
+        "groove_steady",
+        max(vary) < 0.03,
+        f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
+        f"coupled to friction, {variation(loose):.1%} from the second step on and {summarise(loose).groove_variation:.0%} "
+        "with the first, whose loads are computed without friction: mostly the start, not third contacts that come and go",
+    )
+    again = [engages_again(screw_run(a)) for a in AMPLITUDES]
+    sheet.claim("none_then_again", all(again), "with 2 and with 3 deg")
+
+
+def table_4_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Table 4.2: inputs; dimensions that enter no model here stay open."""
+    four, double = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False)
+    g = four.groove
+    values = {
+        "pitch_diameter": 2e3 * g.pitch_radius,
+        "beta": degrees(g.contact_angle),
+        "nu": g.poisson,
+        "force": four.force,
+        "speed": g.screw_speed / (2.0 * np.pi),
+    }
+    for key, case in (("4p", four), ("dr", double)):
+        values |= {
+            f"ball_{key}": 1e3 * case.groove.ball_radius,
+            f"groove_{key}": 1e3 * case.groove.groove_radius,
+            f"balls_{key}": case.count,
+        }
+    sheet.numbers(values)
+    _modulus(sheet, g.young)
+    apart = 2e3 * (double.rows[1].place - double.rows[0].place)
+    sheet.number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
+    for key in ("outer_diameter", "inner_diameter", "thickness_4p"):
+        sheet.words(key, "enters no model here: nothing to compare")
+
+
+def section_4_3(sheet: Sheet, study: Study) -> None:
+    """4.3.1 and the conclusion of 4.3.2 carried through to ball-to-ball contact."""
+    _bearings(sheet)
+    first = {(e, i): degrees(onset(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
+    lost = {e: int((onset(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
+    sheet.claim(
+        "roundness_quicker",
+        all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)),
+        f"first meeting within {first['roundness', 0.0]:.1f} deg of the nut if lost balls stand, "
+        f"{first['roundness', 0.9]:.0f} deg at 0.9 of the nominal velocity; with pitch error "
+        f"{first['pitch', 0.0]:.0f} deg; {lost['roundness']} balls lost against {lost['pitch']}",
+    )
+
+
+def _bearings(sheet: Sheet) -> None:
+    four, double = curve("4P", True), curve("DR", True)
+    ratios = cut(four, 18.0), cut(double, 18.0), cut(curve("DR", False), 18.0)
+    at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
+    still = cut(curve("4P", False), 18.0)
+    words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
+    sheet.number("ratio_4p", ratios[0], words)
+    sheet.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
+    sheet.claim(
+        "dr_consistent",
+        bool(np.all(double.four == 0)) and ratios[1] < 1.28,
+        f"never more than two contacts a ball; ratio {ratios[1]:.2f} with tilt, {ratios[2]:.2f} without",
+    )
+    sheet.claim(
+        "transition",
+        bool(four.four[0] == 0 and at_18 > 0),
+        f"{int(four.four[0])} balls beyond two contacts at 0 deg, {at_18} of {source_cases.four_point().count} at 18 deg",
+    )
+
+
+#: Ends of the range [deg] that the ratio of torques of 4.3.1 is taken over.
+ENDS = (10.0, 18.0, 30.0)
+#: Steps and time [s] of the runs in the sensitivity table: one turn of the nut, 7.2 degrees a step.
+SHORT = {"steps": 50, "duration": 1.0}
+#: Velocities of unloaded balls over the nominal one.
+IDLE = (0.0, 0.5, 0.9, 1.0)
+#: Labels of rows that the introduction quotes.
+AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
+AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
+#: Oversizes [m] and axial loads [N] of the maps of a pair.
+OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0)
+
+
+def oversize_text() -> str:
+    """The inferred oversize in words."""
+    return f"{1e6 * source_cases.inferred_oversize():g} µm"
+
+
+def oversized() -> str:
+    """Label of the inferred reading."""
+    return f"{oversize_text()} oversize, not coupled"
+
+
+def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
+    """Readings of Table 3.7: kind, what is assumed, the pair of a theta [rad]."""
+
+    def wide(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+        return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
+
+    radial = wide(source_cases.plain, free="r", force=(100.0,), coupling="none")
+    smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
+    size = oversize_text()
+    one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.table_3_6(hertz="as printed")
+    return [
+        ("plain", AS_TEXT, source_cases.plain),
+        ("plain, varied", UNCOUPLED, wide(source_cases.plain, coupling="none")),
+        ("plain, varied", "friction moves balls and screw", wide(source_cases.plain, coupling="ball and screw")),
+        ("plain, varied", "50 N radially on each ball, not coupled", radial),
+        ("inferred", oversized(), source_cases.inferred),
+        ("inferred, varied", f"{size}, friction moves the balls", wide(source_cases.inferred, coupling="ball")),
+        (
+            "inferred, varied",
+            f"{size}, friction moves balls and screw",
+            wide(source_cases.inferred, coupling="ball and screw"),
+        ),
+        ("inferred, varied", "half the oversize", wide(source_cases.inferred, oversize=smaller)),
+        ("inferred, varied", "one and a half times the oversize", wide(source_cases.inferred, oversize=larger)),
+        ("inferred, varied", f"{size}, 25 N instead of 50 N", wide(source_cases.inferred, force=(25.0,))),
+        ("inferred, varied", f"{size}, 100 N instead of 50 N", wide(source_cases.inferred, force=(100.0,))),
+        ("inferred, varied", f"{size}, theta on one contact of the screw", wide(source_cases.inferred, pattern=(one, one))),
+        (
+            "inferred, varied",
+            f"{size}, screw's groove shifted sideways",
+            wide(source_cases.inferred, pattern=(SHIFTED, SHIFTED)),
+        ),
+        ("inferred, varied", f"{size}, Hertz constants of Table B.1", wide(source_cases.inferred, groove=faulty)),
+    ]
+
+
+def reading_rows() -> list[Row]:
+    """Table 3.7 in each reading: force [N], increase [%], a ball's load [N], error of the force [%]."""
+    rows = list[Row]()
+    for kind, label, make in readings():
+        row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
+        good = True
+        for case, theta in THETA.items():
+            r = solve_pair(make(radians(theta)))
+            off = float(error_percent(r.force, value_of("lin-3.7", f"force_{case}")))
+            row |= {
+                Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
+                Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
+                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): increase(r),
+                Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.load.mean()),
+            }
+            good = good and r.converged
+        rows.append(row | {"status": "converged" if good else "not converged"})
+    return rows
+
+
+def implied_contact_load() -> float:
+    """Contact load [N] of a ball that the printed force and increase of case a imply together."""
+    force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
+    return implied_load(source_cases.inferred(radians(THETA["a"])), force, 1e-2 * increase)
+
+
+@cache
+def pair_map(case: str, coupling: Coupling) -> PairMap:
+    """Force and increase of a case of Table 3.7 over ``OVERSIZE`` and ``AXIAL``."""
+    return oversize_map(
+        replace(source_cases.inferred(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
+    )
+
+
+def run_changes() -> list[tuple[str, str, dict[str, object]]]:
+    """What is varied in the whole run: assumption, label of its value, changes of the run."""
+    changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
+    changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
+    changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
+    changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
+    changes += [
+        ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
+        ("coupling", f"{oversize_text()}, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
+        ("phase of theta", "180°", {"phase": np.pi}),
+        ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
+        ("first ball", "an eighth of a distance back", {"first": 0.375}),
+        ("return tube", "one ball long", {"tube": source_cases.table_3_6().pair.spacing}),
+        ("time step", "3.6° of the nut", {"steps": 100}),
+    ]
+    return changes
+
+
+#: What a row on the whole run says.
+RUN = (
+    Quantity("assumption", "assumption", "", "s"),
+    Quantity("value", "value", "", "s"),
+    Quantity("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
+    Quantity("at", "at nut angle", "°", ".0f"),
+    Quantity("none_at", "no contact at", "°", ".0f"),
+    Quantity("groups", "groups at most", "", "s"),
+    Quantity("variation", "variation of groove torque, from step 2", "%", ".1f"),
+    Quantity("torque", "mean groove torque", "N mm", ".2f"),
+    Quantity("steps", "steps converged", "", "s"),
+)
+
+
+def summary_row(label: str, value: str, r: History) -> Row:
+    """Row of the sensitivity table."""
+    s: RunSummary = summarise(r)
+    touches = s.largest > 0.0
+    at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
+    torque, steps = 1e3 * float(settled(r).mean()), f"{int(r.converged.sum())} of {r.converged.size}"
+    values = label, value, 100.0 * s.largest, at, none_at, s.groups, 100.0 * variation(r), torque, steps
+    return dict(zip(RUN, values, strict=True))
+
+
+def source_run_row(run: Run) -> Row:
+    """The same run by the method of the source: motions without contact decide what touches, gaps may become negative."""
+    r = simulate_by_root(run)
+    ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
+    top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
+    later = np.flatnonzero(~touching.any(axis=1) & (np.arange(angle.size) > top))
+    torque, none_at = r.groove_torque[1:], float(angle[later[0]]) if later.size else None
+    overlap = 100.0 * r.overlap / run.groove.pair.spacing
+    value = f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size"
+    spread, steps = 100.0 * float(np.ptp(torque) / torque.mean()), f"{len(r.status) - r.failures} of {len(r.status)}"
+    first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
+    values = *first, int(np.max(groups(touching))), spread, 1e3 * float(torque.mean()), steps
+    return dict(zip(RUN, values, strict=True))
+
+
+def run_rows() -> list[Row]:
+    """The whole run as the case study, by the source's rule of contact, and with one assumption changed at a time."""
+    names = [f"theta of {a:g}°" for a in AMPLITUDES]
+    rows = [
+        summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).steps} steps", screw_run(a))
+        for n, a in zip(names, AMPLITUDES, strict=True)
+    ]
+    rows.append(source_run_row(source_cases.lin_3_4_4()))
+    rows += [
+        summary_row(name, value, equal_steps(source_cases.lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()
+    ]
+    return rows
+
+
+def bearing_cases() -> list[tuple[str, str, BearingCase]]:
+    """Bearings of 4.3.1 under varied assumptions."""
+    face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
+    four = source_cases.four_point(tilt=True)
+    faulty: Mode = "as printed"
+    out = [
+        ("four-point", "tilt free, no clearance", four),
+        ("four-point", "tilt held", source_cases.four_point(tilt=False)),
+    ]
+    out += [
+        ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
+        for p in (0.25, 0.5)
+    ]
+    out += [("four-point", f"clearance {1e6 * c:g} µm", replace(four, clearance=c)) for c in (-1e-6, 2e-6, 5e-6)]
+    out += [
+        ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
+        ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
+        ("double row", "tilt free, back to back", source_cases.double_row(tilt=True)),
+        ("double row", "tilt held", source_cases.double_row(tilt=False)),
+        ("double row", "tilt free, face to face", source_cases.double_row(tilt=True, rows=face)),
+    ]
+    return out
+
+
+def bearing_rows() -> list[Row]:
+    """Bearings of Table 4.2: torque [N mm] without angle, ratio of torques over ranges of the load's angle."""
+    rows = list[Row]()
+    for bearing, label, case in bearing_cases():
+        found = torque_curve(case, ANGLES)
+        torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
+        row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
+        row |= {
+            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): cut(found, end) for end in ENDS
+        }
+        upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
+        status = "converged" if found.converged.all() else "not converged"
+        four = Quantity("four", "balls beyond two contacts, to 18°", "", "s")
+        rows.append(row | {four: int(found.four[upto].max()), "status": status})
+    return rows
+
+
+def onset_rows(study: Study) -> list[Row]:
+    """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
+    rows = list[Row]()
+    for errors in SCREWS:
+        for idle in IDLE:
+            o = onset(study, errors, idle)
+            meet, first = int(np.isfinite(o.meeting).sum()), degrees(o.first) if np.isfinite(o.first) else None
+            rows.append(
+                {
+                    "errors": errors,
+                    Quantity("idle", "speed of unloaded balls over nominal", "", "g2"): idle,
+                    Quantity("lost", "balls without load", "", "s"): int((o.loaded == 0.0).sum()),
+                    Quantity("meet", "neighbours that close in", "", "s"): f"{meet} of {o.meeting.size}",
+                    Quantity("first", "first meeting, nut angle", "°", "g4"): first,
+                    "status": "converged" if o.converged else "not converged",
+                }
+            )
+    return rows

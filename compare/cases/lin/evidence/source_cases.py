@@ -1,0 +1,95 @@
+"""Cases of the source that evidence, sections, benches and tests vary: read from the shipped scenes, changed by keyword.
+
+Nothing of a case is written here: its numbers, and what is assumed or inferred, stand in ``compare/scenes``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.scenes.catalogue import case
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
+from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.lowfi.friction.bearing.pairs import BearingCase
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.pair import Pair
+from rollbench.lowfi.friction.screw.run import Run
+
+#: Scenes of the cases of 3.2: as computed here, and with the source's constants and law.
+ROTARY_SCENES = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}
+PAIR_SCENES = {"a": "lin-screw-pair-a", "b": "lin-screw-pair-b"}
+#: Scenes of 3.4.4 by the amplitude of theta [deg].
+RUN_SCENES = {2.0: "lin-screw-run-2deg", 3.0: "lin-screw-run"}
+LINEAR_PAIR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-worst"
+BEARINGS = "lin-bearing-pairs"
+
+
+def rotary(name: str, *, printed: bool = False) -> BearingBallScene:
+    """Case "I", "II" or "III" of Table 3.2; printed: with the source's constants and law."""
+    return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
+
+
+def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
+    """A pair of the linear bearing of Table 3.3."""
+    return case(name, LinearPairScene)
+
+
+def k_f() -> float:
+    """Slope of friction force over c/a as the source read it off its Figure 3.11 (appendix G): its formulas need it."""
+    return value_of("lin-G", "k_f")
+
+
+def plain(theta: float | None = None) -> Pair:
+    """The text of 3.4.3 as it stands: no clearance, friction coupled to the loads; another ``theta`` [rad] ahead."""
+    return _with_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
+
+
+def inferred(theta: float | None = None) -> Pair:
+    """Inferred, not printed: oversize balls, so that all four contacts carry load; another ``theta`` [rad] ahead."""
+    return _with_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
+
+
+def _with_theta(pair: Pair, theta: float | None) -> Pair:
+    return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
+
+
+def deviation(name: str) -> float:
+    """Deviation theta [rad] of case "a" or "b" of Table 3.7."""
+    return case(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
+
+
+def inferred_oversize() -> float:
+    """Oversize of the ball radius [m] inferred from Table 3.7."""
+    return inferred().oversize
+
+
+def table_3_6(**changes: object) -> ScrewGroove:
+    """Screw of Table 3.6; ``changes``: other values."""
+    return replace(plain().groove, **changes)  # type: ignore[arg-type]
+
+
+def lin_3_4_4(**changes: object) -> Run:
+    """The run of 3.4.4 with its assumptions; ``changes``: other values."""
+    return replace(run_of(3.0), **changes)  # type: ignore[arg-type]
+
+
+def run_of(degrees: float) -> Run:
+    """The shipped run of 3.4.4 with theta of 2 or 3 degrees."""
+    return case(RUN_SCENES[degrees], ScrewRunScene).run
+
+
+def bearings() -> BearingPairScene:
+    """Both bearings of Table 4.2 and the angles of the load."""
+    return case(BEARINGS, BearingPairScene)
+
+
+def four_point(*, tilt: bool = True, **changes: object) -> BearingCase:
+    """Four-point bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
+    return replace(bearings().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
+
+
+def double_row(*, tilt: bool = True, **changes: object) -> BearingCase:
+    """Double-row bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
+    return replace(bearings().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]

@@ -1,0 +1,308 @@
+"""Section 4.2: lash tests of a ball screw, sizing of bearing and ball screw in a steering gear, and what is not printed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.statics.result import AxisResult
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.parts import Load, Scene, Support
+
+#: Greatest force of the axial lash test [N]; that of the conical one is not printed, and taken to be the same.
+FORCE = 200.0
+#: Loaded track of Table 4.1 [turns], and directions of the lateral force [rad]: each with its opposite.
+TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
+#: Freedoms of the screw's left end that are held: turning only.
+TURNING = ("rz",)
+PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
+
+
+def places(scene: Scene, pattern: str) -> tuple[float, ...]:
+    """Azimuths [rad] of the balls in a pattern of figure 4.2, those that are stacked touching one another.
+
+    One side is where the axes of x and of the balls meet; at the other the gap is left in every turn.
+    """
+    n, track = scene.ball_count, scene.track
+    full = 2.0 * np.pi * TURNS
+    if pattern == "evenly distributed":
+        return tuple(full * ((np.arange(n) + 0.5) / n - 0.5))
+    step = 2.0 * scene.balls.radius * (1.0 + 1e-9) / float(np.hypot(track.pitch_radius, reduced_lead(track)))
+    free = full - step * n
+    at = -0.5 * full + step * (np.arange(n) + 0.5)
+    if pattern == "stacked on one end":
+        return tuple(at)
+    if pattern == "half-half":
+        return tuple(np.where(np.arange(n) < n // 2, at, at + free))
+    gaps = np.pi * np.array([k for k in range(-9, 10, 2) if abs(k) < TURNS])
+    wide = free / gaps.size
+    out = at.copy()
+    for gap in gaps:
+        out = np.where(out > gap - 0.5 * wide, out + wide, out)
+    return tuple(out)
+
+
+def with_balls(scene: Scene, pattern: str) -> Scene:
+    """The screw with its balls at the places of a pattern."""
+    return replace(scene, balls=replace(scene.balls, azimuths=places(scene, pattern)))
+
+
+def held_at_left(freedoms: Sequence[str]) -> tuple[Support, ...]:
+    """Support of the screw's left end: the freedoms that are held."""
+    return (Support(0.0, tuple((name, 0.0) for name in freedoms)),)
+
+
+def axial(scene: Scene, held: Sequence[str] = TURNING) -> float:
+    """Peak-to-peak displacement [m] of the screw's left end under +-FORCE along its axis, some freedoms held there."""
+    low, high = axial_curve(scene, (-FORCE, FORCE), held)
+    return high - low
+
+
+def axial_curve(scene: Scene, forces: Sequence[float], held: Sequence[str] = TURNING) -> list[float]:
+    """Displacement [m] of the screw's left end along its axis under forces [N] along it."""
+    base = replace(scene, supports=held_at_left(held))
+    return [float(_moved(replace(base, loads=(Load(0.0, (0.0, 0.0, f)),)))[0, 2]) for f in forces]
+
+
+def conical(scene: Scene, direction: float, reach: float, held: Sequence[str] = TURNING) -> float:
+    """Peak-to-peak displacement [m] along +-FORCE across the screw, ``reach`` [m] to the right of the nut's centre."""
+    low, high = conical_curve(scene, (-FORCE, FORCE), direction, reach, held)
+    return high - low
+
+
+def conical_curve(
+    scene: Scene, forces: Sequence[float], direction: float, reach: float, held: Sequence[str] = TURNING
+) -> list[float]:
+    """Displacement [m] along forces [N] across the screw in a direction [rad], ``reach`` [m] to the right of the nut."""
+    at = scene.nut.position + reach
+    across = np.array([np.cos(direction), np.sin(direction)])
+    base, found = replace(scene, supports=held_at_left(held)), []
+    for f in forces:
+        x, y = f * across
+        moved = solve_static(replace(base, loads=(Load(at, (float(x), float(y), 0.0)),)), engine="compiled")
+        where = [np.interp(at, moved.centreline_z, moved.centreline[:, k]) for k in (0, 1)]
+        found.append(float(across @ np.array(where)))
+    return found
+
+
+def _moved(scene: Scene) -> Array:
+    return solve_static(scene, engine="compiled").centreline
+
+
+def difference(values: list[float]) -> float:
+    """(largest - smallest) / smallest [%] over the patterns: the definition that fits the printed axial one best."""
+    return float(error_percent(max(values), min(values)))
+
+
+@dataclass(frozen=True)
+class Lash:
+    """Differences [%] over the patterns: of the axial lash, and of the conical one by direction."""
+
+    axial: float
+    conical: tuple[float, ...]
+
+
+def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
+    """Both tests of a screw, the lateral force at a distance [m] from the nut; held: freedoms of the screw's left end."""
+    screws = [with_balls(scene, p) for p in PATTERNS]
+    cones = tuple(difference([conical(s, d, reach, held) for s in screws]) for d in DIRECTIONS)
+    return Lash(difference([axial(s, held) for s in screws]), cones)
+
+
+# --- section 4.2: lash tests of a ball screw, sizing of bearing and ball screw in a steering gear
+
+
+#: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
+SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
+RACK_FORCE, REACH = 14500.0, 0.3
+#: Tie-rod angles [deg], and stations of the pinion [m], which the source does not print.
+TIE_ROD, TRIED = (0.0, 6.0, 12.0, 18.0), (0.45, 0.6, 0.7)
+
+
+def rack() -> Assembly:
+    """The shipped steering gear."""
+    found = catalogue.shipped(RACK)
+    if not isinstance(found, Assembly):
+        raise AssertionError(f"{RACK} has several sets")
+    return found
+
+
+def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
+    """The gear with half of the rack force at either end, at a tie-rod angle [deg]; opposed: the side forces of both ends
+    against one another."""
+    t = np.radians(angle)
+    sides = (1.0, -1.0 if opposed else 1.0)
+    forces = [(side * 0.5 * RACK_FORCE * float(np.sin(t)), 0.0, 0.5 * RACK_FORCE * float(np.cos(t))) for side in sides]
+    loads = tuple(replace(x, force=f) for x, f in zip(gear.loads, forces, strict=True))
+    return run_model(replace(gear, loads=loads), "lin", Options(engine="compiled"))
+
+
+def largest(result: AxisResult) -> tuple[float, float]:
+    """Largest contact loads [N] of ball screw and bearing."""
+    screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
+    return screw, bearing
+
+
+def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
+    """Largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
+    low, high = largest(at_angle(gear, 0.0)), largest(at_angle(gear, 18.0, opposed=opposed))
+    return high[0] / low[0], high[1] / low[1]
+
+
+def section_4_2(sheet: Sheet, study: Study) -> None:
+    """Table 4.1 and sections 4.2.1, 4.2.2."""
+    scene = study.scene(SCREW)
+    material = scene.balls.material
+    given = {
+        "length": 1e3 * scene.screw.length,
+        "position": 1e3 * scene.nut.position,
+        "pitch_radius": 1e3 * scene.track.pitch_radius,
+        "lead": 1e3 * scene.track.lead,
+        "beta": float(np.degrees(scene.track.contact_angle)),
+        "ball": 1e3 * scene.balls.radius,
+        "groove": 1e3 * scene.screw.groove_radius,
+        "balls": float(scene.ball_count),
+        "turns": TURNS,
+        "E": material.youngs_modulus,
+        "nu": material.poissons_ratio,
+    }
+    sheet.numbers(given)
+    _lash(sheet, study)
+    _sizing(sheet)
+
+
+def _lash(sheet: Sheet, study: Study) -> None:
+    found = lash(study.scene(SCREW), REACH)
+    by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
+    words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
+    sheet.number("axial", found.axial, "screw kept from turning only")
+    sheet.number("conical", max(found.conical), words)
+    sheet.claim("robust", found.axial < min(found.conical), f"{found.axial:.1f} % against {by_direction} %")
+
+
+def _sizing(sheet: Sheet) -> None:
+    gear = rack()
+    results = [at_angle(gear, angle) for angle in TIE_ROD]
+    loads = np.array([largest(r) for r in results])
+    places = []
+    for z in TRIED:
+        (pinion,) = gear.supports
+        screw, bearing = ratios(replace(gear, supports=(replace(pinion, at=z),)))
+        places.append(f"{1e3 * z:.0f} mm: {screw:.2f} and {bearing:.2f}")
+    words = f"by the pinion's station, ball screw and bearing: {'; '.join(places)}"
+    sheet.number("ratio_screw", float(loads[-1, 0] / loads[0, 0]), words)
+    sheet.number("ratio_bearing", float(loads[-1, 1] / loads[0, 1]), words)
+    over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
+    sheet.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
+    even, ring = (_loaded(results[0], i) for i in range(2))
+    sheet.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
+    tilted = _loaded(results[-1], 0)
+    low, high = (float(x / even.mean()) for x in (even.min(), even.max()))
+    words = (
+        f"{even.min():.0f} to {even.max():.0f} N, {low:.2f} to {high:.2f} of the mean, scatter "
+        f"{100.0 * even.std() / even.mean():.0f} %; at 18 deg up to {tilted.max() / tilted.mean():.2f} of it"
+    )
+    sheet.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
+
+
+def _loaded(result: AxisResult, i: int) -> Array:
+    """Loads [N] of the contacts of a set that carry."""
+    balls = result.sets[i].balls
+    if balls is None:
+        raise AssertionError("the set has balls")
+    return np.asarray(balls.load[balls.load > 0.0])
+
+
+# --- how the results of Lin 4.2 depend on what the source does not print: lash of 4.2.1, ratios of 4.2.2
+
+
+#: Outer diameters [m], distances of the lateral force from the nut [m], restraints of the screw's left end.
+DIAMETERS, REACHES = (26e-3, 28e-3, 30e-3), (0.1, 0.2, 0.3, 0.5)
+RESTRAINTS = {
+    "turning only": TURNING,
+    "guided across": ("ux", "uy", "rz"),
+    "clamped but for its axis": ("ux", "uy", "rx", "ry", "rz"),
+}
+#: Stations of the pinion [m], its restraints, offsets of the bearing from the nut's centre [m], angles [deg].
+PINIONS = (0.35, 0.45, 0.55, 0.65, 0.75)
+PINION_HOLDS = {"held but along the rack": ("ux", "uy", "rx", "ry", "rz"), "pinned across": ("ux", "uy", "rz")}
+OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
+
+
+@dataclass(frozen=True)
+class LashPoint:
+    """Open inputs, and the differences [%] over the ball patterns that they give."""
+
+    changed: str
+    diameter: float
+    position: float
+    reach: float
+    restraint: str
+    found: Lash
+
+
+def lash_map(scene: Scene) -> Iterator[LashPoint]:
+    """Each open input of the lash tests changed by itself; the force stays on the longer side of the screw."""
+    usual = scene.screw.outer_diameter, scene.nut.position, REACH, "turning only"
+    cases = [("as taken", usual)]
+    cases += [("outer diameter", (d, *usual[1:])) for d in DIAMETERS if d != usual[0]]
+    cases += [("position of the nut", (usual[0], 0.5 * scene.screw.length, *usual[2:]))]
+    cases += [("distance of the lateral force", (*usual[:2], x, usual[3])) for x in REACHES if x != usual[2]]
+    cases += [("restraint", (*usual[:3], name)) for name in RESTRAINTS if name != usual[3]]
+    for changed, (diameter, position, reach, restraint) in cases:
+        screw, nut = replace(scene.screw, outer_diameter=diameter), replace(scene.nut, position=position)
+        found = lash(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
+        yield LashPoint(changed, diameter, position, reach, restraint, found)
+
+
+@dataclass(frozen=True)
+class RatioPoint:
+    """Layout of the steering gear, and largest loads at 18 deg over those at 0 deg of ball screw and bearing."""
+
+    pinion: float
+    hold: str
+    opposed: bool
+    offset: float
+    screw: float
+    bearing: float
+
+
+def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
+    """The gear with its pinion at a station [m], held as named, its bearing by an offset [m] from the nut's centre."""
+    (support,) = gear.supports
+    held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
+    sets = []
+    for s in gear.sets:
+        at = s.position + offset
+        if s.carrier is not None and isinstance(s.parts, Scene):
+            s = replace(s, position=at, parts=replace(s.parts, nut=replace(s.parts.nut, position=at)))
+        sets.append(s)
+    return replace(gear, supports=(held,), sets=tuple(sets))
+
+
+def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
+    """Ratios over the pinion's station, for each restraint, sense of the side forces, and offset of the bearing.
+
+    A pinion that holds the rack against tilting keeps the far end's side force from the nut: its sense is of no account.
+    """
+    for hold in PINION_HOLDS:
+        for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
+            for offset in OFFSETS:
+                for pinion in PINIONS:
+                    layout = with_layout(gear, pinion, hold, offset)
+                    yield RatioPoint(pinion, hold, opposed, offset, *ratios(layout, opposed=opposed))
+
+
+def over_angles(gear: Assembly) -> list[tuple[float, float]]:
+    """Largest loads [N] of ball screw and bearing at the tie-rod angles."""
+    return [largest(at_angle(gear, angle)) for angle in ANGLES]

@@ -1,0 +1,162 @@
+"""Lash tests and steering gear (Lin 4.2): curves, and the printed results as functions of what is not printed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rollbench.compare.cases.lin.evidence import steering
+from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, rack
+from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.sections.finding_table import printed_table
+from rollbench.meshes.parts import Scene
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+
+ABOUT = (
+    "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
+    "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
+    "smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define it.",
+    "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
+    "directions, and always less than the largest of them. The numbers depend on the distance of the force "
+    "and the restraint of the screw more than they differ from the printed ones.",
+    "Rack: the printed ratios depend on place and restraint of the pinion, on the directions of the two "
+    "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
+    "not identifiable, and no layout is chosen by them.",
+)
+#: Note of the table of layouts.
+SENSE = (
+    "A pinion that holds the rack against tilting keeps the far side force away from the nut, so its "
+    "direction no longer matters."
+)
+
+
+def lash_figure(scene: Scene) -> Figure:
+    """Curves of both tests for the four patterns, and the conical one over the direction of its force."""
+    force = np.linspace(-steering.FORCE, steering.FORCE, 17)
+    around = np.linspace(0.0, 180.0, 13)
+    newtons, degrees = [float(f) for f in force], [float(d) for d in around]
+    axial, conical, peaks = [], [], []
+    for pattern in steering.PATTERNS:
+        screw = steering.with_balls(scene, pattern)
+        axial.append(Series(pattern, newtons, _micro(steering.axial_curve(screw, newtons)), "line"))
+        conical.append(Series(pattern, newtons, _micro(steering.conical_curve(screw, newtons, 0.0, REACH)), "line"))
+        displaced = [steering.conical(screw, float(np.radians(d)), REACH) for d in degrees]
+        peaks.append(Series(pattern, degrees, _micro(displaced), "line"))
+    spread = [steering.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
+    flat = steering.difference([s.y[-1] - s.y[0] for s in axial])
+    shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
+    at = f"{1e3 * REACH:.0f} mm from the nut"
+    panels = (
+        Panel("axial test", "axial force / N", "displacement / µm", axial),
+        Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
+        Panel("conical test", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
+        Panel("difference of the patterns", "direction of the force / deg", "difference / %", shown, zero=True),
+    )
+    return Figure("lash", "Lash of one screw with its balls in four patterns", panels, ABOUT[0])
+
+
+def _micro(values: list[float]) -> list[float]:
+    return [1e6 * v for v in values]
+
+
+def lash_rows(scene: Scene) -> list[Row]:
+    """Differences over what is not printed."""
+    return [
+        {
+            "changed": p.changed,
+            Quantity("diameter", "outer diameter", "mm", ".0f"): 1e3 * p.diameter,
+            Quantity("position", "nut's centre", "mm", ".0f"): 1e3 * p.position,
+            Quantity("reach", "force from the nut", "mm", ".0f"): 1e3 * p.reach,
+            Quantity("restraint", "screw's left end", "", "s"): p.restraint,
+            Quantity("axial", "axial", "%", ".2f"): p.found.axial,
+            Quantity("least", "conical, least direction", "%", ".1f"): min(p.found.conical),
+            Quantity("most", "conical, largest direction", "%", ".1f"): max(p.found.conical),
+            Quantity("ordered", "axial below conical", "", "s"): _ordered(p.found),
+        }
+        for p in steering.lash_map(scene)
+    ]
+
+
+def _ordered(found: steering.Lash) -> str:
+    """In how many of the directions the axial tests differ less."""
+    count = sum(found.axial < x for x in found.conical)
+    return f"{count} of {len(found.conical)} directions"
+
+
+def rack_figure(points: list[steering.RatioPoint]) -> Figure:
+    """Ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
+    gear = rack()
+    panels = []
+    for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
+        printed = value_of("lin-4.2.1", f"ratio_{key}")
+        stations = [1e3 * z for z in steering.PINIONS]
+        series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
+        for (hold, opposed), layout in _layouts(points).items():
+            label = hold + (", side forces opposed" if opposed else "")
+            series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
+        panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
+    loads = steering.over_angles(gear)
+    for k, words in enumerate(("ball screw", "four-point bearing")):
+        values = [pair[k] for pair in loads]
+        panels.append(
+            Panel(
+                words,
+                "tie-rod angle / deg",
+                "largest load / N",
+                (Series("as shipped", steering.ANGLES, values),),
+                zero=True,
+            )
+        )
+    caption = f"{ABOUT[2]} Bearing in the plane of the nut's centre."
+    return Figure("rack", "Steering gear: loads over angle, ratios over the pinion's place", panels, caption)
+
+
+def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[steering.RatioPoint]]:
+    """Points with the bearing at the nut's centre by restraint and sense."""
+    out: dict[tuple[str, bool], list[steering.RatioPoint]] = {}
+    for p in points:
+        if p.offset == 0.0:
+            out.setdefault((p.hold, p.opposed), []).append(p)
+    return out
+
+
+def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
+    """Ratios of every layout."""
+    return [
+        {
+            Quantity("hold", "pinion", "", "s"): p.hold,
+            Quantity("sense", "side forces", "", "s"): "opposed" if p.opposed else "alike",
+            Quantity("offset", "bearing from the nut's centre", "mm", ".0f"): 1e3 * p.offset,
+            Quantity("pinion", "pinion at", "mm", ".0f"): 1e3 * p.pinion,
+            Quantity("screw", "ball screw", "", ".2f"): p.screw,
+            Quantity("bearing", "bearing", "", ".2f"): p.bearing,
+        }
+        for p in points
+    ]
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("lash tests")
+    scene = study.scene(SCREW)
+    study.uses((RACK,))
+    figures = [lash_figure(scene)]
+    lash = lash_rows(scene)
+    step("steering gear")
+    points = list(steering.ratio_map(rack()))
+    figures.append(rack_figure(points))
+    return Section(
+        "steering",
+        "Lash tests and steering gear (Lin 4.2)",
+        (
+            Text(ABOUT, bullets=True),
+            printed_table("steering-gear", "Section 4.2: printed and computed", evidence(study, "lin-4.2.1")),
+            figures[0],
+            Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
+            figures[1],
+            Table.of("rack-layouts", "Ratios of the steering gear by its layout", ratio_rows(points), SENSE),
+        ),
+    )

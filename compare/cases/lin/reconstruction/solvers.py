@@ -1,0 +1,113 @@
+"""The 3D reference with contacts that a penalty presses apart: pressure in proportion to a penetration that is left.
+
+An augmented Lagrangian lowers the penetration only where it is beyond a tolerance. Below that it is a penalty: each pair of
+nodes has a spring k A in series, k the penalty [N/m3], A the area of its pressure hat. What the place on its grid does to a
+contact's approach is known where nothing penetrates, and left out: a mesh on which it is small is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from rollbench.compare.reference.store import Run
+from rollbench.compare.reference.tasks import settings_of
+from rollbench.hifi.coupling import PlacedSet, modal_motion, mounted_screw
+from rollbench.hifi.reference import ROUNDS, Case, Round, solve_reference
+from rollbench.hifi.setup import Setup, prepare
+from rollbench.hifi.shaft.frame import Frame
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.parts import Scene
+
+#: What patches are larger by: a contact that penetrates is.
+LARGER = 1.45
+
+
+def penalised(setup: Setup, penalty: float) -> Setup:
+    """The set-up with springs of ``penalty`` [N/m3] times the hat's area in series at every pair of contact nodes."""
+    patches = {
+        side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
+        for side, pair in setup.patches.items()
+    }
+    return replace(setup, patches=patches)
+
+
+def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
+    """Runs of scenes of one geometry, made from those without a penalty; share: of E/h, Young's modulus of the balls
+    over the size of the source's elements. Raises ValueError where one does not converge."""
+    settings = settings_of(scenes, runs[0].level)
+    settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
+    penalty = share * scenes[0].balls.material.youngs_modulus / settings.tet
+    setup = penalised(prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache)), penalty)
+    out = []
+    for scene, run in zip(scenes, runs, strict=True):
+        found = solve_reference(setup, scene, frozen=True)
+        if found.status != "converged" or found.frozen is None:
+            raise ValueError(f"{scene.name}: {found.status}")
+        changed = replace(
+            run,
+            scene=scene.name,
+            load=found.load,
+            angle=np.degrees(found.contact_angle),
+            frozen=found.frozen,
+            centreline=np.column_stack([found.stations, found.centreline[:, :3]]),
+            settings=run.settings | {"reach": settings.reach, "penalty_N_m3": penalty},
+            stages=setup.seconds,
+            solve_seconds=found.seconds,
+        )
+        out.append(changed)
+    return out
+
+
+class Dragging(Case):
+    """A load case whose contacts slide across their grooves, with ``mu`` times their loads against an axial motion of the
+    screw with its load (negative: against one back).
+
+    The frictions of a ball's two contacts balance. On a body, a force across a contact's load is taken as one through the
+    arc's centre, which normal forces on its nodes make; its moment about that centre, the arc's radius times mu times the
+    load, is left out.
+    """
+
+    def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
+        """A case of one set."""
+        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.of(scene), mounted_screw(setup, scene))
+        self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
+
+    def after(self, last: Round, *, moving: bool) -> Round:
+        """The next round, with the friction of the last one's loads."""
+        across = self.across(last).ravel()
+        self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
+        self.load_motion = modal_motion(self.C, self.at_rest)
+        self.mounted = replace(self.smooth, work=self.smooth.work + last.by_rigid.T @ across)
+        return super().after(last, moving=moving)
+
+    def across(self, last: Round) -> Array:
+        """Forces ``(balls, n)`` [N] along the nodes' normals whose resultants are the contacts' friction."""
+        (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
+        section = placed.setup.map.axes()[[0, 2]]
+        out = np.zeros_like(forces)
+        for nodes, _ in placed.zones:
+            for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
+                load, n = forces[k, nodes], normals[k, nodes] @ section.T
+                x, z = load @ n
+                friction = self.mu * np.sign(x * z) * np.array([-z, x])
+                out[k, nodes] = load * (n @ np.linalg.solve((load * n.T) @ n, friction))
+        return out
+
+
+def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
+    """Runs of one geometry with the loads and contact angles of balls that do not turn. Raises ValueError where they do not
+    settle."""
+    settings = settings_of(scenes, runs[0].level)
+    setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
+    out = []
+    for scene, run in zip(scenes, runs, strict=True):
+        ended = Dragging(setup, scene, mu).end(ROUNDS)
+        if ended.status != "converged":
+            raise ValueError(f"{scene.name}: {ended.status}")
+        out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
+    return out

@@ -1,0 +1,183 @@
+"""Liu et al. (2025) in the report: random errors under axial load, every printed entry with its verdict."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rollbench.compare.cases.liu.evidence import bodies, case
+from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.sections.finding_table import printed_table
+from rollbench.lowfi.random_errors.chain import solve_chain
+from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
+from rollbench.meshes.arrays import Array
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+
+#: Titles of the tables.
+TITLES = {
+    "liu-2": "Section 2.1 and Table 2: the screw and its errors",
+    "liu-3": "Section 3: algorithm and experiment",
+    "liu-4.1": "Section 4.1: against Mei's model",
+    "liu-4.2": "Section 4.2: one ball too small or too large",
+    "liu-4.3": "Section 4.3: random errors, loads and displacement",
+    "liu-4.4": "Section 4.4: random errors, stiffness",
+}
+ABOUT = (
+    (
+        "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz "
+        "contacts: the minimum of a convex energy, found by a tridiagonal Newton method that needs no sorting "
+        "of unloaded balls. The source's elimination ends with the same loaded balls. Random results are "
+        "compared with drawn screws: each number has its percentile, the sampling error of it, and the "
+        "probability of a value as extreme."
+    ),
+    *(f"Assumed: {text}" for text in case.ASSUMED),
+    "The source's readings agree with its implicit contact angle, not with a constant or the exact angle.",
+    "The measured displacements appear in a figure only, so no number of the experiment can be compared.",
+)
+_LOADS = np.array([50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2500.0, 3000.0, 4000.0, 5000.0])
+
+
+def _median(quantity: Spread, half_range: int, unit: float) -> Series:
+    loads = list(case.LOADS[half_range])
+    values = [float(np.median(case.sample(half_range, quantity, f))) / unit for f in loads]
+    return Series(f"±{half_range} µm, median", loads, values, "line")
+
+
+def _band(quantity: Spread, half_range: int, unit: float) -> list[Series]:
+    loads, found = list(case.LOADS[half_range]), []
+    for level in (case.UNLIKELY, 1.0 - case.UNLIKELY):
+        values = [float(np.quantile(case.sample(half_range, quantity, f), level)) / unit for f in loads]
+        found.append(Series(f"±{half_range} µm, {100.0 * level:g} %", loads, values, "line"))
+    return found
+
+
+def _printed(keys: Sequence[str], found: dict[str, float], *, loaded: bool = False) -> Series:
+    values = [case.balls() - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
+    return Series(
+        "printed", [float(k.removesuffix("_again").split("_")[2]) for k in keys], values, "markers", emphasis=True
+    )
+
+
+def _without(chain_quantity: Callable[[Array, float], float]) -> Series:
+    zero = np.zeros(case.balls())
+    return Series("no errors", [float(f) for f in _LOADS], [chain_quantity(zero, float(f)) for f in _LOADS], "line")
+
+
+def figure(found: dict[str, float]) -> Figure:
+    """Loaded balls and stiffness over the load, with the printed numbers."""
+    counts = [k for k in found if k.startswith(("loaded", "unloaded_2_1000", "unloaded_3_1000"))]
+    balls = [_median("loaded", h, 1.0) for h in (1, 2, 3)] + _band("loaded", 2, 1.0)
+    stiff = [_without(lambda e, f: 1e-8 * solve_chain(case.screw(), e, f).stiffness)]
+    stiff += [_median("stiffness", h, 1e8) for h in (1, 2, 3)] + _band("stiffness", 2, 1e8)
+    panels = (
+        Panel("loaded balls", "axial load / N", "loaded balls", (*balls, _printed(counts, found, loaded=True)), zero=True),
+        Panel(
+            "stiffness",
+            "axial load / N",
+            "stiffness / 10⁸ N/m",
+            (*stiff, _printed([k for k in found if k.startswith("K_")], found)),
+            zero=True,
+        ),
+    )
+    caption = f"{case.MEMBERS} drawn screws a range. Left: {counts_in_words(found)}. Right: {stiffness_in_words(found)}."
+    return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
+
+
+def counts_in_words(found: dict[str, float]) -> str:
+    """How many printed counts of loaded balls lie within what most draws span, and which do not."""
+    total, out = 0, []
+    for key, value in found.items():
+        parts = re.fullmatch(r"(un)?loaded_(\d)_(\d+)(_again)?", key)
+        if parts is None:
+            continue
+        half_range, load = int(parts[2]), float(parts[3])
+        count = case.balls() - value if parts[1] else value
+        low, high = np.quantile(case.sample(half_range, "loaded", load), [case.UNLIKELY, 1.0 - case.UNLIKELY])
+        total += 1
+        if not low <= count <= high:
+            out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
+    span = f"what {100.0 * (1.0 - 2.0 * case.UNLIKELY):g} % of the draws span"
+    beyond = f"; beyond it: {', '.join(dict.fromkeys(out))}" if out else ""
+    return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
+
+
+def stiffness_in_words(found: dict[str, float]) -> str:
+    """How far printed stiffness lies from the median of the draws where all balls of most draws carry load."""
+    off = []
+    for key, value in found.items():
+        parts = re.fullmatch(r"K_(\d)_(\d+)", key)
+        half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
+        if load in case.LOADS.get(half_range, ()) and np.median(case.sample(half_range, "loaded", load)) == case.balls():
+            off.append(error_percent(1e8 * value, float(np.median(case.sample(half_range, "stiffness", load)))))
+    if not off:
+        return "no printed stiffness stands at a load that all balls of most draws carry"
+    return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
+
+
+def bodies_table(study: Study) -> Table:
+    """The same screws and errors by the chain, the beam model and the refined one."""
+    rows: list[Row] = []
+    for c in study.once(bodies.compare_models):
+        row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
+        for name, words, model in (
+            ("axial", "axial only", c.axial),
+            ("beam", "beam model", c.beam),
+            ("refined", "refined model", c.refined),
+        ):
+            row[Quantity(name, f"{words}: largest load", "N")] = float(model.max())
+            row[Quantity(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
+            if name != "axial":
+                rms, most, ball = c.off(model)
+                row[Quantity(f"{name}_rms", f"{words}: RMS off the axial one", "% of the mean", ".2f")] = rms
+                largest = f"{most:+.1f} (ball {ball})"
+                row[Quantity(f"{name}_most", f"{words}: largest difference", "% of the mean", "s")] = largest
+        rows.append(row)
+    note = (
+        "Axial only: the chain with the axial compliance of the same screw and a rigid nut, as in the beam "
+        "model. Areas and balls per turn are assumed (scene liu-screw)."
+    )
+    return Table.of("liu-bodies", "Where the axial-only idealisation misleads", rows, note)
+
+
+def solid_table(study: Study) -> Table:
+    """The same screw in 3D, the low-order models beside it."""
+    words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
+    rows: list[Row] = [
+        {
+            "scene": c.scene,
+            "model": words[c.model],
+            Quantity("rms", "RMS error", "% of the mean", ".2f"): c.rms,
+            Quantity("most", "largest error", "% of the mean", ".2f"): c.largest,
+            Quantity("ball", "at ball", "", "s"): c.ball,
+            Quantity("bar", "3D: grid uncertainty", "% of the mean", ".2f"): c.uncertainty,
+            Quantity("loaded", "loaded balls", "", "s"): c.loaded,
+            Quantity("solid", "in 3D", "", "s"): c.loaded_in_3d,
+        }
+        for c in study.once(bodies.compare_solid)
+    ]
+    levels = " and ".join(str(k) for k in bodies.SOLID_LEVELS)
+    contacts = 2 * study.scene(bodies.SCENE).ball_count
+    note = (
+        f"3D reference on the mesh levels {levels}: {contacts} contacts. Both models of the first two rows hold the nut "
+        "rigid. "
+        "The drawn errors are those of the scene's seed, the same for all models."
+    )
+    return Table.of("liu-solid", "The axial-only idealisation, beam and refined model against 3D", rows, note)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("random errors of a ball screw")
+    found = evidence(study, *TITLES)
+    printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
+    tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
+    study.uses(bodies.SOLID)
+    tables.append(bodies_table(study))
+    if study.references(bodies.SOLID):
+        tables.append(solid_table(study))
+    title = "Random errors of a ball screw (Liu et al. 2025)"
+    return Section("liu", title, (Text(ABOUT, bullets=True), figure(printed), *tables))

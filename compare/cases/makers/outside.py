@@ -1,0 +1,216 @@
+"""One number that others print or measured, beside what is computed for it; bias and scatter of many."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rollbench.compare.cases.makers.tables import Table as Printed
+from rollbench.compare.cases.makers.tables import half_step
+from rollbench.compare.measure import error_percent
+from rollbench.reports.content import Cell, Quantity, Table
+
+MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
+
+
+class Band(NamedTuple):
+    """A computed value, and its lowest and highest by what is rounded or not printed."""
+
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
+        """The first of several, from the least to the greatest of them, each end further by a slack."""
+        every = [float(x) for x in values]
+        return cls(every[0], min(every) - slack, max(every) + slack)
+
+    @classmethod
+    def within(cls, value: float, share: float) -> Band:
+        """A value within a share of it."""
+        return cls.of((value,), abs(value) * share)
+
+
+@dataclass(frozen=True)
+class Outside:
+    """One outside value.
+
+    quantity, law: what it is, and what computes it; maker, item, cls, origin: who prints it, of what, as which class, and
+    where; value, rounding: in ``unit``, and half of its last step; computed: in that unit; scale: what a difference is
+    taken in per cent of (0: the value itself); practice: the computed value after the maker's practice; left: why it is not
+    judged, such as a formula in disguise or a misprint, empty where it is.
+    """
+
+    quantity: str
+    law: str
+    maker: str
+    item: str
+    cls: str
+    origin: str
+    unit: str
+    value: float
+    rounding: float
+    computed: Band
+    scale: float = 0.0
+    practice: float | None = None
+    left: str = ""
+
+    @property
+    def group(self) -> str:
+        """Whose values stand in one row: a maker, or all programs and textbooks that are held against one model."""
+        return self.maker if self.law != "the model of its table" or self.cls == MAKER else "programs and textbooks"
+
+    @property
+    def verdict(self) -> str:
+        """Where the printed interval lies against the computed band, or why it does not count."""
+        if self.left:
+            return self.left
+        if self.value + self.rounding < self.computed.low:
+            return "below the band"
+        return "above the band" if self.value - self.rounding > self.computed.high else "in the band"
+
+    @property
+    def error_percent(self) -> float:
+        """Error of the computed value, in per cent of the outside one or of its scale."""
+        return float(error_percent(self.computed.value, self.value, self.scale or None))
+
+
+def of_row(
+    source: Printed,
+    row: Mapping[str, str],
+    line: str,
+    column: str,
+    what: tuple[str, str, str, str],
+    computed: Band,
+    **others: Any,
+) -> Outside:
+    """The number in a column of a printed row, whose line stands in another; what: quantity, law, item and unit; others:
+    further fields of the record, also maker and rounding where they are not the table's. A known misprint is not judged."""
+    quantity, law, item, unit = what
+    fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
+    if source.misprinted(f"{item} {quantity}"):
+        fields["left"] = "a misprint"
+    origin, value = f"{source.name}.csv, line {row[line]} of its origin", source.number(row[column])
+    return Outside(
+        quantity=quantity,
+        law=law,
+        item=item,
+        cls=source.head["class"],
+        origin=origin,
+        unit=unit,
+        value=value,
+        computed=computed,
+        **fields,
+    )
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Outside values of one kind: number that counts, mean and standard deviation of the errors [%], how many lie in their
+    bands, median width of the bands over the computed value [%], mean error [%] after the maker's practice."""
+
+    number: int
+    bias: float
+    scatter: float
+    inside: int
+    width: float
+    practice: float | None
+
+
+def standing(found: Sequence[Outside]) -> Standing | None:
+    """Bias and scatter of those that count; None where none does."""
+    judged = [x for x in found if not x.left]
+    if not judged:
+        return None
+    errors = np.array([x.error_percent for x in judged])
+    widths = [float(error_percent(x.computed.high, x.computed.low, x.scale or x.computed.value)) for x in judged]
+    after = [float(error_percent(x.practice, x.value)) for x in judged if x.practice is not None]
+    inside = sum(x.verdict == "in the band" for x in judged)
+    mean = float(np.mean(after)) if after else None
+    return Standing(len(judged), float(errors.mean()), float(errors.std()), inside, float(np.median(widths)), mean)
+
+
+def grouped(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
+    """Values by some of their fields, in the order of their first."""
+    groups: dict[tuple[str, ...], list[Outside]] = {}
+    for one in found:
+        groups.setdefault(tuple(getattr(one, key) for key in keys), []).append(one)
+    return groups
+
+
+#: Rows of all values that a page shows.
+SHOWN = 6
+BIAS = Quantity("bias", "bias", "%", "+.1f")
+SCATTER = Quantity("scatter", "scatter", "%", ".1f")
+NUMBER = Quantity("number", "outside values", "", ".0f")
+
+
+def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
+    """Number of outside values, bias and scatter, by quantity."""
+    rows = {key: standing(values) for (key,), values in grouped(found, "quantity").items()}
+    return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
+
+
+def summary(found: Sequence[Outside]) -> Table:
+    """One row for each quantity, law and maker."""
+    rows: list[dict[Quantity | str, Cell]] = []
+    without: list[str] = []
+    for (quantity, law, group), values in grouped(found, "quantity", "law", "group").items():
+        left = [x.left for x in values if x.left]
+        words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
+        s = standing(values)
+        if s is None:
+            without.append(f"{quantity} of {group}, {words}")
+            continue
+        rows.append(
+            {
+                "quantity": quantity,
+                "against": group,
+                "computed by": law,
+                NUMBER: s.number,
+                BIAS: s.bias,
+                SCATTER: s.scatter,
+                Quantity("inside", "in their band", "", ".0f"): s.inside,
+                Quantity("width", "width of the band, median", "%", ".1f"): s.width,
+                Quantity("practice", "bias of 80 % of it", "%", "+.1f"): s.practice,
+                "not judged": words,
+            }
+        )
+    note = (
+        "Bias and scatter: mean and standard deviation of the errors of the computed value. Bands carry the rounding of "
+        "what is printed through, and the usual range of what is not. Errors of clearances are in per cent of the "
+        "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
+        f"advise to take of a computed rigidity of a nut. Not judged at all: {'; '.join(without)}."
+    )
+    return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note, shown=30)
+
+
+def every(found: Sequence[Outside]) -> Table:
+    """All values, one a row."""
+    rows: list[dict[Quantity | str, Cell]] = [
+        {
+            "quantity": x.quantity,
+            "maker": x.maker,
+            "class": x.cls,
+            "item": x.item,
+            Quantity("value", "value", "", "g6"): x.value,
+            "unit": x.unit,
+            Quantity("computed", "computed", "", "g6"): x.computed.value,
+            Quantity("low", "band from", "", "g6"): x.computed.low,
+            Quantity("high", "band to", "", "g6"): x.computed.high,
+            Quantity("error", "error", "%", ".2f"): x.error_percent,
+            "verdict": x.verdict,
+            "law": x.law,
+            "origin": x.origin,
+        }
+        for x in found
+    ]
+    note = (
+        "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
+        "of its origin."
+    )
+    return replace(Table.of("outside", "Outside values beside the computed ones", rows, note), shown=SHOWN)

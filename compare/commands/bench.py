@@ -1,0 +1,100 @@
+"""The command ``rollbench bench``: run times on this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rollbench.compare.commands.terminal import Flag, Json, app
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
+from rollbench.compare.text.tables import ruled
+
+if TYPE_CHECKING:
+    from rollbench.compare.sections.reference_time import TimePoint
+    from rollbench.compare.studies.run_times.timing import Job
+
+#: Scene whose models are timed unless others are named.
+FIRST = "lin-case1"
+
+
+@app.command
+def bench(
+    names: Annotated[list[str] | None, Parameter(negative="", show_default=False)] = None,
+    /,
+    *,
+    long: Flag = False,
+    store: Annotated[Path | None, Parameter(show_default=False)] = None,
+    as_json: Json = False,
+) -> int:
+    """Measure run times here: errors of the models against their run times, commands as typed from an empty home, threads.
+
+    Parameters
+    ----------
+    names
+        Scenes with a 3D reference whose models are timed; lin-case1 unless given, with --long all that the report compares.
+    long
+        Measure the levels of the 3D reference too, an hour in all on quiet cores, and neither commands nor threads.
+    store
+        With --long: folder of stored runs to keep these times in, which a report then shows.
+    """
+    if store is not None and (names or not long):
+        raise ArgumentError("store", str(store), "with --long, without names", "a report shows times of one measuring run")
+    return print_answer(run_bench(names or (), store, long=long), as_json)
+
+
+def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
+    """Measure. A command that fails says so in its note. Raises InputError for a scene without reference."""
+    from rollbench.compare.studies.run_times.typed import COMMANDS, in_threads, typed
+
+    jobs = [*models(names, store, long=long)]
+    for command in () if long else COMMANDS:
+        on_terminal(command)
+        jobs.append(typed(command))
+    if not long:
+        jobs += in_threads()
+    return Answer([asdict(job) for job in jobs], _tables(jobs))
+
+
+def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[Job]:
+    """Models of scenes, long: and levels of the 3D reference, by one measuring run, which is kept in a store if there is
+    one. Raises InputError for a scene without reference."""
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.reference.store import shipped_store
+    from rollbench.compare.sections.reference_time import compared_scenes, measured_now, measuring_run, time_points
+    from rollbench.compare.studies.run_times.kept import save_times
+
+    study = Study(None if store is None else (store, shipped_store()))
+    known = compared_scenes(study)
+    for name in names:
+        if name not in known:
+            raise ArgumentError("names", name, ", ".join(known), "name scenes that have a 3D reference")
+    wanted = names or (tuple(known) if long else (FIRST,))
+    kept = measured_now(study, wanted, on_terminal, levels=long)
+    if store is not None:
+        save_times(store, kept)
+    study.computed[measuring_run, on_terminal] = kept
+    for name in wanted:
+        yield from jobs_of(name, time_points(name, known[name], study, on_terminal))
+
+
+def jobs_of(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
+    """What was measured of a scene."""
+    from rollbench.compare.studies.run_times.timing import Job
+
+    for p in points:
+        if p.cold is not None:
+            warm = "" if p.warm is None else f"; a further solve {p.warm:.3g} s"
+            note = f"new process, empty caches{warm}; RMS error {p.rms:.2f} %"
+            yield Job(f"{scene}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note)
+
+
+def _tables(jobs: Sequence[Job]) -> Iterator[object]:
+    forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
+    rows = ([job.job, *(cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
+    headings = ("job", "seconds", "error %", "ratio", "unknowns", "peak MB", "what is included")
+    yield ruled("bench", headings, rows, ("job", "what is included"))

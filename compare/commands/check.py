@@ -1,0 +1,280 @@
+"""The command ``rollbench check``: the shipped gate, or a user's scenes against their 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app, cache_folder
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
+from rollbench.compare.text.tables import ruled
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from rollbench.compare.gate.gate import GateRow
+    from rollbench.compare.gate.publish import Change, Outcome
+    from rollbench.compare.gate.user import Asked
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.reference.jobs import Engine
+
+
+@dataclass(frozen=True)
+class Files:
+    """Files that verdicts are written to besides, and an earlier one to hold them against."""
+
+    junit: Path | None = None
+    markdown: Path | None = None
+    csv: Path | None = None
+    baseline: Path | None = None
+
+    def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
+        """What changed since the verdicts of the baseline. Raises InputError."""
+        from rollbench.compare.gate.publish import changes
+
+        return [] if self.baseline is None else changes(self.baseline, outcomes)
+
+    def since(self, changed: Sequence[Change]) -> list[str]:
+        """The changes in words; none without a baseline."""
+        if self.baseline is None:
+            return []
+        return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [
+            f"since {self.baseline.name}: nothing changed"
+        ]
+
+    def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
+        """Write the files that are asked for; lines that say so."""
+        from rollbench.compare.gate.publish import publish
+
+        written = publish(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
+        return [f"{path} written" for path in written]
+
+
+def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files) -> Answer:
+    """Judge scenes, a line on each, or on each of its load cases; the exit code is that of the gravest verdict."""
+    from rollbench.compare.gate.publish import of_verdict
+    from rollbench.compare.gate.verdict import CODES
+    from rollbench.compare.results.verdict import verdict_of
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import each_case
+
+    described = [catalogue.any_scene(name) for name in names]
+    taken: dict[str, str] = {}
+    for one, name in zip(described, names, strict=True):
+        for scene in each_case(one, name):
+            if scene.name in taken:
+                advice = "verdicts differ by the name of file and case: rename one"
+                raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
+            taken[scene.name] = name
+    found = verdict_of(described, names, request, engine, on_terminal)
+    verdicts, left = found.judged, found.not_judged
+    outcomes = [of_verdict(v) for v in verdicts]
+    changed = files.changed(outcomes)
+    above = [f"WARNING: {warning}" for warning in found.warnings]
+    below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
+    below += files.since(changed)
+    written = files.write(outcomes, [*above, *below])
+    counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
+    data: dict[str, Any] = found.to_dict()
+    data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
+    worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
+    return Answer(data, [*above, *(v.line() for v in verdicts), *worst, *below, counts, *written], CODES[data["verdict"]])
+
+
+def run_gate(study: Study, max_error: float) -> list[GateRow]:
+    """All rows of the gate of what is shipped."""
+    from rollbench.compare.gate.gate import (
+        band_rows,
+        closed_form_rows,
+        printed_rows,
+        reference_rows,
+        solver_rows,
+        source_rows,
+    )
+    from rollbench.compare.studies.rolling.rows import rolling_rows
+
+    return [
+        *printed_rows(study, max_error),
+        *closed_form_rows(study, max_error),
+        *solver_rows(study, max_error),
+        *reference_rows(study, max_error),
+        *source_rows(study, max_error),
+        *rolling_rows(study, max_error),
+        *band_rows(study),
+    ]
+
+
+def run_shipped(max_error: float | None, files: Files) -> Answer:
+    """The gate of what is shipped; exit code 1 where a row fails."""
+    from rollbench.compare.gate.publish import of_row
+    from rollbench.compare.gate.user import as_shares
+    from rollbench.compare.gate.verdict import LIMIT, Limits
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.results.base import with_schema
+
+    limit = LIMIT if max_error is None else max_error
+    rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated
+    bad = [row for row in rows if not row.passed]
+    outcomes = [of_row(row) for row in rows]
+    changed = files.changed(outcomes)
+    written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
+    warnings = [*as_shares(Limits(limit))]
+    data = with_schema(
+        {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
+    )
+    data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
+    words = [row.verdict for row in rows]
+    others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
+    line = f"{words.count('ok')} passed, {len(bad)} failed{others}"
+    above = [f"WARNING: {warning}" for warning in warnings]
+    return Answer(data, [*above, gate_table(rows), line, *written], 1 if bad else 0)
+
+
+def gate_table(rows: Sequence[GateRow]) -> Table:
+    """Rows of the gate, those that fail first; none reads "ok" whose figure is over its line."""
+    texts = (
+        (
+            row.verdict,
+            row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
+            row.kind,
+            *(cell(x, ".6g") for x in (row.value, row.reference)),
+            *(cell(x, ".3g") for x in (row.error_percent, row.limit_percent)),
+        )
+        for row in sorted(rows, key=lambda row: row.passed)
+    )
+    return ruled("gate", ("", "check", "kind", "value", "reference", "error %", "limit %"), texts, ("", "check", "kind"))
+
+
+@app.command
+def check(
+    scenes: list[str] | None = None,
+    /,
+    *,
+    model: Word = "",
+    loads: Path | None = None,
+    values: Path | None = None,
+    max_error: float | None = None,
+    limit: Annotated[list[str] | None, Parameter(negative="")] = None,
+    strict: Flag = False,
+    reference: Path | None = None,
+    levels: int | None = None,
+    stored: Path | None = None,
+    no_compute: Flag = False,
+    store: Path = Path("rollbench-reference"),
+    junit: Path | None = None,
+    markdown: Path | None = None,
+    csv: Path | None = None,
+    baseline: Path | None = None,
+    printed: Flag = False,
+    source: Names = None,
+    only: Names = None,
+    as_json: Json = False,
+) -> int:
+    """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
+    balance, 3D references); with --printed: every number and claim that the sources print.
+
+    A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is
+    beyond the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The
+    error of a contact load is in per cent of its reference load (of the mean load below a tenth of it).
+
+    Exit codes: 0 all pass (without scenes: no row fails); 1 one fails; 2 bad input; 3 none fails, but one is undecided; 4
+    none of these, but one is not covered.
+
+    Parameters
+    ----------
+    scenes
+        Names of shipped scenes, or scene files. A scene may set its own limits in a table [gate].
+    model
+        Low-order model that is judged: refined unless given.
+    loads
+        Judge the loads of another program instead: CSV file with the columns ball, flank (SL, SR, NL, NR), newton; with
+        azimuth_deg and z_mm too, balls are matched by these. Columns contact_angle_deg, approach_um, pressure_MPa are
+        judged too. Headings say the unit: load_kN, angle_rad, z_um.
+    values
+        Judge values of the whole screw by another program: CSV file with the columns quantity (displacement, rigidity,
+        torque, life), value, unit, where (empty: the scene's loads; an axial load such as 5 kN, or of a displacement a
+        station such as 400 mm).
+    max_error
+        Limit of the error of loads in per cent, in place of the scenes' own; 7 where neither is given.
+    limit
+        Limit of another quantity, NAME=NUMBER in per cent, of a contact angle in degrees; may be given several times.
+        Unless given: contact angle 1, approach two thirds, pressure a third and life three times the limit of the loads,
+        which is also that of the others. A model is judged on the quantities that are named.
+    strict
+        Treat an unknown column as an error, not as a warning.
+    reference
+        Judge by this file in place of the 3D reference: your own loads in the columns of --loads, of every flank, with a
+        column uncertainty_N, or a line "# uncertainty: 0.5 %" above, and "# provenance: words"; without, zero is taken.
+    levels
+        Compute mesh levels 1 to N of the reference where they are not stored; the best stored unless given, 2 where there
+        are fewer. Level 1 alone has an uncertainty from experience with other scenes.
+    stored
+        Take the reference from runs stored in this folder, besides those shipped, and compute none.
+    no_compute
+        Compute no run of the reference.
+    store
+        Folder of the reference's runs, besides those shipped.
+    junit
+        Also write the verdicts as JUnit XML.
+    markdown
+        Also write them as Markdown for a comment, with a chart of the worst ball and its neighbours, and add it to the
+        summary that the environment names (GITHUB_STEP_SUMMARY).
+    csv
+        Also write them as CSV.
+    baseline
+        Report what changed since this file of verdicts, written by an earlier --csv or --json.
+    printed
+        Judge what the sources print instead: each entry gets a verdict, and the exit code is 1 where one differs from the
+        verdict that is expected of it.
+    source
+        With --printed: the sources to judge, such as lin; all unless given.
+    only
+        With --printed: the tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical; all unless given.
+    """
+    if printed:
+        given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
+        given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
+        given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
+        refuse_given(
+            given | {"baseline": baseline}, "without --printed", "leave it out: printed data have their own limits"
+        )
+        from rollbench.compare.commands.printed import run_printed
+
+        return print_answer(run_printed(source or (), only or ()), as_json)
+    refuse_given({"source": source, "only": only}, "with --printed", "add it")
+    from rollbench.compare.gate.user import asked
+    from rollbench.compare.reference.jobs import Engine
+
+    files = Files(junit, markdown, csv, baseline)
+    request = asked(
+        model=model,
+        loads=loads,
+        values=values,
+        max_error=max_error,
+        limits=limit or (),
+        strict=strict,
+        reference=reference,
+        levels=levels,
+        store=store,
+        stored=stored,
+        compute=not no_compute,
+    )
+    if scenes:
+        return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
+    given = {"model": model, "loads": loads, "values": values, "limits": limit}
+    given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
+    refuse_given(given, "with a scene", "name the scenes that are judged")
+    return print_answer(run_shipped(max_error, files), as_json)
+
+
+def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:
+    """Raise ArgumentError for the first argument that is given where it means nothing."""
+    for name, value in given.items():
+        if value:
+            text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+            raise ArgumentError(name, text, allowed, advice)

@@ -1,0 +1,126 @@
+"""What ``rollbench compare`` says of a scene: a verdict, answers beside the reference's, a table of models, files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.quantities import quantities
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.results.compared import OURS, Beside, Compared, answers_of
+from rollbench.compare.results.scene_json import Axial, LoadSums
+from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.text.printing import cell
+from rollbench.compare.text.tables import plain
+from rollbench.compare.writing import write_csv, write_figure
+from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
+from rollbench.lowfi.rating.life import Life
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.content import Figure
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
+
+
+#: Answers of the block: group of `answers_of`, its record, and keys of it.
+BLOCK = (
+    ("loads", LoadSums, ("max_N", "mean_N")),
+    ("axial", Axial, ("displacement_um", "rigidity_N_per_um")),
+    ("worst_contact", Contact, ("pressure_MPa", "approach_um", "semi_axis_a_mm")),
+    ("truncation", Truncation, ("margin_deg",)),
+    ("static_safety", StaticSafety, ("factor",)),
+    ("life", Life, ("L10_million_revolutions",)),
+)
+ANSWERS = [(group, quantities(kind)[key]) for group, kind, keys in BLOCK for key in keys]
+
+
+def answers_table(whole: Compared) -> RenderableType:
+    """Ten answers of the model that the verdict speaks of beside those of the reference."""
+    spoken, reference = answers_of(whole.spoken), answers_of(whole.itself)
+    rows = []
+    for group, q in ANSWERS:
+        value, ref = (None if side[group] is None else side[group][q.key] for side in (spoken, reference))
+        off = None if value is None or not ref else float(error_percent(value, ref))
+        unit = f"({q.unit})" if "/" in q.unit else q.unit
+        cells = cell(value, q.format), cell(ref, q.format), cell(off, "+.2f")
+        rows.append((f"{q.label} / {unit}" if unit else q.label, *cells))
+    return plain(("answer", whole.spoken.label, whole.itself.label, "difference / %"), rows, ("answer",), apart=2)
+
+
+def start_lines(whole: Compared) -> list[str]:
+    """From where displacements are counted, where that is not the nominal place."""
+    if not whole.start:
+        return []
+    return [
+        f"displacements: from the place without loads, by {whole.spoken.label} {1e6 * whole.start:.3g} um from the nominal "
+        "one, which the reference's are counted from too"
+    ]
+
+
+def _cells(b: Beside) -> list[str]:
+    e, loads = b.error, b.answer.load[b.answer.load > 0.0]
+    errors = ["", "", ""] if e is None else [f"{e.max_percent:.2f}", f"{e.ball} {e.side}".strip(), f"{e.rms_percent:.2f}"]
+    return [
+        b.label,
+        *errors,
+        f"{loads.max(initial=0.0):.1f}",
+        f"{mean_load(loads, b.contacts):.1f}",
+        f"{1e-6 * b.pressure:.0f}",
+        f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
+        "" if not b.answer.seconds or b.answer.measured else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
+    ]
+
+
+def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
+    """One row for each model, the reference first; narrower than 80 columns."""
+    return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
+
+
+def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
+    """The seconds of stored runs, which no column of this command's own has, with what they were measured with."""
+    by_stamp: dict[str, list[str]] = {}
+    for b in (itself, *models):
+        if b.answer.seconds and b.answer.measured:
+            by_stamp.setdefault(b.answer.measured, []).append(f"{b.label} {b.answer.seconds:.0f} s")
+    return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
+
+
+def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
+    """One row for each contact: loads [N] of reference, its uncertainty, and of the models."""
+    rows = []
+    loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
+    for i, s in zip(*np.nonzero(loaded), strict=True):
+        row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
+        row |= {"reference_N": float(reference.load[i, s])}
+        row |= {"uncertainty_N": float(reference.uncertainty[i, s])}
+        rows.append(row | {f"{b.label}_N": float(b.answer.load[i, s]) for b in models})
+    return rows
+
+
+def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Figure:
+    """Loads over the balls, a panel for each flank of the screw that carries load."""
+    panels = []
+    for s in (0, 1):
+        if not (reference.load[:, s] > 0.0).any():
+            continue
+        series = [loads(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
+        series += [loads(b.label, b.answer, s, "line") for b in models if b.label in (*MODELS, OURS)]
+        panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
+    return Figure(name, "Contact loads: prediction and reference", panels)
+
+
+def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
+    """Write the contacts as CSV and the figure as SVG into the store; a line that says so."""
+    rows = contact_rows(scene, models, reference)
+    stem = store / f"{scene.name}-compare"
+    write_csv(Path(f"{stem}.csv"), rows)
+    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
+    return f"wrote {stem}.csv (every contact) and {figure}"

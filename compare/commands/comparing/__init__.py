@@ -1,1 +1,0 @@
-"""Models beside the 3D reference: compare, check, mesh-study, condense."""

@@ -1,0 +1,129 @@
+"""The command ``rollbench crosscheck``: the 3D reference against another program, contact by contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollbench.compare.commands.terminal import Flag, Json, app, cache_folder
+from rollbench.compare.errors import InputError
+from rollbench.compare.system import need_gmsh
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
+from rollbench.compare.text.tables import ruled
+
+if TYPE_CHECKING:
+    from rollbench.compare.reference.estimate import Reference
+    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.studies.crosscheck.data import CrossData
+    from rollbench.compare.studies.crosscheck.rows import ContactRow
+    from rollbench.meshes.parts import Scene
+
+
+def run_crosscheck(
+    name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
+) -> Answer:
+    """A scene's contact loads by the 3D reference and by CalculiX.
+
+    run: solve the decks with CalculiX first that have no stored result (fresh: all of them) and rewrite the results in the
+    folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed
+    where none is stored.
+    Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
+    """
+    from rollbench.compare.studies.crosscheck import nut
+    from rollbench.compare.studies.crosscheck.data import load, save, shipped
+    from rollbench.compare.studies.crosscheck.rows import agreement, contact_rows
+    from rollbench.compare.studies.crosscheck.study import checked_scene, run_study, scene_key
+
+    scene, folder = checked_scene(name), data or shipped()
+    written = []
+    if run:
+        need_gmsh()
+        kept = None if fresh else load(folder, scene.name)
+        stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
+        written.append(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
+        if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
+            written.append(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
+    found = stored(folder, scene)
+    ours = _ours(scene, store, engine)
+    rows = contact_rows(found, ours)
+    agreed = agreement(scene.name, rows)
+    alone = nut.load_nut(folder)
+    sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
+    answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
+    return Answer(answer, [*written, _table(scene, rows), agreed, *sentence])
+
+
+def stored(folder: Path, scene: Scene) -> CrossData:
+    """Results of a scene. Raises InputError where there are none, or they belong to another scene of its name."""
+    from rollbench.compare.studies.crosscheck.data import load
+    from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
+
+    found = load(folder, scene.name)
+    if found is None:
+        raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: `run=True`")
+    if found.key != scene_key(scene.name):
+        wanted = "results of this scene", "solve it again: `run=True`"
+        raise InputError(scene.name, "crosscheck", "results of another scene", *wanted)
+    return found
+
+
+def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
+    from rollbench.compare.reference.estimate import reference
+    from rollbench.compare.reference.jobs import ensure, plan
+    from rollbench.compare.reference.levels import LEVELS
+    from rollbench.compare.reference.store import shipped_store
+
+    stores = (store, shipped_store())
+    found = reference(scene, stores)
+    if found is None:
+        ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
+        found = reference(scene, stores)
+    if found is None:
+        wanted = "a scene whose contact problem has a solution", "see the status of the runs in the store"
+        raise InputError(scene.name, "3D reference", "no converged run", *wanted)
+    return found
+
+
+def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
+    from rollbench.compare.studies.crosscheck.rows import COLUMNS
+
+    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
+    texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
+    title = f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json"
+    return ruled(title, heads.values(), texts, [heads["side"]])
+
+
+@app.command
+def crosscheck(
+    scene: str,
+    *,
+    run: Flag = False,
+    fresh: Flag = False,
+    data: Path | None = None,
+    work: Path = Path("rollbench-crosscheck"),
+    store: Path = Path("rollbench-reference"),
+    as_json: Json = False,
+) -> int:
+    """Compare the 3D reference with CalculiX, contact by contact: two-balls or lin-case1-cut.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene that was solved by CalculiX.
+    run
+        Solve with CalculiX (ccx) now those of its decks that have no stored result, and rewrite the stored results.
+    fresh
+        With --run: solve all decks again, up to an hour of one core.
+    data
+        Folder of the stored results; that of the package unless given.
+    work
+        Folder of the decks and their results; a deck whose result is there is not solved again.
+    store
+        Folder of the reference's runs, besides those shipped; computed where none is stored.
+    """
+    from rollbench.compare.reference.jobs import Engine
+
+    where = Engine(cache=cache_folder())
+    found = run_crosscheck(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
+    return print_answer(found, as_json)

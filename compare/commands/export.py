@@ -1,0 +1,185 @@
+"""The command rollbench export: meshes of the 3D reference as files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rollbench.compare.commands.terminal import Word, app, cache_folder
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.system import need_gmsh, need_packages
+from rollbench.compare.text.printing import Answer, print_answer
+
+if TYPE_CHECKING:
+    from rollbench.compare.reference.tasks import Solvable
+    from rollbench.meshes.arrays import Array
+    from rollbench.meshes.parts import Scene
+
+
+@app.command
+def export(
+    scene: str,
+    part: Word = "",
+    *,
+    out: Path | None = None,
+    format: Annotated[Word, Parameter(name="--format")] = "",
+    level: int = 1,
+    ball: int | None = None,
+    deck: Word = "",
+    unit: str = "mm",
+    balls: Word = "",
+    b_over_h: float = 1.5,
+    growth: float = 0.4,
+    stiffness: float = 2e8,
+) -> int:
+    """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
+    as CAD (STEP, lengths in mm), or a small scene as one deck that CalculiX runs (--deck ccx).
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    part
+        screw, nut or ball, whole; screw-with-sockets (nut, ball): as the reference condenses it, a hole at every contact,
+        which patch-SL (the groove's fine patch; SR, NL, NR) and ball-patch-SL fill; or block-source; none with --deck
+        and --format step.
+    out
+        File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.step or, with --deck, <scene>.inp.
+    format
+        vtu, msh, med, inp or step; by the file's name unless given.
+    level
+        Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
+    ball
+        Solve the scene and add displacement and stress: of this ball and its patches, or of screw or nut, with sockets.
+    deck
+        Program to write the whole contact problem for: ccx (CalculiX; Abaqus reads the same file).
+    unit
+        Unit of length in the deck: mm (with N and MPa) or m (with N and Pa).
+    balls
+        Cut the screw of the deck to some neighbouring balls: 3:5 keeps balls 3, 4 and 5.
+    b_over_h
+        Elements of the deck across the short half axis of a contact of mean load.
+    growth
+        Growth of the deck's element sizes per distance from the contacts.
+    stiffness
+        Contact pressure per overclosure of the deck, in N/mm3.
+    """
+    from rollbench.compare.scenes import catalogue, scene_file
+
+    if deck:
+        if part or format or level != 1 or ball is not None:
+            raise ArgumentError("deck", deck, "no `part`, `format`, `level` or `ball` with it", "leave them out")
+        from rollbench.compare.studies.crosscheck.export_deck import write_deck
+
+        return print_answer(
+            Answer(parts=[write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)])
+        )
+    if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
+        raise ArgumentError("unit, balls, b_over_h, growth, stiffness", "given", "with --deck", "add --deck ccx")
+    if format == "step" or (not format and out is not None and out.suffix == ".step"):
+        if part or level != 1 or ball is not None:
+            raise ArgumentError("format", "step", "no `part`, `level` or `ball` with it", "leave them out")
+        return print_answer(run_step(scene_file.solvable(catalogue.any_scene(scene), scene), out))
+    return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
+
+
+def run_export(
+    scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, ball: int | None = None
+) -> Answer:
+    """Write the mesh of a part, the parts of its surface as named groups (flanks, lands and ends; sockets; contact zones);
+    lengths in m.
+
+    ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
+    screw or nut, on the body that is solved, with sockets; None: only the mesh.
+    form: vtu, msh, med or inp, by the suffix of ``out`` unless given, vtu without one; out: the file, which is replaced
+    if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
+    of the reference's meshes, None for none.
+    Raises InputError for an unknown part, format or level, a package that is missing, a mesh that cannot be built and a
+    file that cannot be written; all except the last two before anything is meshed, as is a screw's field where the scene
+    holds or loads it beyond the low end of its 3D stretch.
+    """
+    from rollbench.compare.studies.export import BLOCK, BODIES, SOCKETS, part_mesh, parts_of, result_fields
+    from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, reduced, write_mesh
+
+    if part not in parts_of(scene):
+        raise ArgumentError("part", part, ", ".join(parts_of(scene)), "choose one of these")
+    if form and form not in FORMATS:
+        raise ArgumentError("format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
+    need_gmsh()
+    need_packages("scikit-fem")
+    if out is None:
+        out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
+    elif out.suffix == "":
+        out = out.with_name(f"{out.name}.{form or 'vtu'}")
+    try:
+        form = form_of(out, form)
+        need(form)
+    except ValueError:
+        allowed = ", ".join(f".{name}" for name in FORMATS)
+        raise ArgumentError("out", str(out), f"a name ending in {allowed}", "or give `format`") from None
+    except ImportError as error:
+        raise ArgumentError("format", form, "a format whose packages are installed", str(error)) from None
+    if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
+        allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
+        raise ArgumentError("ball", str(ball), allowed, "leave it out for the mesh only")
+    lines = []
+    if ball is not None and part in BODIES:
+        lines.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
+        part += SOCKETS
+    fields: dict[str, Array] = {}
+    try:
+        if ball is not None and part.startswith(("screw", "patch-S")):
+            from rollbench.hifi.fields import refuse_beyond_low_end
+            from rollbench.meshes.solid import dimensions
+
+            refuse_beyond_low_end(scene, dimensions(scene))
+        mesh = part_mesh(scene, part, level, cache)
+        if ball is not None:
+            fields = result_fields(scene, part, level, ball - 1, cache)
+    except ValueError as error:
+        raise Refusal(scene.name, part, str(error), "see solid.* and the nut's length in the scene") from error
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        write_mesh(out, mesh, fields, region=part, form=form)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+    from rollbench.meshes.fem import kind_of
+
+    nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[kind_of(mesh)]}"
+    lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
+    if reduced(mesh, form):
+        lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+    return Answer(parts=lines)
+
+
+_LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
+
+
+def run_step(described: Solvable, out: Path | None) -> Answer:
+    """Write the parts of a scene as STEP files, lengths in mm (`rollbench.meshes.exchange.step_files`).
+
+    out: the file of the bodies, replaced if it exists; ``<scene>.step`` unless given. Raises InputError where gmsh is
+    missing or a file cannot be written, Refusal for sets of rollers, which have no groove, and for parts without a wall.
+    """
+    need_gmsh()
+    from rollbench.compare.studies.export import placed_sets
+    from rollbench.meshes.exchange.step_files import write_step
+
+    out = Path(f"{described.name}.step") if out is None else out
+    out = out.with_name(f"{out.name}.step") if out.suffix == "" else out
+    try:
+        files = write_step(out, placed_sets(described))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+    except ValueError as error:
+        raise Refusal(described.name, "step", str(error), "see solid.* and the nut's length in the scene") from error
+    bodies, *grooves = files
+    lines = [f"wrote {bodies}: shaft, nuts and balls{' without their grooves' if grooves else ''}; lengths in mm"]
+    for path in grooves:
+        off = f"up to {1e6 * files[path]:.2g} um from the exact ones"
+        lines.append(f"wrote {path}: flanks of the grooves as surfaces, {off}; lengths in mm")
+    return Answer({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)

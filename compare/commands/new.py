@@ -1,0 +1,36 @@
+"""The command rollbench new."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+
+from rollbench.compare.commands.terminal import Word, app
+from rollbench.compare.text.printing import Answer, print_answer
+
+
+@app.command
+def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
+    """Write a commented scene to edit.
+
+    Parameters
+    ----------
+    file
+        Where to write it; an existing file is never overwritten.
+    kind
+        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut, angular-contact-bearing,
+        support-bearings; or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
+    like
+        Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
+        size.
+    """
+    from rollbench.compare import data
+    from rollbench.compare.scenes.names import WHOLE
+    from rollbench.compare.scenes.template import AXES, BEARINGS, text_of
+    from rollbench.compare.writing import write_new
+
+    schema_line = f"#:schema {data.place('scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
+    write_new(file, schema_line + text_of(kind, like))
+    command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
+    print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))

@@ -1,0 +1,135 @@
+"""What is printed: ``rollbench check --printed`` judges it, ``rollbench list --trace`` says what each number rests on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.text.printing import Answer, cell
+from rollbench.compare.text.tables import ruled
+
+if TYPE_CHECKING:
+    from rollbench.compare.evidence.record import Evidence
+    from rollbench.compare.models.study import Study
+
+
+def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> Answer:
+    """Judge printed entries: counts, entries, misprints, what is left out; exit code 1 where a verdict differs from the
+    expected one.
+
+    sources: names of cases, all unless given; only: names of printed tables and entries ("table:key"), all of these cases
+    unless given. Raises InputError for an unknown one.
+    """
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.writing import replace_file
+
+    rows = chosen(Study(), sources, only)
+    if write is not None:
+        verdicts = {row.printed.name: row.verdict for row in rows}
+        replace_file(write, json.dumps(verdicts, indent=0) + "\n")
+    changed = [row.change for row in rows if row.change]
+    return Answer(as_json(rows, changed), as_table(rows, changed), 1 if changed else 0)
+
+
+def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
+    """What is computed for the printed entries that are asked for, as `run_printed` takes them, in the order of tables."""
+    from rollbench.compare.case import every_case
+    from rollbench.compare.evidence.computations import computations, evidence
+    from rollbench.compare.printed.printed_data import load_table
+
+    cases = [case.name for case in every_case() if case.title]
+    _known("source", sources, cases)
+    tables = [name for name, one in sorted(computations().items()) if not sources or one.case.name in sources]
+    names = {row.name for table in tables for row in load_table(table)} if any(":" in word for word in only) else set()
+    _known("only", only, [*tables, *sorted(names)])
+    asked = only or tables
+    found = evidence(study, *(name for name in tables if any(word.partition(":")[0] == name for word in asked)))
+    return [one for one in found if one.printed.table in asked or one.printed.name in asked]
+
+
+def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
+    from rollbench.compare.reading import alike, question
+
+    for word in given:
+        if word not in names:
+            allowed = ", ".join(name for name in names if ":" not in name)
+            raise ArgumentError(argument, f'"{word}"', allowed, question(alike(word, names)) or "see: rollbench list")
+
+
+def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
+    """JSON-ready."""
+    from rollbench.compare.evidence.verdicts import counts, left_out, misprints
+
+    return {
+        "counts": counts(rows),
+        "entries": [entry_json(row) for row in rows],
+        "misprints": misprints(),
+        "left_out": left_out(),
+        "changed_verdicts": list(changed),
+    }
+
+
+def entry_json(e: Evidence) -> dict[str, Any]:
+    """One entry, JSON-ready."""
+    from rollbench.compare.evidence.verdicts import source
+
+    p = e.printed
+    return {
+        "entry": p.name,
+        "source": source(p),
+        "place": p.place,
+        "quantity": p.label,
+        "printed": p.claim or p.printed,
+        "unit": p.unit,
+        "class": p.cls,
+        "kind": p.kind,
+        "as_printed": e.as_printed,
+        "right": e.value,
+        "inferred_reading": e.reading,
+        "reference_3d": e.reference,
+        "error_percent": e.error_percent,
+        "verdict": e.verdict,
+        "reason": e.reason,
+    }
+
+
+def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
+    """The same for the terminal; misprints and what is left out as counts."""
+    from rich.table import Table
+
+    from rollbench.compare.evidence.verdicts import APART, counts, left_out, misprints, trust
+    from rollbench.compare.printed.printed_data import VERDICTS
+
+    headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
+    table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
+    entries = Table(title="entries", title_justify="left")
+    for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
+        entries.add_column(heading, overflow="fold")
+    for one in rows:
+        data = entry_json(one)
+        numbers = (cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
+        entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
+    lines = [trust(row) for row in counts(rows)]
+    lines.append(f"{len(misprints())} misprints with a command and a test each, {len(left_out())} groups left out: --json")
+    return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
+
+
+def traced(table: str = "") -> Answer:
+    """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
+    (``module:function``), test. Raises InputError for an unknown table."""
+    from rich.table import Table
+
+    from rollbench.compare.evidence.computations import traces
+
+    entries = list(traces(table))
+    shown = Table(title="every printed number: scenes, computation, test", title_justify="left")
+    for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
+        shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
+    for t in entries:
+        test = t.test.removeprefix("tests/sources/")
+        shown.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
+    return Answer([asdict(trace) for trace in entries], [shown])

@@ -1,1 +1,0 @@
-"""The validation report, the page of one scene, and what checks them."""

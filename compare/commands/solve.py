@@ -1,0 +1,295 @@
+"""``rollbench solve``: one scene, one model; the answers first, tables and files where asked for."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rollbench.compare.commands.terminal import Flag, Json, Word, app
+from rollbench.compare.errors import ArgumentError, one_line
+from rollbench.compare.text.printing import Answer, print_answer
+
+if TYPE_CHECKING:
+    from rollbench.compare.models.load_cases import Solved, SolvedAxis
+    from rollbench.compare.models.registry import Options
+    from rollbench.lowfi.statics.result import StaticResult
+    from rollbench.lowfi.statics.tangent import Tangent
+    from rollbench.meshes.arrays import Array
+    from rollbench.meshes.axis import Assembly
+    from rollbench.meshes.parts import Scene
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
+    table of balls, station of the stiffness and its file, files of the load curve and of the contact loads, seconds after
+    which to give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
+
+    model: str = ""
+    everything: bool = False
+    member: int = 0
+    condensed: Path | None = None
+    balls: bool = False
+    stiffness_at: str = ""
+    matrix: Path | None = None
+    curve: Path | None = None
+    loads_csv: Path | None = None
+    time_limit: float | None = None
+    strict: bool = False
+    assumptions: bool = False
+
+
+def run_solve(name: str, choices: Choices) -> Answer:
+    """Solve one scene, or its load cases one after the other, of one set or several; exit code 1 where one did not
+    converge. Raises InputError."""
+    from rollbench.compare.api.calls import solve_described
+    from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import each_case
+    from rollbench.compare.text.solved import case_table, stiffness_lines
+    from rollbench.compare.watch import checked, watched
+
+    described = catalogue.any_scene(name)
+    scenes: Sequence[Scene | Assembly] = each_case(described, name)
+    model, station = _checked(choices)
+    model = model or default_model(scenes[0])
+    _check_parts(scenes[0], choices, station)
+    options = Options(choices.everything, choices.member, condensed=choices.condensed)
+    at = station if choices.stiffness_at else None
+    with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
+        found = solve_described(described, model, options, at, name)
+    solved, names = found.solved, [*found.cases]
+    of_cases = [_of_case(choices, case) for case in names] or [choices]
+    written: list[str] = []
+    for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
+        written += _write(one, tangent, options, files)
+    if choices.loads_csv is not None:
+        written += _write_loads(choices.loads_csv, solved, names)
+    shown = {"balls": choices.balls, "details": choices.assumptions}
+    if found.cycle is None or found.together is None:
+        tangent = found.tangents[0]
+        lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]
+    else:
+        from rollbench.compare.text.cases import cases_table
+
+        lines = cases_table(found.cycle, solved, found.together, found.tangents, **shown)
+    return Answer(found.to_dict, [*lines, *written], code_of(solved, choices), folded=True)
+
+
+def _of_case(choices: Choices, name: str) -> Choices:
+    """Files of one load case: its name stands in theirs."""
+
+    def named(path: Path | None) -> Path | None:
+        return None if path is None else path.with_stem(f"{path.stem}-{name}")
+
+    return replace(choices, matrix=named(choices.matrix), curve=named(choices.curve))
+
+
+def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
+    """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
+    say so."""
+    from rollbench.compare.gate.given_files import loads_csv
+    from rollbench.compare.models.load_cases import Solved
+    from rollbench.compare.quantities import count_of
+    from rollbench.compare.writing import write_csv
+
+    rows = []
+    for one, name in zip(solved, names or [""], strict=True):
+        head = {"case": name} if name else {}
+        sets: list[tuple[dict[str, str], StaticResult]]
+        if isinstance(one, Solved):
+            sets = [({}, one.result)]
+        else:
+            sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
+        for of_set, balls in sets if one.result.converged else ():
+            rows += [head | of_set | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
+    if not rows:
+        return []
+    write_csv(path, rows)
+    return [
+        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
+    ]
+
+
+def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
+    """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
+    from rollbench.meshes.axis import Assembly
+
+    if isinstance(scene, Assembly):
+        refused = (
+            ("everything", choices.everything, "every set is built as its scene asks: leave it out"),
+            ("condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
+        )
+        for argument, value, advice in refused:
+            if value:
+                raise ArgumentError(argument, f"with {scene.name}", "one set on a shaft", advice)
+        if choices.loads_csv is not None and not scene.ball_count:
+            advice = "rollers have no flanks: leave it out"
+            raise ArgumentError("loads_csv", str(choices.loads_csv), "a set of balls", advice)
+    if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
+        allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
+        what = "shaft" if isinstance(scene, Assembly) else "screw"
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"give a station of the {what}")
+
+
+def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
+    """Exit code: 1 where one did not converge, or where a warning above the answers counts as a failure."""
+    from rollbench.lowfi.warned import above
+
+    return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
+
+
+def _checked(choices: Choices) -> tuple[str, float]:
+    """Model (empty: not asked for) and station [m] of the choices. Raises InputError for what does not go together or
+    cannot be written."""
+    from rollbench.meshes import units
+
+    model = choices.model or ("" if choices.condensed is None else "condensed")
+    if choices.condensed is not None and model != "condensed":
+        advice = "leave `model` out"
+        raise ArgumentError("condensed", str(choices.condensed), "the model condensed", advice)
+    if not 0 <= choices.member < 10**9:
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
+    if choices.matrix is not None:
+        if not choices.stiffness_at:
+            raise ArgumentError("matrix", str(choices.matrix), "with `stiffness_at`", "give a station")
+        from rollbench.compare.commands.solve_files import check_matrix
+
+        check_matrix(choices.matrix)
+    if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
+        raise ArgumentError("curve", str(choices.curve), "a name that ends in .csv", "rename it")
+    for path in filter(None, (choices.curve, choices.loads_csv)):
+        from rollbench.compare.writing import need_writable
+
+        need_writable(path)
+    if not choices.stiffness_at:
+        return model, 0.0
+    try:
+        return model, units.parse(choices.stiffness_at, "length")
+    except ValueError as error:
+        allowed = "a length with its unit"
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
+
+
+def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, choices: Choices) -> list[str]:
+    """Files that were asked for, but of loads; lines that say so. Raises InputError."""
+    import numpy as np
+
+    from rollbench.compare.models.load_cases import SolvedAxis
+
+    if not one.result.converged:
+        return []
+    lines, path, (K, where) = [], choices.matrix, _stiffness(one, tangent)
+    if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
+        advice = "ask for a station where no freedom of the shaft is held"
+        raise ArgumentError("matrix", str(path), "a stiffness in all six freedoms", advice)
+    if path is not None and K is not None:
+        from rollbench.compare.commands.solve_files import write_stiffness
+
+        write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
+        lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
+    if choices.curve is not None:
+        from rollbench.compare.commands.solve_files import write_curve
+
+        lines += write_curve(choices.curve, one.scene, one.result.model, options)
+    return lines
+
+
+def _stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
+    """The stiffness (6, 6) [N, m, rad] that was asked for, None where there is none, and words for where it is taken."""
+    from rollbench.compare.models.load_cases import SolvedAxis
+
+    if isinstance(one, SolvedAxis):
+        return one.result.stiffness, f"{one.result.stiffness_at} against all that the scene holds"
+    if tangent is None or tangent.status != "converged":
+        return None, ""
+    return tangent.matrix, f"screw's section at {1e3 * tangent.station:.6g} mm against the held nut"
+
+
+@app.command
+def solve(
+    scene: str,
+    *,
+    model: Word = "",
+    as_json: Json = False,
+    everything: Annotated[Flag, Parameter(name="--all")] = False,
+    member: int = 0,
+    condensed: Path | None = None,
+    balls: Flag = False,
+    stiffness_at: Word = "",
+    matrix: Path | None = None,
+    curve: Path | None = None,
+    loads_csv: Path | None = None,
+    members: int | None = None,
+    csv: Path | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
+    time_limit: float | None = None,
+    strict: Flag = False,
+    assumptions: Flag = False,
+) -> int:
+    """Solve one scene with one model, or many members of a scene with random errors.
+
+    The answers come first: loads, rigidity, pressure, safety, preload, friction, life.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    model
+        refined unless given, or "condensed" where its file is given; see: rollbench list.
+    everything
+        Build all parts, even those that the scene does not need.
+    member
+        Number of the specimen, for a scene with random errors.
+    condensed
+        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    balls
+        Print the table of all balls.
+    stiffness_at
+        Also the 6 x 6 tangent stiffness at a station of the screw, such as "400 mm", against the held nut.
+    matrix
+        File for that matrix: .mtx (Matrix Market) or .dmig (Nastran).
+    curve
+        File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
+    loads_csv
+        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
+        column case.
+    members
+        Number of members to solve: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
+        every ball.
+    csv
+        With --members: file with one row per member.
+    seed
+        With --members: seed of the random errors in place of the scene's.
+    workers
+        With --members: number of parallel processes.
+    time_limit
+        Seconds after which to give up, with exit code 1; none unless given.
+    strict
+        Exit with 1 if a WARNING line stands above the answers: pressure, preload, static safety or rotations beyond the
+        validity of the models, or a load of which little reaches the contacts.
+    assumptions
+        Also print the assumptions, what is left out, the balance and the solver.
+    """
+
+    if members is not None:
+        from rollbench.compare.commands.members import run as members_of
+        from rollbench.compare.reference.jobs import Engine
+
+        if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
+            named = "stiffness_at, matrix, curve, loads_csv, strict"
+            raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
+        how = Engine(workers=workers)
+        return print_answer(members_of(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
+    if csv is not None or seed is not None or workers is not None:
+        raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
+    choices = Choices(
+        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
+    )
+    return print_answer(run_solve(scene, choices), as_json)

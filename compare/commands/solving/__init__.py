@@ -1,1 +1,0 @@
-"""One scene by a low-order model: answers, members, curves, files."""

@@ -1,0 +1,112 @@
+"""The command ``rollbench stability``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollbench.compare.commands.terminal import Json, app
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.text.printing import Answer, cell, print_answer
+from rollbench.compare.text.tables import aligned, ruled
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from rollbench.compare.studies.extremes.static import Attempt
+
+
+def _progress(done: int, total: int, text: str) -> None:
+    """One line on a terminal, which the next one takes the place of; an empty one at the end."""
+    if sys.stderr.isatty():
+        sys.stderr.write(f"\r\033[K[{done}/{total}] {text}" if text else "\r\033[K")
+
+
+def run_stability(*, as_json: bool) -> Answer:
+    """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
+    from rollbench.compare.studies.extremes.static import failures, table
+
+    def progress(done: int, total: int, case: str) -> None:
+        _progress(done, total, case)
+        if not (sys.stderr.isatty() or as_json):
+            sys.stderr.write(f"[{done}/{total}] {case}\n")
+
+    rows = table(progress)
+    _progress(0, 0, "")
+    bad = failures(rows)
+    data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
+    return Answer(data, _parts(rows, bad), 1 if bad else 0)
+
+
+def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
+    from rollbench.compare.studies.extremes.static import FORMULATIONS, tally, wide_rows
+
+    words = ("case", *FORMULATIONS)
+    lines = ([*(str(line[f]) for f in words), cell(line["residual"], ".1e")] for line in wide_rows(rows))
+    yield ruled("stability: cases by formulations", (*words, "residual"), lines, words)
+    for name, (solved, tried, total) in tally(rows).items():
+        yield f"{name}: {solved} of {tried} tried ({total} cases)"
+    for row in bad:
+        yield f"FAILED: {row.case}: {row.status}; expected: {row.expected}"
+
+
+def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
+    """Run the survey of drawn screws: its errors and every scene without an answer; exit code 1 where there is any, else 0.
+
+    Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
+    """
+    from rollbench.compare.studies.survey import run
+    from rollbench.compare.studies.survey.draw import SCENES, SEED
+    from rollbench.compare.text.printing import on_terminal
+    from rollbench.compare.writing import need_writable, replace_file
+
+    if not 1 <= count <= SCENES:
+        raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")
+    if keep is not None:
+        need_writable(keep)
+    records = run.run_survey(SEED, count, folder, workers, on_terminal, keep)
+    bad = run.unanswered(records)
+    if keep is not None:
+        replace_file(keep, run.text(SEED, records))
+    found = run.summary(records)
+    parts: list[Any] = [aligned(found)] if found else []
+    parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
+    parts += [f"scene {r['number']}: {r['status']}" for r in bad]
+    return Answer({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)
+
+
+@app.command
+def stability(
+    *,
+    survey: int | None = None,
+    out: Path | None = None,
+    workers: int | None = None,
+    keep: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any.
+
+    With --survey instead: ordinary catalogue screws on the 3D reference, half a minute to some minutes each; exit 1 where
+    one has no answer or did not settle.
+
+    Parameters
+    ----------
+    survey
+        Number of drawn catalogue screws; the report's are 240.
+    out
+        Folder of the survey: a line a scene, and the runs of the 3D reference; an interrupted survey resumes there;
+        rollbench-survey unless given.
+    workers
+        Number of scenes of the survey in parallel, 1 unless given; each needs up to 4 GB.
+    keep
+        File to write the survey's record to, for the report's table; scenes that this file answers are not solved again.
+    """
+
+    if survey is not None:
+        return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)
+    if (out, workers, keep) != (None, None, None):
+        raise ArgumentError("out, workers, keep", "given", "with --survey", "add --survey COUNT")
+    return print_answer(run_stability(as_json=as_json), as_json)

@@ -1,0 +1,106 @@
+"""The command rollbench sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
+from rollbench.compare.text.tables import ruled
+
+if TYPE_CHECKING:
+    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.studies.sweep.keys import Vary
+    from rollbench.compare.studies.sweep.run import Sweep
+
+
+@app.command
+def sweep(
+    scene: str,
+    *,
+    vary: Annotated[list[str], Parameter(negative="")],
+    samples: int = 256,
+    method: Literal["sobol", "lhs", "grid"] = "sobol",
+    model: Word = "",
+    seed: int = 0,
+    outputs: Word = "",
+    out: Path = Path("rollbench-sweep"),
+    as_json: Json = False,
+    where: Where | None = None,
+) -> int:
+    """Solve a scene at many values of its keys; each sample is stored, and an interrupted sweep resumes.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    vary
+        KEY=A:B or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
+        "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys one value. A range of bare whole numbers gives whole
+        numbers (errors.seed=1:1000).
+    samples
+        How many; sobol takes the nearest n (keys + 2) with n a power of two, grid at most so many.
+    method
+        sobol (with Sobol indices), lhs (Latin hypercube) or grid.
+    model
+        refined unless given; see: rollbench list.
+    seed
+        Seed of the design.
+    outputs
+        NAME,NAME: compute these alone, beside the largest load; all unless given. Without rigidity_N_per_um and preload_N
+        a sample needs one solution, not two. Names are those of samples.csv.
+    out
+        Folder of the records and the summary; samples stored there are not solved again.
+    """
+    from rollbench.compare.studies.sweep.study import sweep_of
+
+    names = [name.strip() for name in outputs.split(",") if name.strip()]
+    what = sweep_of(scene, vary, samples, method, seed, model, names)
+    return print_answer(run_sweep(what, out, engine(where)), as_json)
+
+
+def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
+    """Solve what is missing and write the summary; exit code 1 where no sample converged. Raises InputError."""
+    from rollbench.compare.studies.sweep.study import solve_sweep
+    from rollbench.compare.writing import no_figure
+
+    found = solve_sweep(sweep, out, engine, on_terminal)
+    written = f"{out}: written: samples.csv, summary.json and {no_figure() or 'figures (SVG)'}"
+    return Answer(found, [*terminal(sweep.keys, found), written], 0 if found["converged"] else 1)
+
+
+def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
+    """The summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
+    from rollbench.compare.studies.sweep.outputs import MAIN, OUTPUTS
+
+    parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
+    parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
+    names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
+    rows = ([OUTPUTS[name], *(cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
+    parts.append(ruled("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
+    parts.append(_effects(keys, found))
+    worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
+    return [*parts, ruled("worst samples", ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)], worst)]
+
+
+def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
+    from rollbench.compare.studies.sweep.outputs import MAIN
+
+    indices = found["indices"].get("outputs", {}).get(MAIN)
+    why = found["indices"].get("none", "the largest load does not change")
+    title = "effect of each key on the largest contact load" + (f" ({why})" if indices is None else "")
+    rows = []
+    for vary in keys:
+        means = [g["mean"] for g in found["main_effects"][vary.key]]
+        cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
+        cells += [_interval(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
+        rows.append([vary.label, *cells])
+    return ruled(title, ("key", "smallest mean / N", "largest mean / N", "first index", "total index"), rows)
+
+
+def _interval(row: Mapping[str, float], kind: str) -> str:
+    return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"

@@ -1,0 +1,514 @@
+"""What a comparison with the 3D reference is uncertain by: parts, which add by squares.
+
+Of a quantity of a scene, as ASME V&V 20 has it, the comparison error is E = model - reference, and what E does not owe to
+the model is told apart by
+
+    u_val = sqrt(u_grid^2 + u_model^2 + u_input^2),
+
+u_grid: grid convergence of the reference (`compare.reference.grid_parts`); u_model: idealisations and unprinted dimensions
+of the reference, each varied by itself (`compare.models.modelling`); u_input: tolerances of what goes into both, each
+varied by itself. |E| <= u_val says that the model's error is not told from that; else the model's error lies within E +-
+u_val. Per cent are of the reference's value, those of contact loads of the mean load. u_input is computed by the source's
+model (lin), whose sensitivities are cheap. Model and reference are given the same inputs, so that it cancels in E here: it
+is what E would be uncertain by if one of the two were a measured screw, and the share of values within the reference's
+part, sqrt(u_grid^2 + u_model^2), stands next to it. Where choices of the reference were not varied on a scene, those of the
+varied scene whose effect is largest stand in, but not for a scene beyond what was compared, of which they say nothing.
+u_val is not known where a part is not.
+
+Of the largest contact load of a scene (`total`) a fourth part is the second order of displacements, which the reference
+leaves out: CalculiX finds contacts of the scene two-balls weaker by large displacements in proportion to their larger
+semi-axis a over the ball radius r, dF / F = -`SECOND_ORDER` a / r, within 15 %. Here a part that is not known counts as
+nothing, and words say so. Next to it stands what all contacts of a screw share whose sum of loads equilibrium does not
+hold: independent 3D programs find that sum larger by `SHARED`, with one sign, while finer meshes of the reference move it
+by less and the other way.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.applicability import outside
+from rollbench.compare.models.comparison import Loads, from_result, from_run
+from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, base_run
+from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.convergence import observe
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_parts import both_flanks
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.store import Run, load, shipped_store
+from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.writing import replace_file
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Material, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
+
+Take = Callable[[Scene, Loads], Array]
+
+#: Names of parts.
+GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", "large displacements"
+#: Record of the modelling choices, next to the stored runs.
+FILE = "choices.json"
+#: Relative loss of load by large displacements over a / r [-] (tests/unit/models/test_uncertainty.py).
+SECOND_ORDER = 0.030
+#: Sums of independent 3D programs over the reference's, preloaded scenes, least and largest [%].
+SHARED = (0.12, 0.19)
+#: Model whose sensitivities to the inputs are taken.
+SENSITIVE = "lin"
+#: Name of the quantity that is judged contact by contact.
+CONTACTS = "contact loads"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is compared: name, unit, its values (any shape) of an answer; whether per cent are of the mean of the loaded
+    contacts in place of the value itself; whether it is the load of the most loaded contact."""
+
+    name: str
+    unit: str
+    take: Take
+    of_mean: bool = False
+    of_largest: bool = False
+
+
+def _axial(scene: Scene, answer: Loads) -> Array:
+    """Axial displacement [um] of the screw at the nut's centre."""
+    return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
+
+
+def _angle(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
+    """Contact angle [deg] of the most loaded contact."""
+    return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
+
+
+QUANTITIES = (
+    Quantity(CONTACTS, "N", lambda scene, answer: answer.load, of_mean=True),  # noqa: ARG005
+    Quantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), of_largest=True),  # noqa: ARG005
+    Quantity("axial displacement", "um", _axial),
+    Quantity("contact angle of the most loaded contact", "deg", _angle),
+)
+
+
+@dataclass(frozen=True)
+class Input:
+    """A tolerance of what a drawing or a catalogue gives: words, and the scene changed by it (None where it has none)."""
+
+    name: str
+    change: Callable[[Scene], Scene | None]
+
+
+def _conforming(scene: Scene) -> Scene:
+    wider = 0.005 * 2.0 * scene.balls.radius
+    screw = replace(scene.screw, groove_radius=scene.screw.groove_radius + wider)
+    return replace(scene, screw=screw, nut=replace(scene.nut, groove_radius=scene.nut.groove_radius + wider))
+
+
+def _turned(scene: Scene) -> Scene:
+    return replace(scene, track=replace(scene.track, contact_angle=scene.track.contact_angle + float(np.radians(1.0))))
+
+
+def _stiffer(scene: Scene) -> Scene:
+    def stiffened(material: Material) -> Material:
+        return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
+
+    screw = replace(scene.screw, material=stiffened(scene.screw.material))
+    nut = replace(scene.nut, material=stiffened(scene.nut.material))
+    return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=stiffened(scene.balls.material)))
+
+
+def _larger(scene: Scene) -> Scene | None:
+    balls = scene.errors.balls
+    if balls.oversize == 0.0:
+        return None
+    return replace(scene, errors=replace(scene.errors, balls=replace(balls, oversize=balls.oversize + 0.25e-6)))
+
+
+#: Assumed tolerances: what makers state of such parts or do not print at all; no source of a scene gives them.
+INPUTS = (
+    Input("conformity of both grooves 0.005", _conforming),
+    Input("contact angle 1 deg", _turned),
+    Input("Young's modulus 1 %", _stiffer),
+    Input("oversize of the ball radius 0.25 um, where there is one", _larger),
+)
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Parts by name in per cent, each a number or of the shape of the values; nan where it is not known. ``varied``: the
+    scene on which the modelling choices were varied."""
+
+    parts: Mapping[str, Array | float]
+    varied: str = ""
+
+    def combined(self, *names: str, unknown: float = np.nan) -> Array:
+        """Root of the sum of squares of the parts, of all unless named; unknown: what one counts that is not known."""
+        parts = (np.asarray(self.parts[name]) for name in names or self.parts)
+        return np.asarray(np.sqrt(sum(np.where(np.isnan(part), unknown, part) ** 2 for part in parts)))
+
+
+def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
+    """Difference in per cent of what the quantity is given in; mean: contact load [N] of the reference."""
+    scale = mean if quantity.of_mean else None
+    return np.asarray(error_percent(value, base, scale))
+
+
+def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
+    """Of the finest run, in per cent; nan with one level, but for loads, of which there is experience."""
+    base = quantity.take(scene, from_run(reference.best, ""))
+    if quantity.of_mean:
+        return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
+    if quantity.of_largest:
+        bar = reference.uncertainty.ravel()[int(reference.load.argmax())]
+        return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
+    if len(reference.runs) < 2:
+        return np.full(base.shape, np.nan)
+    values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in reference.runs]
+    bar = observe(values, reference.sizes).uncertainty or 0.0
+    return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
+
+
+def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
+    """Choice, answer with it changed and answer without, of every modelling choice that a store holds varied on a scene."""
+    scene, out = study.scene(name), []
+    bases: dict[int, Run | None] = {}
+    for key, variant in VARIANTS.items():
+        run = load(scene, variant.level, key, study.stores) if variant.kind == "modelling" else None
+        if run is None or run.status != "converged":
+            continue
+        if variant.level not in bases:
+            bases[variant.level] = base_run(scene, variant.level, study.stores)
+        base = bases[variant.level]
+        if base is not None:
+            out.append((variant.choice, from_run(run, key), from_run(base, "")))
+    return tuple(out)
+
+
+def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
+    """Root of squares over the modelling choices that were varied on a scene, the largest of the variants of one choice;
+    None where none was."""
+    scene, worst = study.scene(name), dict[str, Array]()
+    contacts = nominal_contacts(scene)
+    for choice, changed, base in study.once(variants_of, name):
+        value, unchanged = (quantity.take(scene, answer) for answer in (changed, base))
+        change = np.abs(percent(quantity, value, unchanged, mean_load(base.load, contacts)))
+        worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
+    return Uncertainty(worst).combined() if worst else None
+
+
+def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
+    """Change in per cent by every tolerance of the inputs that a scene has, by the sensitivities of a cheap model."""
+    base = study.solve(scene, SENSITIVE)
+    unchanged, out = quantity.take(scene, from_result(base)), {}
+    mean = mean_load(base.load, nominal_contacts(scene))
+    for tolerance in INPUTS:
+        changed = tolerance.change(scene)
+        if changed is not None:
+            value = quantity.take(changed, from_result(study.solve(changed, SENSITIVE)))
+            out[tolerance.name] = percent(quantity, value, unchanged, mean)
+    return out
+
+
+def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[Array, str]:
+    """Root of squares over the tolerances of the inputs, and the one with the largest change."""
+    parts = input_parts(study, scene, quantity)
+    return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
+
+
+def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
+    """The parts of u_val of a scene's quantity; None without a stored reference."""
+    reference = study.reference(name)
+    if reference is None:
+        return None
+    scene = study.scene(name)
+    grid = grid_uncertainty(scene, reference, quantity)
+    choices = {} if outside(scene) else study.once(choices_of, quantity)
+    speaks = SPOKEN_FOR.get(name, "")
+    if speaks in choices and choices[speaks].shape == grid.shape:
+        model, varied = choices[speaks], speaks
+    elif choices:
+        varied = max(choices, key=lambda k: float(choices[k].max()))
+        model = np.full(grid.shape, float(choices[varied].max()))
+    else:
+        varied, model = "", np.full(grid.shape, np.nan)
+    return Uncertainty({GRID: grid, CHOICES: model, INPUT: input_uncertainty(study, scene, quantity)[0]}, varied)
+
+
+def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
+    """`choice_uncertainty` of every varied scene that a store holds."""
+    changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
+    return {name: u for name, u in changes.items() if u is not None}
+
+
+@dataclass(frozen=True)
+class Validated:
+    """A model on a quantity of a scene: error, parts of u_val and itself [%], of contact loads at the worst contact; the
+    shares of values that lie within u_val and within the reference's own part of it; ratio: model over reference of every
+    loaded contact above a tenth of the mean, or of the value; varied: scene that stands for the choices."""
+
+    scene: str
+    model: str
+    quantity: str
+    error: float
+    grid: float
+    choices: float
+    inputs: float
+    combined: float
+    within: float
+    within_own: float
+    ratio: tuple[float, ...]
+    varied: str
+
+    @property
+    def bar(self) -> str:
+        """u_val in words, or why it is not known."""
+        if np.isfinite(self.combined):
+            return f"u_val {self.combined:.2f} %"
+        why = "modelling choices were varied on no scene like it" if np.isfinite(self.grid) else "one mesh level"
+        return f"u_val not known ({why})"
+
+
+def validated(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
+    """A model's answer on a quantity of a scene; None without a stored reference."""
+    ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
+    if ref is None or parts is None:
+        return None
+    scene = study.scene(name)
+    reference = quantity.take(scene, from_run(ref.best, ""))
+    value = quantity.take(scene, answer)
+    error = percent(quantity, value, reference, ref.mean)
+    floor = 0.1 * ref.mean if quantity.of_mean else 0.0
+    # every loaded contact is judged; a value by itself is one
+    judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
+    big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
+    worst = int(np.argmax(np.where(judged, np.abs(error), -1.0)))
+    u_val, of_reference = parts.combined(), parts.combined(GRID, CHOICES)
+    each = (parts.parts[name] for name in (GRID, CHOICES, INPUT))
+    off, grid, choices, inputs, whole = (float(np.ravel(x)[worst]) for x in (error, *each, u_val))
+    within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (u_val, of_reference))
+    ratio = tuple(float(x) for x in (value[big] / reference[big]).ravel())
+    return Validated(name, model, quantity.name, off, grid, choices, inputs, whole, within, within_own, ratio, parts.varied)
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Bias and scatter of a model on a quantity over all scenes: number of scenes and of values, relative deviation
+    from the reference as a geometric mean [%], relative standard deviation of the model [%] with the grid's uncertainty
+    taken out, and shares of values within u_val and within the reference's own part of it."""
+
+    model: str
+    quantity: str
+    scenes: int
+    values: int
+    bias: float
+    scatter: float
+    within: float
+    within_own: float
+
+
+def scatter(rows: Sequence[Validated]) -> list[Scatter]:
+    """Bias and scatter by model and quantity.
+
+    As fire-model validation does (NUREG-1824, supplement 1): delta = exp(mean ln(M/E)), sigma_M^2 = var(ln(M/E)) -
+    sigma_E^2, the latter u_grid / 2 (a bound of 95 % taken as two standard deviations), and no less than zero. Inputs and
+    choices are the same for model and reference and scatter neither.
+    """
+    out = []
+    for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
+        group = [r for r in rows if (r.model, r.quantity) == (model, name)]
+        logs = np.log(np.concatenate([r.ratio for r in group]))
+        known = [r.grid for r in group if np.isfinite(r.grid)]
+        spread = float(np.sqrt(np.mean(np.square(known)))) / 200.0 if known else 0.0
+        variance = float(logs.var(ddof=1)) if logs.size > 1 else 0.0
+        bias = float(error_percent(np.exp(logs.mean()), 1.0))
+        left = float(error_percent(np.sqrt(max(variance - spread**2, 0.0)), 0.0, 1.0))
+        shares = [float(np.mean(x)) for x in ([r.within for r in group], [r.within_own for r in group])]
+        out.append(Scatter(model, name, len(group), logs.size, bias, left, *shares))
+    return out
+
+
+def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
+    """By model: measured errors within what was expected of them, and of how many any was (`ladder.left_out_one`)."""
+    out: dict[str, tuple[int, int]] = {}
+    for row in rows:
+        if row["expected"] is None:
+            continue
+        within, total = out.get(str(row["model"]), (0, 0))
+        good = float(row["measured"]) <= float(row["expected"])
+        out[str(row["model"])] = (within + good, total + 1)
+    return out
+
+
+# --- the largest contact load of a scene
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Modelling choices varied on a scene: largest change of a contact load by all together [% of the mean load], the one
+    that changes most, and by how much."""
+
+    scene: str
+    percent: float
+    choice: str
+    alone: float
+
+
+@record
+class Total:
+    """Uncertainty of a scene's contact loads [% of the mean load] by part (None: not known): discretisation and whether it
+    is from experience only; modelling choices, the one that dominates, the scene on which they were varied; inputs and the
+    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share;
+    stated: of a user's reference what that says, which is all that is known; of the discretisation, what the contact
+    ``at_face`` has by a free face of the nut (`compare.reference.near_face`)."""
+
+    discretisation: float
+    by_experience: bool = quantity("discretisation_by_experience")
+    choices: Choices | None = quantity(
+        "modelling_percent",
+        "what choices change that no mesh shows",
+        Stated("modelling_dominated_by", show=lambda choices: choices and choices.choice),
+        Stated("modelling_varied_on", show=lambda choices: choices and choices.scene),
+        show=lambda choices: choices and choices.percent,
+    )
+    inputs: float | None = quantity("input_percent", "what tolerances of the input change")
+    input: str = quantity("input_dominated_by", show=lambda name: name or None)
+    second_order: float = quantity("large_displacements_percent", "what the second order of displacements changes")
+    shared: bool = quantity(
+        "shared_by_all_percent",
+        "part that all contacts share and no mesh shows; null where it is not known",
+        show=lambda shared: SHARED if shared else None,
+    )
+    stated: str = ""
+    beside_face: float = quantity(
+        "beside_free_face_percent",
+        "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
+        "it is less than the rest",
+        default=0.0,
+    )
+    at_face: str = quantity("beside_free_face_at", show=lambda contact: contact or None, default="")
+
+    @property
+    @Stated("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
+    def of_mesh(self) -> float | None:
+        """`discretisation`; None of a user's reference, which says one number of all."""
+        return None if self.stated else self.discretisation
+
+    @property
+    @Stated("total_percent", "discretisation, modelling and input as independent errors")
+    def percent(self) -> float:
+        """All parts, by the root of the sum of squares."""
+        choices = np.nan if self.choices is None else self.choices.percent
+        inputs = np.nan if self.inputs is None else self.inputs
+        parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
+        return float(Uncertainty(parts).combined(unknown=0.0))
+
+    @property
+    def text(self) -> str:
+        """All and by part, in words."""
+        if self.stated:
+            return self.stated
+        grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
+        if self.at_face:
+            grid += f", of it {self.beside_face:.2f} % at {self.at_face} beside the nut's free face"
+        c = self.choices
+        modelling = "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, most {c.choice}"
+        inputs = (
+            "inputs not known"
+            if self.inputs is None
+            else f"inputs {self.inputs:.2f} %, most {self.input.partition(',')[0]}"
+        )
+        second = f"large displacements {self.second_order:.2f} %"
+        return f"uncertain by {self.percent:.2f} % in all: {grid}; {modelling}; {inputs}; {second}"
+
+    @property
+    def beside(self) -> str:
+        """What no part holds, as a sentence; empty where the sum of loads is held by equilibrium."""
+        if not self.shared:
+            return ""
+        low, high = SHARED
+        return (
+            f"Beside it, for all contacts alike: independent 3D programs find sums of preloaded screws {low:g} to {high:g} "
+            "% larger than the 3D reference; no mesh shows it, no bar holds it."
+        )
+
+
+def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
+    """The uncertainty of a scene's reference; inputs: whether that by the tolerances of the inputs is looked for."""
+    if reference.stated:
+        return Total(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
+    share, name = _inputs(scene) if inputs else (None, "")
+    lip, at = beside_face(reference)
+    return Total(
+        uncertainty_percent(reference),
+        reference.parts.by_experience,
+        spoken_for(replace(scene, name=reference.best.scene), read(shipped_store())),
+        share,
+        name,
+        second_order(scene, reference),
+        both_flanks(reference.load),
+        beside_face=lip,
+        at_face=at,
+    )
+
+
+def beside_face(reference: Reference) -> tuple[float, str]:
+    """Largest part of a contact's uncertainty that is by a free face beside it [% of the mean load], and the contact; none
+    where it is less than what discretisation leaves uncertain in all."""
+    share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
+    if share.max() <= reference.parts.bar or not reference.parts.bar:
+        return 0.0, ""
+    ball, side = np.unravel_index(int(share.argmax()), share.shape)
+    return float(share.max()), f"ball {ball + 1} {SIDES[side]}"
+
+
+def second_order(scene: Scene, reference: Reference) -> float:
+    """What large displacements take from the most loaded contact [% of the mean load]."""
+    worst = load_answers(scene, reference.load, np.radians(reference.best.angle)).worst
+    if worst is None:
+        return 0.0
+    lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
+    return float(error_percent(lost, 0.0, mean_load(reference.load)))
+
+
+def _inputs(scene: Scene) -> tuple[float | None, str]:
+    """Largest effect [%] of the tolerances of the inputs on a contact's load, and the one that has most of it."""
+    study = Study()
+    if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
+        return None, ""
+    parts, most = input_uncertainty(study, scene, QUANTITIES[0])
+    return float(parts.max()), most
+
+
+def recorded(varied: Modelling) -> Choices:
+    """The record of choices that were varied on a scene."""
+    first = max(varied.choices, key=lambda name: varied.choices[name])
+    return Choices(varied.scene, varied.largest, first, varied.choices[first])
+
+
+def spoken_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
+    """The choices that speak for a scene: of its own parts, or else the ones with the largest effect; none for a scene
+    beyond what was compared. Raises ValueError as `applicability.outside`."""
+    if outside(scene):
+        return None
+    return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
+
+
+def save(store: Path, known: Mapping[str, Choices]) -> None:
+    """Write the record of a store. Raises OSError where that cannot be done."""
+    replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
+
+
+@cache
+def read(store: Path) -> dict[str, Choices]:
+    """The record of a store. Raises OSError, ValueError or TypeError without a whole one."""
+    return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}

@@ -1,0 +1,435 @@
+"""The first screen: how far low-order models can be trusted, by their errors and run times against the 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rollbench.compare.gate.verdict import LIMIT, Limits, judge
+from rollbench.compare.measure import SMALL, gate_scale
+from rollbench.compare.models.comparison import REFERENCED, RULE
+from rollbench.compare.models.ladder import UNSEEN, Rung, ladder
+from rollbench.compare.models.ladder import points as compared_points
+from rollbench.compare.models.model_form import Point, surveyed_points
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
+from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
+from rollbench.compare.sections.u_val import rows_of
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
+
+QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
+TITLE = "Errors of all screws compared, and of every model and mesh against run time"
+#: Families that share a colour, by models: the refined one, the source's and steps from it, axial bars, condensed bodies.
+FAMILIES = (
+    ("refined", ("refined",)),
+    (
+        "the source's model and steps from it",
+        ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
+    ),
+    ("axial bars", ("mei", "mei-nut")),
+    ("bodies from 3D", ("condensed",)),
+)
+SOLID = "3D reference"
+#: Models that stand for their kind, as the answer names them.
+BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
+LARGEST = Quantity("largest", "largest error", "%", ".1f")
+KINDS = {DEFAULT: "refined", "lin": "lin"}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A model or mesh over the shipped scenes: short name, label, family, number of scenes, largest error [% of the mean
+    load] and its scene, medians of the largest and RMS errors, largest RMS error, median cold seconds of those that were
+    measured (None: of none); by the gate's rule
+    the median of the largest error and of the ends of its bar, and how many scenes pass the gate at `LIMIT`.
+
+    The error of a level that is itself the finest is its grid uncertainty.
+    """
+
+    name: str
+    label: str
+    family: str
+    scenes: int
+    worst: float
+    worst_scene: str
+    median: float
+    rms: float
+    worst_rms: float
+    cold: float | None
+    gate: Largest
+    passed: int
+
+
+def family_of(point: TimePoint) -> str:
+    """Family of a model or mesh."""
+    if point.kind != "model":
+        return SOLID
+    return next((family for family, names in FAMILIES if point.name in names), point.label)
+
+
+def off(point: TimePoint) -> float:
+    """Largest error [% of the mean load] of a point; the grid uncertainty of a level that is the finest itself."""
+    return point.high if point.error == 0.0 and point.high is not None else point.error
+
+
+def by_gate(point: TimePoint) -> Largest:
+    """Largest error by the gate's rule; the grid uncertainty of a level that is the finest itself."""
+    return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
+
+
+def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
+    """Every model and mesh over its scenes, from the largest median error to the smallest."""
+    found: dict[str, list[tuple[str, TimePoint]]] = {}
+    for scene, several in points.items():
+        for point in several:
+            if point.status == "converged" and off(point) > 0.0:
+                found.setdefault(point.label, []).append((scene, point))
+    return sorted((_standing(label, group) for label, group in found.items()), key=lambda s: -s.median)
+
+
+def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+    first = group[0][1]
+    errors = [off(p) for _, p in group]
+    k = int(np.argmax(errors))
+    times = [p.cold for _, p in group if p.cold is not None]
+    gate = [by_gate(p) for _, p in group]
+    return Standing(
+        name=first.name,
+        label=label,
+        family=family_of(first),
+        scenes=len(group),
+        worst=errors[k],
+        worst_scene=group[k][0],
+        median=float(np.median(errors)),
+        rms=float(np.median([p.rms for _, p in group])),
+        worst_rms=max(p.rms for _, p in group),
+        cold=float(np.median(times)) if times else None,
+        gate=Largest(*(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))),
+        passed=sum(g.high <= LIMIT for g in gate),
+    )
+
+
+def front(found: Sequence[Standing]) -> list[Standing]:
+    """Those that no other one beats in both median error by the gate's rule and median time, fastest first; of those
+    that were timed."""
+    best: list[Standing] = []
+    for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
+        if not best or one.gate.error < best[-1].gate.error:
+            best.append(one)
+    return best
+
+
+def first_figure(
+    screws: Mapping[str, Array],
+    points: Mapping[str, Sequence[TimePoint]],
+    name: str,
+    size: tuple[float, float],
+    *,
+    all_names: bool = True,
+) -> Figure:
+    """How many of all screws compared have which error, and error against the time of a cold start; a narrow figure names
+    the levels, one model of each family and those of the front alone."""
+    points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
+    time = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
+    counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
+    caption = (
+        f"Share of screws: by the largest error of a contact load on each of {counts}. {TIMED} A cold start is a new "
+        "process with empty caches, Python's imports included."
+    )
+    panels = (screw_panel(screws), time)
+    return Figure(name, TITLE, panels, caption, columns=2 if all_names else 1, size=size)
+
+
+#: What a panel of errors against time shows.
+TIMED = (
+    f"Error against run time: by the gate's rule, {RULE}; the line is the gate's {LIMIT:g} %. Light points: shipped "
+    "scenes. Markers: medians; bars: the range left by the reference's grid uncertainty. The finest level itself is drawn "
+    "at its uncertainty. The condensed model reads bodies from a 3D run, whose time is not included. All times are of one "
+    "measuring run; what it did not measure is left out."
+)
+
+
+def screw_panel(screws: Mapping[str, Array]) -> Panel:
+    """Share of all screws compared over their largest error, by model."""
+    series = []
+    for model, errors in screws.items():
+        share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
+        series.append(Series(model, errors.tolist(), share.tolist(), "line", emphasis=True))
+    return Panel("", "largest error / % of the mean load", "share of screws with no more / %", series, log="x", zero=True)
+
+
+def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
+    """Error against the time of a further solve."""
+    warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
+    panel = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=True)
+    return Figure("error-time-further", "Error against the time of a further solve", (panel,), TIMED, columns=1)
+
+
+def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
+    """Largest errors [% of the mean load] of all screws compared, in order, by the models that stand for their kind."""
+    of_screws = [p for p in points if p.features["lead"] > 0.0]
+    return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
+
+
+def _time_panel(
+    points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
+) -> Panel:
+    families = [family for family, _ in FAMILIES] + [SOLID]
+    series = []
+    for family in families:
+        shown = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        series.append(
+            Series(
+                family,
+                [p.cold for _, p in shown if p.cold is not None],
+                [max(by_gate(p).error, FLOOR) for _, p in shown],
+                "markers",
+                light=True,
+                names=[f"{p.name}, {scene}" for scene, p in shown],
+            )
+        )
+    edge = front(found)
+    line = ([s.cold for s in edge if s.cold is not None], [max(s.gate.error, FLOOR) for s in edge])
+    series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
+    for family in families:
+        mids = [s for s in found if s.family == family]
+        bars = ([max(s.gate.low, FLOOR) for s in mids], [max(s.gate.high, FLOOR) for s in mids])
+        series.append(
+            Series(
+                family,
+                [s.cold for s in mids if s.cold is not None],
+                [max(s.gate.error, FLOOR) for s in mids],
+                "markers",
+                emphasis=True,
+                bars=bars,
+                texts=[s.name if all_names or s in edge or s.name in KINDS else "" for s in mids],
+                names=[f"{s.name}, median of {s.scenes} scenes" for s in mids],
+            )
+        )
+    series = [s for s in series if len(s.x)]
+    times = [p.cold for several in points.values() for p in several if p.cold is not None]
+    if times:
+        series.append(Series(f"the gate's {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
+    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
+
+
+def _shown(point: TimePoint, family: str) -> bool:
+    return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
+
+
+def answer(screws: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None) -> str:
+    """Errors of the models that stand for their kind on all screws compared, of which some were drawn, and how well the
+    reference is known; total: its largest total uncertainty [%], modelling choices and input included."""
+    words = []
+    for (model, errors), (middle, nearly) in zip(
+        screws.items(), ((" of the mean contact load in the median", " on 19 of 20"), ("", "")), strict=True
+    ):
+        if errors.size:
+            median, most = np.percentile(errors, [50, 95])
+            words.append(f"{KINDS[model]} is wrong by {median:.1f} %{middle} and by {most:.1f} %{nearly}")
+    count = max((errors.size for errors in screws.values()), default=0)
+    whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
+    return (
+        f"On {count} screws, {drawn} of them drawn by a seed, {', '.join(words)}. Uncertainty of the 3D reference: "
+        f"{_range(bars)}{whole}."
+    )
+
+
+def _range(bars: Sequence[float]) -> str:
+    if not bars:
+        return "unknown (one mesh level only)"
+    low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
+    return f"{low} %" if low == high else f"{low} to {high} %"
+
+
+def drawn_words(drawn: int) -> str:
+    """What the drawn screws are, as a statement."""
+    return (
+        f"{drawn} catalogue screws, drawn by one seed without redraws and compared on level 1 of the 3D reference (section "
+        "stability); finer levels, run times and the gate are shown of the shipped scenes:"
+    )
+
+
+def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
+    """Ranges that the scenes span, as statements."""
+    if not scenes:
+        return []
+    every = list(scenes.values())
+
+    def span(values: Sequence[float], unit: str) -> str:
+        low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+        return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+    cases, unseen = sum(name in REFERENCED for name in scenes), sum(name in UNSEEN for name in scenes)
+    contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
+    screws = [s for s in every if s.track.lead != 0.0]
+    fixed = (
+        f", and {unseen} screws and bearings fixed before any of them was solved in 3D. Only the refined "
+        "model's corrections for nut faces and short lands were developed with their errors known"
+    )
+    leads = f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}" if screws else ""
+    bearings = f"bearings: {len(every) - len(screws)}" if len(every) > len(screws) else ""
+    return [
+        f"{cases} case studies of the source{fixed if unseen else ''}.",
+        f"{', '.join(filter(None, [leads, bearings]))}; "
+        f"pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
+        f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
+        (
+            "Friction, ball motion, support bearings, ball chains and several sets on one shaft are compared "
+            "with printed numbers, closed forms and second solvers on their own pages."
+        ),
+    ]
+
+
+LIMITS = (
+    (
+        "The reference is linear elastic, frictionless, and nominal in shape apart from the errors of a scene. "
+        "Its uncertainty is that of its mesh; the effect of unprinted dimensions and idealisations is stated "
+        'separately (page "How good the reference is").'
+    ),
+    ("For a screw outside this range the models still answer, and the result says that its error is not covered."),
+    (
+        "A cold start is a new process with empty caches, library imports included; a further solve costs a "
+        "small part of it."
+    ),
+)
+
+
+def standing_table(found: Sequence[Standing]) -> Table:
+    """Every model and mesh over its scenes."""
+    rows: list[Row] = [
+        {
+            "name": s.name,
+            Quantity("label", "model or mesh", "", "s"): s.label,
+            "scenes": s.scenes,
+            Quantity("median", "largest error, median", "% of mean", ".2f"): s.median,
+            Quantity("worst", "largest of all", "% of mean", ".2f"): s.worst,
+            Quantity("at", "on", "", "s"): s.worst_scene,
+            Quantity("rms", "RMS error, median", "% of mean", ".2f"): s.rms,
+            Quantity("worst_rms", "largest RMS error", "% of mean", ".2f"): s.worst_rms,
+            Quantity("gate", "by the gate's rule, median", "%", ".2f"): s.gate.error,
+            Quantity("passed", f"scenes that pass the gate's {LIMIT:g} %", "", "s"): s.passed,
+            Quantity("cold", "cold start, median", "s", "g3"): s.cold,
+        }
+        for s in found
+    ]
+    note = (
+        "Against the finest level of the 3D reference of each shipped scene; the table of error against run time "
+        f"has every point. By the gate's rule: {RULE}; a scene passes where error and uncertainty of every contact are "
+        "together within the limit. The error of the finest level itself is its grid uncertainty, and its RMS error is "
+        "zero by definition."
+    )
+    return Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note, shown=None)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report, with its first screen."""
+    step("error against run time, every model and mesh on every scene")
+    points = study.once(all_points, step)
+    title = "Models and meshes over the shipped scenes"
+    if not points:
+        return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
+    found = study.references(tuple(points))
+    bars = [uncertainty_percent(ref) for ref in found.values()]
+    compared = [*compared_points(study, study.once(ladder)), *surveyed_points()]
+    screws, drawn = screw_errors(compared), len({p.scene for p in surveyed_points()})
+    wide = first_figure(screws, points, "error-time", (11.0, 4.1))
+    narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
+    covered = [drawn_words(drawn), *coverage({name: study.scene(name) for name in points}, found)]
+    sentence = answer(screws, drawn, bars, largest_total(study, found))
+    limits = (*LIMITS, when_measured(study, step))
+    table = standing_table(standings(points))
+    step("every model on every quantity")
+    items = (quantity_table(study), contact_figure(study, found))
+    summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
+    return Section("overview", title, (table, further_figure(points)), conclusion=sentence, summary=summary)
+
+
+def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
+    """Largest total uncertainty [%] of the scenes: discretisation, modelling choices, input."""
+    totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
+    return max(totals, default=None)
+
+
+def quantity_table(study: Study) -> Table:
+    """Bias, scatter and largest error of the models by quantity, and what others print and measure."""
+    rungs = study.once(ladder)
+    rows = rows_of(study, rungs)
+    from rollbench.compare.cases.makers.page import first_page
+
+    outside = first_page(study)
+    cells: list[Row] = []
+    for model in KINDS:
+        of_model = [r for r in rungs if r.model == model]
+        words = [gate_word(study, rung) for rung in of_model]
+        passed = words.count("pass")
+        cells.append(
+            {
+                "quantity": "worst contact load, by the gate's rule",
+                "model": model,
+                BIAS: None,
+                SCATTER: None,
+                LARGEST: max(r.error.gate_percent for r in of_model),
+                "scenes": len(of_model),
+                Quantity("passed", f"pass the gate's {LIMIT:g} %", "", "s"): f"{passed} of {len(of_model)}",
+                "verdict": "yes" if passed == len(of_model) else "no",
+            }
+        )
+    for s in scatter(rows):
+        if s.model not in KINDS:
+            continue
+        worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]
+        name = f"{s.quantity}, of the mean load" if s.quantity == CONTACTS else s.quantity
+        cells.append(
+            {"quantity": name, "model": s.model, BIAS: s.bias, SCATTER: s.scatter, LARGEST: max(worst), "scenes": s.scenes}
+        )
+    columns = {q.label: q for q in (BIAS, SCATTER)}
+    for quantity, row in outside.items():
+        known: Row = {
+            columns.get(column.label, Quantity("values", "outside values", "", "s")): v for column, v in row.items()
+        }
+        cells.append({"quantity": quantity, "model": "against outside values", **known})
+    note = (
+        f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest level of the 3D reference "
+        "of each scene. Last rows: against values that others print or measure (section outside)."
+    )
+    return Table.of("quantities", "Every quantity and model", cells, note, shown=None)
+
+
+def gate_word(study: Study, rung: Rung) -> str:
+    """What the gate says of a model's loads on a scene at its usual limit."""
+    reference = study.reference(rung.scene)
+    assert reference is not None  # a rung stands against one
+    return judge(rung.model, rung.result.load, reference, Limits())[0].word
+
+
+def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
+    """Computed against reference for every contact of every scene, both over the scene's mean load."""
+    series = []
+    for model in ("lin", DEFAULT):
+        x, y, names = [], [], []
+        for rung in study.once(ladder):
+            if rung.model == model and rung.scene in found:
+                ref = found[rung.scene]
+                value, truth = rung.result.load / ref.mean, ref.load / ref.mean
+                at = np.argwhere((value > 0.0) | (truth > 0.0))
+                x += [float(truth[i, s]) for i, s in at]
+                y += [float(value[i, s]) for i, s in at]
+                names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
+        series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
+    end = max((max(s.x, default=1.0) for s in series), default=1.0)
+    truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
+    allowed = 0.01 * LIMIT * gate_scale(truths, 1.0)
+    lines = np.concatenate([truths - allowed, [np.nan], truths + allowed])
+    series.append(Series("equal", [0.0, end], [0.0, end], "line"))
+    series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
+    panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %; small dots: lin."
+    return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

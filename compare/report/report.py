@@ -1,0 +1,226 @@
+"""Regenerates the validation report: runs the models, fills the records, writes the page."""
+
+from __future__ import annotations
+
+import datetime
+import platform
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from time import perf_counter
+
+from rollbench.compare import __version__
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.models.study import Study
+from rollbench.compare.provenance import commit, inputs
+from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.report.first import kept_parts, lacking, live_check
+from rollbench.compare.report.pages import SECTIONS, Listed, pages
+from rollbench.compare.report.scene_page import replaced
+from rollbench.compare.report.verify import moved_tables, tables
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.system import gmsh_fault, libraries, machine, need_packages
+from rollbench.compare.text.printing import Answer
+from rollbench.compare.writing import need_writable
+from rollbench.meshes.libraries import PAGES
+from rollbench.reports.content import Report, Section
+
+Step = Callable[[str], None]
+
+
+def provenance() -> dict[str, str]:
+    """What was run where: version, date, machine, library versions."""
+    packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
+    return {
+        "rollbench": f"{__version__}, commit {commit()}",
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "machine": f"{machine()}, {platform.system()}",
+        "Python": platform.python_version(),
+        "libraries": libraries(packages),
+        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
+        "Liu et al. (2025), Lubricants 13, 57",
+    }
+
+
+def _printed(line: str) -> None:
+    print(line, flush=True)
+
+
+class Progress:
+    """Lines of progress: which section, which step, how long it took."""
+
+    def __init__(self, total: int, say: Step) -> None:
+        """Start counting sections out of ``total``; say: takes the lines."""
+        self.total, self.count, self.say = total, 0, say
+        self.start = perf_counter()
+
+    def section(self, name: str) -> None:
+        """Announce a section."""
+        self.count += 1
+        self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
+
+    def step(self, text: str) -> None:
+        """Announce a step of the section."""
+        self.say(f"      {text}")
+
+
+def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
+    """Compute the runs that the report needs and the stores of the study do not hold yet, if it has any; fresh: all of
+    them."""
+    from rollbench.compare.models.comparison import REFERENCED
+    from rollbench.compare.models.modelling import REFINED, VARIED
+    from rollbench.compare.reference.expected import expected
+    from rollbench.compare.reference.jobs import all_variants, ensure, plan, refinements
+    from rollbench.compare.reference.levels import LEVELS, STUDIED
+
+    if study.stores is None:
+        return
+    from rollbench.compare.cases.liu.evidence.bodies import references as bodies_references
+    from rollbench.compare.models.ladder import DEEP, UNSEEN
+    from rollbench.compare.studies.crosscheck.study import references as checked_references
+
+    scenes = [study.scene(name) for name in REFERENCED]
+    if study.quick:
+        tasks = plan(scenes[:2], (min(LEVELS),))
+    else:
+        tasks = plan(scenes, STUDIED, source=True, ablate=True)
+        for name in VARIED:
+            tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
+        tasks += plan([study.scene(name) for name in UNSEEN], STUDIED)
+        for names, levels in (*checked_references(fresh), *bodies_references(fresh)):
+            tasks += plan([study.scene(name) for name in names], levels)
+        tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
+        tasks.sort(key=lambda task: -expected(task).seconds)
+    ensure(tasks, study.stores[0], engine, step, study.stores[1:], fresh=fresh)
+    if not study.quick:
+        keep_experience(study.stores)
+
+
+def keep_experience(stores: Sequence[Path]) -> None:
+    """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
+    own levels do not show, and the modelling choices."""
+    from rollbench.compare.models import uncertainty
+    from rollbench.compare.models.modelling import VARIED, combined, varied
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.reference import grid_parts
+    from rollbench.compare.sections.grid_coverage import experience
+
+    study = Study(stores)
+    known = experience(study)
+    if known is not None:
+        grid_parts.save(stores[0], known)
+    modelling = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+    if all(modelling):
+        uncertainty.save(stores[0], {m.scene: uncertainty.recorded(m) for m in modelling if m is not None})
+
+
+def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
+    """Sections asked for; if none all, or those of a quick report. Raises InputError for a bad name."""
+    for name in only:
+        if name not in (names := [part.name for part in SECTIONS]):
+            raise ArgumentError("only", f'"{name}"', ", ".join(names), "name a section")
+    return [part for part in SECTIONS if (part.name in only if only else part.quick or not quick)]
+
+
+def save_model_form(study: Study) -> None:
+    """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
+    shipped; nothing without references or without a store."""
+    from rollbench.compare.models.applicability import save_places
+    from rollbench.compare.models.ladder import ladder, points
+    from rollbench.compare.models.model_form import save_points
+
+    rungs = study.once(ladder)
+    if rungs and study.stores:
+        save_points(study.stores[0], points(study, rungs))
+        save_places(study.stores[0])
+
+
+def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: Study) -> dict[str, Section]:
+    """Sections by name, one after the other; with the ladder also what the model-form estimate rests on."""
+    sections: dict[str, Section] = {}
+    for part in parts:
+        announce(part.name)
+        sections[part.name] = import_module(f"{part.package}.{part.module}").section(study, step)
+    if "ladder" in sections:
+        save_model_form(study)
+    return sections
+
+
+def make_report(
+    only: Sequence[str],
+    out: Path,
+    *,
+    quick: bool = False,
+    stored: bool = False,
+    store: Path = Path("rollbench-reference"),
+    engine: Engine | None = None,
+    fresh: bool = False,
+    everything: bool = False,
+    against: Path | None = None,
+    say: Step = _printed,
+) -> Answer:
+    """Run, draw and write the report; exit code 1 where the live check does not agree.
+
+    quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
+    store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
+    holds them; everything: the costly sections too; against: an earlier report, to list what moved;
+    say: takes the lines of progress. Run times are those of the measuring run that is kept; with ``fresh`` of a new one.
+    Raises InputError for a bad section name or folder.
+    """
+    need_packages(*PAGES, "scikit-fem")
+    before = None if against is None else tables(against)
+    wanted = wanted_parts(only, quick=quick)
+    if fresh and stored:
+        raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
+    from rollbench.reports.html import write
+
+    with replaced(out):
+        need_writable(out / "index.html")
+    wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
+    meshing = not gmsh_fault()
+    from rollbench.compare.reference.store import shipped_store
+
+    stores = (store,) if fresh or quick else (store, shipped_store())
+    facts = provenance()  # before anything is written
+    engine = engine or Engine()
+    runs = any(part.runs for part in wanted)
+    checking = runs and meshing and not (only or stored or fresh or quick)
+    study = Study(None if stored else stores, quick=quick, timed=fresh, cache=engine.cache)
+    progress = Progress(len(wanted) + runs + checking + 1, say)
+    start = perf_counter()
+    if runs:
+        progress.section("runs of the 3D reference")
+        if meshing:
+            compute_references(study, engine, progress.step, fresh=fresh)
+    checked = None
+    if checking:
+        progress.section("one shipped run recomputed")
+        checked = live_check((shipped_store(),), progress.step)
+    sections = make_sections(wanted, progress.section, progress.step, study)
+    progress.section("drawing and writing")
+    texts = {name: catalogue.scene_text(name) for name in study.used}
+    facts["computed in"] = f"{perf_counter() - start:.0f} s"
+    computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
+    facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
+    missed += lacking(sections.values())
+    if missed:
+        facts["left out"] = "; ".join(str(gap) for gap in missed)
+    if checked is not None:
+        facts["live check"] = str(checked)
+    without = "" if only else f", without {', '.join(part.name for part in SECTIONS if not part.quick)}"
+    report = Report(
+        title="rollbench validation report",
+        subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
+        + (f" (quick run: coarse meshes, cases 1 and 2 only{without})" if quick else "")
+        + "".join(f" (left out: {gap})" for gap in missed),
+        provenance=facts,
+        pages=pages(sections),
+        origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
+    )
+    with replaced(out):
+        page = write(report, out, progress.step)
+    parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
+    if before is not None:
+        parts += [*moved_tables(before, tables(page.parent))] or ["nothing moved"]
+    parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
+    return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)

@@ -1,0 +1,175 @@
+"""Every number of the output with its path in JSON: the tables of the manual, from the fields that state it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
+from rollbench.compare.gate.verdict import Verdict
+from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
+from rollbench.compare.models.load_cases import Lives, Together
+from rollbench.compare.models.load_path import LoadPath, Taker
+from rollbench.compare.models.loading import LiftOff, Preload
+from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.models.uncertainty import Total
+from rollbench.compare.results import scene_json
+from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
+from rollbench.compare.results.data import (
+    Ensemble,
+    Friction,
+    FrictionBall,
+    FrictionBand,
+    FrictionCases,
+    FrictionPlay,
+    Statistics,
+)
+from rollbench.compare.results.solved import ExpectedError
+from rollbench.compare.scenes.duty_cycle import LoadCase
+from rollbench.lowfi.bearings.torque import LoadTorque
+from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
+from rollbench.lowfi.rating.equivalent import EquivalentLife
+from rollbench.lowfi.rating.life import Life
+from rollbench.lowfi.rating.rigidity import Rigidities
+from rollbench.lowfi.rating.roller_contacts import RollerContact
+from rollbench.lowfi.rating.static import Ratings
+from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
+from rollbench.meshes.one_arc import Clearance
+from rollbench.meshes.quantity import Stated, stated_in
+
+
+class Table(NamedTuple):
+    """A table of the manual: title, what is said above it, records with where they stand in JSON."""
+
+    title: str
+    about: str
+    records: tuple[tuple[str, type], ...]
+
+    def paths(self) -> Iterator[tuple[str, Stated]]:
+        """The end of the path of every defined number in the JSON of a command, and what is stated of it."""
+        for where, kind in self.records:
+            for _, one in stated_in(kind):
+                if one.definition:
+                    yield f"{where}{one.key.removeprefix('torque.')}{one.parts}", one  # other tables have torques, too
+
+
+#: The first table that has a path says what it is: ``loads.max_N`` stands for summary.loads.max_N,
+#: sets[].summary.loads.max_N, answers.*.loads.max_N; FLANK is SL, SR, NL or NR; * is any one key.
+TABLES = (
+    Table(
+        "Loads",
+        "Contact loads are normal forces between a ball and one flank. Their error is the one that `compare` measures and "
+        "`expected_error_percent` promises, in per cent of the mean load.",
+        (
+            ("balls[].", scene_json.BallRow),
+            ("loads.", scene_json.LoadSums),
+            ("loads.", scene_json.RollerSums),
+            ("rollers[].", scene_json.RollerRowAnswer),
+            ("sides.FLANK.", scene_json.SideSums),
+        ),
+    ),
+    Table(
+        "Displacement and rigidity",
+        "",
+        (
+            ("axial.", scene_json.Axial),
+            ("load_path.", LoadPath),
+            ("load_path.supports[].", Taker),
+            ("", Rigidities),
+            ("stiffness.", scene_json.StiffnessAt),
+            ("centreline[].", scene_json.CentrelinePoint),
+        ),
+    ),
+    Table(
+        "Contact, ellipse and static safety",
+        "Of the contact of the highest pressure, by Hertz' theory of its load and curvatures: an ellipse of a ball, a "
+        "strip of a roller.",
+        (
+            ("worst_contact.", Contact),
+            ("worst_contact.", RollerContact),
+            ("clearance.", Clearance),
+            ("truncation.", Truncation),
+            ("static_safety.", StaticSafety),
+        ),
+    ),
+    Table(
+        "Life, ratings and preload",
+        "ISO 281 and ISO/TS 16281 for bearings, ISO 3408-5 for screws, as computed of these parts and not a maker's; the "
+        "theory is in [](../theory/rating.md).",
+        (
+            ("life.", Life),
+            ("ratings.", Ratings),
+            ("", LoadAnswers),
+            ("preload.", Preload),
+            ("starting_torque.", LoadTorque),
+            ("contact_lost.", LiftOff),
+        ),
+    ),
+    Table(
+        "Friction",
+        "Torques act about the screw's axis. Their error is dominated by the coefficient of friction, which is an input: "
+        "see `band`.",
+        (("band.", FrictionBand), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
+    ),
+    Table(
+        "How far to trust it",
+        "Error is defined once, in `compare/measure.py`: 100 (value - reference)/|reference|; of loads in per cent of the "
+        "reference's mean load unless a name says otherwise.",
+        (
+            ("model_form.", ModelForm),
+            ("", ModelLoads),
+            ("", ExpectedError),
+            ("", Uncertainty),
+            ("uncertainty.", Total),
+            ("verdicts[].", Verdict),
+        ),
+    ),
+    Table("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),
+    Table(
+        "Several sets, and members",
+        "Of members of one set, `statistics.load_stiffness_N_per_um` is the tangent stiffness where the loads act, of "
+        "shaft and nut together: 0.1 % more load over how far its points move along it. `axial.tangent_N_per_um` is that "
+        "at the nut's centre.",
+        (
+            ("sets[].", SetResult),
+            ("housings[].", HousingResult),
+            ("summary.", AxisAnswers),
+            ("statistics.*.", Statistics),
+            ("", Ensemble),
+        ),
+    ),
+    Table(
+        "Load cases",
+        "A scene with `[[cases]]` has the list `cases`, each entry as the scene alone would have it, and what they say "
+        "together.",
+        (
+            ("", LoadCase),
+            ("summary.", Together),
+            ("", Lives),
+            ("standard_life.", EquivalentLife),
+            ("summary.", FrictionCases),
+            ("summary[].", CycleSummary),
+        ),
+    ),
+)
+
+
+@cache
+def _known() -> tuple[tuple[re.Pattern[str], Stated], ...]:
+    return tuple((_pattern(path), one) for table in TABLES for path, one in table.paths())
+
+
+def _pattern(path: str) -> re.Pattern[str]:
+    named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
+    return re.compile(rf"(.*\.)?{named}")
+
+
+def definition(path: str) -> Stated | None:
+    """What is stated of a path in a command's JSON, None where nothing is; indices of lists may stand in the brackets.
+
+    >>> definition("summary.loads.max_N").definition
+    'largest contact load'
+    """
+    path = re.sub(r"\[\d+\]", "[]", path)
+    return next((known for pattern, known in _known() if pattern.fullmatch(path)), None)

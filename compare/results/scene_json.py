@@ -1,0 +1,452 @@
+"""A solved scene, of one set or several, and the load cases of a duty cycle, as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_in
+from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
+from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.models.registry import random_errors
+from rollbench.compare.quantities import as_json, number
+from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.lowfi.rating.life import Life
+from rollbench.lowfi.rating.roller_contacts import RACES, race_pressures
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.warned import above
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.loads import counted, mean_load
+from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
+from rollbench.meshes.quantity import Stated, quantity, record
+
+if TYPE_CHECKING:
+    from rollbench.compare.models.answers import SetAnswers
+
+#: Answers that each set has for itself.
+OF_A_SET = ("sides", "preload", "starting_torque", "clearance")
+#: Force [N] whose change of sign lost motion is given for.
+LOST_BY = 100.0
+
+
+def per_side(row: Array) -> dict[str, float | None]:
+    """Values (4,) by the names of the flanks."""
+    return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
+
+
+@record
+class BallRow:
+    """One ball: place, and load and contact angle (4,) of its flanks, SI."""
+
+    index: int = quantity("index", "number of the ball along its track, from 1")
+    azimuth: float = quantity("azimuth_deg", "nominal azimuth of the ball, from x to y; it goes on over turns")
+    z: float = quantity("z_mm", "nominal station of the ball's centre along the screw")
+    load: Array = quantity(
+        "load_N",
+        "contact load of this ball on this flank; 0 where it does not touch",
+        error="model form: `model_form`; measured: `compare`",
+        parts=".FLANK",
+        show=per_side,
+    )
+    angle: Array = quantity(
+        "contact_angle_deg",
+        "angle of the contact normal to the radius, in the plane of axis and radius, at the solved place of the ball; null "
+        "without load",
+        error="of the order of the approach over the groove's excess radius",
+        parts=".FLANK",
+        show=per_side,
+    )
+
+
+@record
+class RollerRowAnswer:
+    """One roller of a row: azimuth [rad], load [N], largest load per length [N/m], largest pressure [Pa] by race."""
+
+    index: int = quantity("index", "number of the roller in its row, from 1")
+    azimuth: float = quantity("azimuth_deg", "azimuth of the roller, from x to y")
+    load: float = quantity("load_N", "load of the roller on either race", error="not compared with a 3D model")
+    line_load: float = quantity(
+        "largest_line_load_N_mm",
+        "largest load per length along the roller, of equal slices",
+        error="of the slices' model: without what the ends of straight rollers add",
+    )
+    pressure: dict[str, float] = quantity(
+        "pressure_MPa",
+        "largest pressure along the roller on inner and outer race, sqrt(q E*/(pi R)) of line load q and relative radius R "
+        "at each slice",
+        error="half that of the line load",
+        parts=".*",
+    )
+
+
+@record
+class LoadSums:
+    """Worst ball, mean and extremes of the loaded contacts [N]."""
+
+    ball: int = quantity("worst_ball", "ball of the largest contact load")
+    side: str = quantity("worst_side", "its flank")
+    largest: float = quantity(
+        "max_N",
+        "largest contact load",
+        error="model form, `largest_percent_of_mean`",
+        heading="largest contact load",
+        form=".1f",
+    )
+    mean: float = quantity(
+        "mean_N",
+        "mean contact load: the sum of the loads over the number of contacts that the screw without geometric errors loads",
+        error="small: equilibrium fixes the sum",
+        heading="mean contact load",
+        form=".1f",
+    )
+    least: float = quantity("min_N", "smallest load of a loaded contact", error="model form, `largest_percent_of_mean`")
+    loaded: int = quantity("loaded_contacts", "contacts with load")
+    in_mean: int = quantity("contacts_in_mean", "contacts over which the mean is taken")
+    unloaded: int = quantity("balls_without_load", "balls without any load")
+
+
+@record
+class RollerSums:
+    """The same of a row of rollers, each with one load."""
+
+    roller: int = quantity(
+        "worst_roller",
+        "roller of the largest load; of a row of rollers the numbers of this table are those of rollers, each with one "
+        "load on both races",
+    )
+    largest: float = quantity("max_N")
+    mean: float = quantity("mean_N")
+    least: float = quantity("min_N")
+    loaded: int = quantity("loaded_contacts")
+    unloaded: int = quantity("rollers_without_load", "rollers without any load")
+
+
+@record
+class SideSums:
+    """Loads [N] of the contacts of one flank."""
+
+    largest: float = quantity("max_N", "largest load on this flank", error="as `loads.max_N`")
+    least: float = quantity("min_N", "smallest load of a loaded contact on this flank", error="as `loads.min_N`")
+    ratio: float = quantity(
+        "ratio", "largest over smallest load on this flank", error="both loads' errors, opposite in sign at worst"
+    )
+    loaded: int = quantity("loaded", "loaded contacts on this flank")
+    lost: int = quantity("lost", "contacts of a loaded flank that carry nothing")
+
+
+@record
+class Axial:
+    """Axial force [N], displacement [m], what they give [N/m], and why there is no tangent."""
+
+    force: float = quantity(
+        "force_N", "axial force on the screw, as loads and reactions give it; positive towards larger z"
+    )
+    displacement: float | None = quantity(
+        "displacement_um",
+        "axial displacement of the screw at the nut's centre (at the loaded section of an axis) against the same scene "
+        "without its loads",
+        error="`model_form.displacement_percent`",
+        heading="axial displacement",
+        form=".3f",
+    )
+    rigidity: float | None = quantity(
+        "rigidity_N_per_um",
+        "secant: axial force over axial displacement",
+        error="that of the displacement",
+        heading="axial load over it",
+        form=".1f",
+    )
+    tangent: float | None = quantity(
+        "tangent_N_per_um",
+        "tangent: change of axial force over change of displacement at the solution, other freedoms free",
+        error="`model_form.rigidity_percent`",
+        default=None,
+    )
+    words: str = quantity("tangent_words", "why there is no tangent", show=lambda words: words or None, default="")
+
+    @property
+    @Stated("lost_motion_um_per_100N", "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest")
+    def lost_motion(self) -> float | None:
+        """Axial displacement [um] by 100 N of friction that reverses."""
+        return None if self.tangent is None or self.tangent <= 0.0 else 1e6 * (2.0 * LOST_BY / self.tangent)
+
+
+@record
+class StiffnessAt:
+    """A stiffness (6, 6) [N/m, N/rad, N m/rad] at a station [m]; nan where a freedom is held."""
+
+    station: float | None = quantity("station_mm", "station at which the 6 x 6 stiffness is taken")
+    status: str = quantity("status")
+    freedoms: tuple[str, ...] = quantity("freedoms")
+    matrix: Array = quantity(
+        "matrix",
+        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] at the station, "
+        "against the held nut; null for a freedom that a support holds",
+        error="`model_form.rigidity_percent`, on its axial term",
+        parts="[][]",
+    )
+
+
+@record
+class CentrelinePoint:
+    """Station [m] of the screw's axis, and its displacement (6,) there."""
+
+    z: float = quantity("z_mm", "station of the screw's axis")
+    motion: Array = quantity(
+        "ux_um",
+        "displacement of the axis there, along x",
+        Stated("uy_um", "along y", show=lambda motion: motion[1]),
+        Stated("uz_um", "along z", show=lambda motion: motion[2]),
+        show=lambda motion: motion[0],
+    )
+
+
+def sides_json(load: Array) -> dict[str, Any]:
+    """Per loaded side: largest and smallest load of the loaded balls [N], their ratio, balls with and without load."""
+    out = {}
+    for side, values in zip(SIDES, load.T, strict=True):
+        loaded = values[values > 0.0]
+        if loaded.size:
+            most, least = loaded.max(), loaded.min()
+            out[side] = as_json(SideSums(most, least, most / least, int(loaded.size), int(values.size - loaded.size)))
+    return out
+
+
+def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
+    """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load. contacts: see
+    `meshes.loads.mean_load`."""
+    loaded = load > 0.0
+    if not loaded.any():
+        return None
+    carried, mean = load[loaded], mean_load(load, contacts)
+    i, s = np.unravel_index(int(load.argmax()), load.shape)
+    empty = int((~loaded.any(axis=1)).sum())
+    ends = carried.max(), mean, carried.min()
+    return as_json(LoadSums(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), counted(load, contacts), empty))
+
+
+def roller_loads(load: Array) -> dict[str, Any] | None:
+    """Worst roller, mean and extremes of the loaded ones of a row ``(count,)`` [N]; None without load."""
+    carried = load[load > 0.0]
+    if not carried.size:
+        return None
+    ends = carried.max(), carried.mean(), carried.min()
+    return as_json(RollerSums(int(load.argmax()) + 1, *ends, int(carried.size), int(load.size - carried.size)))
+
+
+def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
+    """A stiffness (6, 6) at a station [m]: N/m, N/rad, N m/rad; null where a freedom is held."""
+    return as_json(StiffnessAt(station, str(status), FREEDOMS, matrix))
+
+
+def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
+    """A life, in hours too where a speed [rad/s] is known."""
+    data = as_json(life)
+    return data | {"L10_hours": number(life.hours(speed))} if data is not None and life and speed else data
+
+
+def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
+    """Worst contact, truncation (of balls), static safety, life and ratings; null where there is none."""
+    if isinstance(answers, RollerAnswers):
+        safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
+        no_life = {"life": None, "ratings": None, "rating_refused": "life and ratings of rollers are not computed"}
+        return {"worst_contact": as_json(answers.worst), "static_safety": safety, **no_life}
+    return (as_json(answers) or {}) | {"life": life_json(answers.life, None if motion is None else motion.speed)}
+
+
+def answers_json(one: Solved) -> dict[str, Any]:
+    """All answers of one set: forces in N, displacements in um, rigidities in N/um; empty without."""
+    scene, answers = one.scene, one.answers
+    if answers is None:
+        return {}
+    three = answers.rigidities
+    secant = None if three is None else three.unequal
+    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words)
+    return {
+        "loads": loads_json(one.result.load, nominal_contacts(scene, one.result)),
+        "axial": as_json(axial, "lost_motion_um_per_100N"),
+        **(as_json(three) or {"rigidities_N_per_um": None}),
+        **contacts_json(answers.loads, scene.motion),
+        "preload": as_json(answers.preload),
+        "contact_lost": as_json(answers.lift),
+        "friction": answers.friction,
+        "friction_words": answers.friction_words or None,
+        "load_path": as_json(answers.path),
+        "clearance": as_json(clearance_in(scene)),
+    }
+
+
+def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
+    """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
+    parts, preload = answers.parts, answers.preload
+    one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
+    if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
+        return None
+    from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
+
+    return as_json(formula_torque(parts, preload.axial))
+
+
+def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
+    """Summary of one set of several, of balls or of rollers, on a shaft in motion."""
+    if not np.isfinite(s.loads).all():
+        return {}
+    data: dict[str, Any] = {} if s.balls is None else {"sides": sides_json(s.balls.load)}
+    if answers is None:
+        return data
+    loads = roller_loads(s.loads) if s.balls is None else loads_json(s.balls.load)
+    data |= {"loads": loads, **contacts_json(answers.loads, motion), "preload": as_json(answers.preload)}
+    if not isinstance(answers.parts, Scene):
+        return data
+    data["clearance"] = as_json(clearance_in(answers.parts, s.of.thrust))
+    return data | {"starting_torque": starting_torque(s, answers)}
+
+
+def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
+    """The stiffness of several sets as a whole, in the keys of a single set's."""
+    if result.stiffness is None:
+        return None
+    return {"at": result.stiffness_at, **(stiffness_json(result.station, result.status, result.stiffness) or {})}
+
+
+def whole_json(one: SolvedAxis) -> dict[str, Any]:
+    """Summary of several sets: sides of all balls, what the set of the worst contact says, with its number, axial
+    answers."""
+    result, answers = one.result, one.answers
+    if not result.converged:
+        return {}
+    loads = [balls.load for balls in result.of_balls()]
+    data: dict[str, Any] = {"sides": sides_json(np.concatenate(loads))} if loads else {}
+    if answers is None:
+        return data
+    moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
+    secant = answers.force / moved if moved and answers.force else None
+    data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words")
+    data["stiffness"] = whole_stiffness(result)
+    data["load_path"] = as_json(answers.path)
+    if k := answers.worst_set:
+        of_set = set_json(result.sets[k - 1], answers.sets[k - 1], one.scene.motion)
+        data |= {"worst_set": k} | {k: of_set[k] for k in of_set if k not in OF_A_SET}
+    return data
+
+
+def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
+    """A solved scene as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N. Of several
+    sets rows of balls and rollers begin with their set, sums of a set are in ``sets``. tangent: the stiffness at a station,
+    where it was asked for of one set."""
+    result = one.result
+    answers: dict[str, Any]
+    if isinstance(one, SolvedAxis):
+        of_sets = [None] * len(one.result.sets) if one.answers is None else one.answers.sets
+        pairs = enumerate(zip(one.result.sets, of_sets, strict=True), 1)
+        answers = {
+            "kind": one.scene.kind,
+            "sets": [{"set": k, **(as_json(s) or {}), "summary": set_json(s, x, one.scene.motion)} for k, (s, x) in pairs],
+            "balls": set_balls(one.result),
+            "rollers": rollers(one.result),
+            "summary": whole_json(one),
+            "housings": [as_json(housing) for housing in one.result.housings],
+            "stiffness": whole_stiffness(one.result),
+        }
+    else:
+        summary = {"sides": sides_json(one.result.load), **answers_json(one)}
+        if tangent is not None and one.answers is not None:
+            summary["stiffness"] = stiffness_json(tangent.station, tangent.status, tangent.matrix)
+        answers = {"balls": ball_rows(one.result), "summary": summary if np.isfinite(one.result.load).all() else {}}
+    grid = discretisation_percent(one.scene, one.result) if isinstance(one, Solved) else None
+    line = zip(result.centreline_z, result.centreline, strict=True)
+    return {
+        "scene": one.scene.name,
+        "model": result.model,
+        "member": result.member if random_errors(one.scene) else None,
+        "status": result.status,
+        **answers,
+        "centreline": [as_json(CentrelinePoint(z, motion)) for z, motion in line],
+        "equilibrium": as_json(result.equilibrium),
+        "solver": (as_json(result.solver) or {}) | {"discretisation_percent": grid},
+        "model_form": as_json(one.expected),
+        "assumed": list(result.assumed),
+        "left_out": list(result.left_out),
+        "warning": above(result.warnings) or None,
+        "warnings": list(result.warnings),
+    }
+
+
+def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
+    """Expected errors [%] beside those of loads, by ``key`` with the quantity's name; null where not covered."""
+    errors = {
+        name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
+    }
+    return {key.format(name): None if value is None else number(value) for name, value in errors.items()}
+
+
+def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
+    """Discretisation error of the beam in per cent of the mean contact load, where it was measured."""
+    change = result.solver.discretisation
+    if change is None:
+        return None
+    return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene, result)))))
+
+
+def ball_rows(balls: StaticResult) -> list[dict[str, Any]]:
+    """Place, loads and contact angles of every ball, numbered from 1."""
+    rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, strict=True)
+    return [as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
+
+
+def set_balls(result: AxisResult) -> list[dict[str, Any]]:
+    """One row per ball, numbered from 1 in each set."""
+    of_balls = ((k, s.balls) for k, s in enumerate(result.sets, 1) if s.balls is not None)
+    return [{"set": k} | row for k, balls in of_balls for row in ball_rows(balls)]
+
+
+def rollers(result: AxisResult) -> list[dict[str, Any]]:
+    """One row per roller, numbered from 1 in each set."""
+    rows = []
+    for k, s in enumerate(result.sets, 1):
+        if not isinstance(s.of.parts, RollerRow) or s.roller_azimuth is None or s.line_loads is None:
+            continue
+        pressures = race_pressures(s.of.parts, s.line_loads)
+        each = zip(s.roller_azimuth, s.loads, s.line_loads.max(axis=1), pressures, strict=True)
+        for i, (azimuth, load, line_load, of_races) in enumerate(each, 1):
+            row = RollerRowAnswer(i, azimuth, load, line_load, dict(zip(RACES, of_races, strict=True)))
+            rows.append({"set": k} | (as_json(row) or {}))
+    return rows
+
+
+def cases_json(
+    cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: Together, tangents: Sequence[Tangent | None] = ()
+) -> dict[str, Any]:
+    """The load cases in order, and what they say together; tangents: of each, where they were asked for."""
+    each = zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True)
+    unsolved = "; ".join(f"case {name}: {status}" for name, status in whole.unsolved.items())
+    return {
+        "scene": cycle.name,
+        "model": solved[0].result.model,
+        "status": unsolved or "converged",
+        "summary": together_json(whole),
+        "cases": [{**head(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each],
+    }
+
+
+def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
+    """What every row of a case begins with."""
+    return {"scene": cycle.name, **(as_json(case) or {})}
+
+
+def together_json(whole: Together) -> dict[str, Any]:
+    """Extremes of the cases, and the lives over the cycle with words where there is none."""
+    several = len(whole.lives) != 1
+    data = (as_json(whole, *([] if several else ["life_set"])) or {}) | _lives_json(whole.least, whole.speed)
+    each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
+    return data | {"sets": [*each]} if several else data
+
+
+def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
+    return {"life": life_json(lives.life, speed), **(as_json(lives) or {})}

@@ -1,0 +1,241 @@
+"""The kinds "bearing ball" and "bearing pair": one ball, a four-point bearing against a double-row one (Lin 3.2, 4.3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import asin, pi
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from rollbench.compare.scenes.fault import Fault
+from rollbench.compare.scenes.friction_kinds import common
+from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
+from rollbench.compare.scenes.kinds import KindKeys, KindScene, head_of
+from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
+from rollbench.lowfi.friction.bearing.rotary import Bearing
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.ranges import Quantity, Rate, Size
+
+Law = Literal["coulomb", "regularised", "sigmoid"]
+Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]
+Move = Annotated[float, Quantity("length", "-1 mm", "1 mm", "5 um")]
+Axial = Annotated[float, Quantity("force", "-1 MN", "1 MN", "100 N")]
+Sharpness = Annotated[float, Quantity("number", 0, 1_000_000, 100, above=True)]
+MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
+
+
+class RingLoadKeys(Table):
+    """What is done to the inner ring."""
+
+    axial_force: Axial = key("force along the axis")
+    radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")
+
+
+class LawKeys(CoulombKeys):
+    """Friction of the contacts, and the law it follows."""
+
+    law: Law = key("Coulomb's, Coulomb's regularised, or the sigmoid of Lin 3.20", "coulomb", "coulomb")
+    creep: Creep | None = key('speed that regularises, for law = "regularised"', None)
+    sharpness: Sharpness | None = key('k_S, for law = "sigmoid"', None)
+    map_step: MapStep | None = key("step in c/a of the source's maps; exact integrals if left out", None)
+
+
+class BearingBallKeys(common.SectionKeys):
+    """One ball of a rotary bearing; the inner ring turns, the outer one is held."""
+
+    kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
+    track: PathKeys = key("path of the ball centres, of zero lead")
+    balls: BallSizeKeys = key("the ball")
+    load: RingLoadKeys = key("force and displacement of the inner ring")
+    motion: SpeedKeys = key("motion of the inner ring")
+    friction: LawKeys = key("friction")
+
+
+@dataclass(frozen=True)
+class BearingBallScene(KindScene):
+    """One ball: bearing, axial force [N], radial displacement [m], law with its parameters.
+
+    creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
+    """
+
+    kind: ClassVar[str] = "bearing ball"
+    bearing: Bearing
+    force: float
+    displacement: float
+    law: Law
+    creep: float
+    sharpness: float
+    map_step: float | None
+
+
+def ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
+    """Contradictory choices and bodies that the model cannot treat."""
+    wrong = [*common.material_faults(keys.material), *common.body_faults(keys, ring=True)]
+    yield from wrong
+    if wrong:
+        return
+    reach = common.groove_radius(keys.screw, keys.balls) - keys.balls.radius
+    yield from common.play_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
+    yield from _law_faults(keys.friction, keys.motion.speed)
+
+
+def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
+    for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
+        if getattr(f, name) is not None and f.law != law:
+            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
+    if f.law == "regularised" and f.creep is None:
+        advice = 'add creep = "0.1 mm/s", the speed that regularises'
+        yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
+    if f.law == "sigmoid" and f.sharpness is None:
+        yield Fault(("friction.sharpness",), "above 0", "add sharpness = 100, the k_S of the sigmoid", "nothing")
+    if f.law == "sigmoid" and speed == 0.0:
+        advice = "the sigmoid's spin is relative to the ring's speed: let it turn, or take another law"
+        yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
+
+
+def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
+    """The scene of faultless keys."""
+    f = keys.friction
+    bearing = Bearing(
+        keys.balls.radius,
+        common.groove_radius(keys.screw, keys.balls),
+        keys.track.pitch_radius,
+        0.0,
+        keys.track.contact_angle,
+        *common.elastic(keys.material),
+        f.coefficient,
+        0.0,
+        keys.motion.speed,
+        hertz=keys.ingredients.mode,
+        clearance=0.0 - keys.errors.balls.oversize,
+    )
+    return BearingBallScene(
+        *head_of(keys, name),
+        bearing,
+        keys.load.axial_force,
+        keys.load.radial_displacement,
+        f.law,
+        f.creep or 0.0,
+        f.sharpness or 0.0,
+        f.map_step,
+    )
+
+
+# --- the kind "bearing pair": a four-point bearing against a double-row one, over the angle of the load (Lin 4.3.1)
+
+
+LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
+
+
+class RowBallKeys(BallSizeKeys):
+    """Balls of one row, evenly spread."""
+
+    count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
+
+
+class RingKeys(Table):
+    """A rotary bearing; the inner ring turns, the outer one is held."""
+
+    track: PathKeys = key("path of the ball centres, of zero lead")
+    screw: GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
+    nut: GrooveKeys = key("groove of the outer ring; the same section", example={"groove_radius": "6.75 mm"})
+    balls: RowBallKeys = key("balls of each row")
+    errors: common.SharedErrorKeys = key("geometric errors", common.SharedErrorKeys(), {"balls": {"oversize": "1 um"}})
+
+
+class RowKeys(Table):
+    """Two rows of balls."""
+
+    distance: Size = key("axial distance of the rows", example="12 mm")
+    arrangement: Literal["back to back", "face to face"] = key("of the rows", "back to back", "back to back")
+
+
+class DoubleRowKeys(RingKeys):
+    """A double-row angular-contact bearing."""
+
+    rows: RowKeys = key("the rows")
+
+
+class BearingLoadKeys(Table):
+    """Force on the inner ring, midway between the rows."""
+
+    force: common.Pressing = key("size of the force")
+    angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
+        "angles of the force from the axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
+    )
+    tilt: bool = key("inner ring free to tilt", True, True)
+
+
+class BearingPairKeys(KindKeys):
+    """A four-point bearing and a double-row one under the same force."""
+
+    kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
+    four_point: RingKeys = key("the four-point bearing")
+    double_row: DoubleRowKeys = key("the double-row bearing")
+    load: BearingLoadKeys = key("force on the inner ring")
+    motion: SpeedKeys = key("motion of the inner ring")
+    friction: CoulombKeys = key("friction")
+    ingredients: common.HertzKeys = key("parts of the low-order model", common.HertzKeys(), {"hertz": "nominal"})
+
+
+@dataclass(frozen=True)
+class BearingPairScene(KindScene):
+    """Two bearings under the same force at angles (n,) [rad] from the axis."""
+
+    kind: ClassVar[str] = "bearing pair"
+    four_point: BearingCase
+    double_row: BearingCase
+    angle: Array
+
+
+def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
+    """Contradictory choices and bodies that the model cannot treat."""
+    wrong = list(common.material_faults(keys.material))
+    yield from wrong
+    if wrong:
+        return
+    for table, b in (("four_point", keys.four_point), ("double_row", keys.double_row)):
+        wrong = list(common.body_faults(b, f"{table}.", ring=True))
+        yield from wrong
+        if not wrong:
+            most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
+            if b.balls.count > most:
+                advice = "the balls would overlap: fewer or smaller balls"
+                yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
+            yield from common.hertz_faults(_bearing(keys, b).groove, f"{table}.")
+    if np.any(np.diff(keys.load.angles) <= 0.0):
+        advice = "each state starts the next: sort the angles and give each once"
+        yield Fault(("load.angles",), "angles in ascending order", advice)
+    if keys.motion.speed == 0.0:
+        yield Fault(("motion.speed",), "not zero", "a friction torque needs a ring that turns")
+
+
+def _bearing(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
+    groove = ScrewGroove(
+        b.balls.radius,
+        common.groove_radius(b.screw, b.balls),
+        b.track.pitch_radius,
+        0.0,
+        b.track.contact_angle,
+        *common.elastic(keys.material),
+        keys.friction.coefficient,
+        0.0,
+        keys.motion.speed,
+        hertz=keys.ingredients.mode,
+    )
+    rows: tuple[BallRow, ...] = (BallRow(0.0, ALL),)
+    if isinstance(b, DoubleRowKeys):
+        half = 0.5 * b.rows.distance
+        first, second = (OTHER, DIAGONAL) if b.rows.arrangement == "back to back" else (DIAGONAL, OTHER)
+        rows = (BallRow(-half, first), BallRow(half, second))
+    return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - b.errors.balls.oversize, keys.load.tilt)
+
+
+def pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
+    """The scene of faultless keys."""
+    four, double = (_bearing(keys, b) for b in (keys.four_point, keys.double_row))
+    return BearingPairScene(*head_of(keys, name), four, double, np.array(keys.load.angles))

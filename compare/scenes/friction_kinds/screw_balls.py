@@ -1,0 +1,244 @@
+"""The kinds "screw pair" and "screw run": two balls of a ball screw, and a whole one in time (Lin 3.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from math import degrees, pi
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from rollbench.compare.scenes.fault import Fault, mm
+from rollbench.compare.scenes.friction_kinds import common
+from rollbench.compare.scenes.key_checks import time_faults
+from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
+from rollbench.compare.scenes.kinds import KindScene, head_of
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.pair import Pair
+from rollbench.lowfi.friction.screw.run import Run
+from rollbench.meshes.fields import usual
+from rollbench.meshes.parts import Motion, Time
+from rollbench.meshes.ranges import Azimuth, Quantity, Turns, Whole
+
+Share = Annotated[float, Quantity("number", -1, 1, 1)]
+Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
+Part = Annotated[float, Quantity("number", 0, 1, 0.5)]
+Cycles = Annotated[float, Quantity("number", 0, 1000, 2)]
+Direction = Literal["axial", "radial"]
+#: Most balls times steps of a run: its results are kept whole.
+MOST = 5_000_000
+#: Letters of the screw's free translations.
+FREE: dict[Direction, str] = {"axial": "z", "radial": "r"}
+_PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (screw or nut, left or right) take"
+
+
+class ScrewLoadKeys(Table):
+    """What is done to the screw; the nut stands against it."""
+
+    force: common.AxialLoad = key("force on the screw")
+    direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial", "axial")
+
+
+class ScrewFrictionKeys(common.RubbingKeys):
+    """Coulomb friction of grooves and balls, and what it moves."""
+
+    coupling: Coupling = key("what friction moves: nothing, the balls, or balls and screw", "none", "ball")
+
+
+class ScrewAngleKeys(Table):
+    """Contact angles of two balls."""
+
+    deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
+        "deviation theta at the ball behind and at the one ahead", example=["0 deg", "2 deg"]
+    )
+    pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
+
+
+class RunAngleKeys(Table):
+    """Contact angles along the screw: theta = amplitude sin(cycles azimuth + phase)."""
+
+    amplitude: common.Theta = key("amplitude of the deviation theta")
+    cycles_per_turn: Cycles = key("periods of theta in a turn of the screw", 2, 2)
+    phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
+    pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
+
+
+class RunBallKeys(BallSizeKeys):
+    """Balls of a closed track."""
+
+    count: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
+    turns: Turns = key("loaded turns of the nut")
+
+
+class ClosedTrackKeys(Table):
+    """How the balls come back."""
+
+    return_tube: common.Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
+    first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
+
+
+@dataclass(frozen=True)
+class RunTimeKeys(Time):
+    """A run in time. Give angle or duration."""
+
+    rounds: Annotated[int, Whole(1, 100)] = usual(
+        1, "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1
+    )
+
+
+class ScrewBallKeys(common.SectionKeys):
+    """Balls of a ball screw; only the difference of the speeds of nut and screw matters."""
+
+    track: HelixKeys = key("path of the ball centres")
+    load: ScrewLoadKeys = key("force on the screw")
+    motion: Motion = key("motion along the helix")
+    friction: ScrewFrictionKeys = key("friction")
+
+
+class ScrewPairKeys(ScrewBallKeys):
+    """Two balls of a ball screw in touch."""
+
+    kind: Literal["screw pair"] = key("what the scene describes", example="screw pair")
+    balls: BallSizeKeys = key("the two balls")
+    angles: ScrewAngleKeys = key("contact angles")
+
+
+class ScrewRunKeys(ScrewBallKeys):
+    """A whole ball screw in time."""
+
+    kind: Literal["screw run"] = key("what the scene describes", example="screw run")
+    balls: RunBallKeys = key("balls of the closed track")
+    circulation: ClosedTrackKeys = key("return of the balls", ClosedTrackKeys(), {"return_tube": "5.6 mm"})
+    angles: RunAngleKeys = key("contact angles")
+    time: RunTimeKeys = key("run in time", example={"duration": "2 s"})
+
+
+@dataclass(frozen=True)
+class ScrewPairScene(KindScene):
+    """Two balls of a ball screw."""
+
+    kind: ClassVar[str] = "screw pair"
+    pair: Pair
+
+
+@dataclass(frozen=True)
+class ScrewRunScene(KindScene):
+    """A whole ball screw in time."""
+
+    kind: ClassVar[str] = "screw run"
+    run: Run
+    time: Time
+
+
+# --- what a scene may not describe
+
+
+def faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+    """Contradictory choices and bodies that the models cannot treat."""
+    wrong = list(common.material_faults(keys.material))
+    wrong = wrong or list(common.body_faults(keys, ring=False))
+    wrong = wrong or list(_screw_faults(keys))
+    if not wrong and isinstance(keys, ScrewRunKeys):
+        wrong = list(_run_faults(keys))
+    yield from wrong
+
+
+def _screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+    pair = isinstance(keys, ScrewPairKeys)
+    where = "angles.deviations" if pair else "angles.amplitude"
+    largest = max(map(abs, keys.angles.deviations)) if isinstance(keys, ScrewPairKeys) else abs(keys.angles.amplitude)
+    nominal = keys.track.contact_angle
+    room = min(nominal, 0.5 * pi - nominal)
+    if largest * max(map(abs, keys.angles.pattern)) >= room:
+        advice = f"the nominal contact angle is {degrees(nominal):.6g} deg; take a smaller deviation"
+        yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
+    try:
+        _ = _screw_groove(keys).pair
+    except ValueError:
+        advice = "two balls cannot touch within a quarter of a turn: take smaller balls"
+        yield Fault(("balls.radius",), f"small against the pitch radius, {mm(keys.track.pitch_radius)}", advice)
+    yield from common.hertz_faults(_screw_groove(keys))
+    if keys.load.force == 0.0 and keys.errors.balls.oversize <= 0.0:
+        advice = "nothing presses the balls: give a force, or an oversize above 0 um"
+        yield Fault(("load.force",), "not zero for balls without oversize", advice)
+
+
+def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
+    if keys.motion.speed == 0.0:
+        advice = "a torque needs nut and screw to turn against each other"
+        yield Fault(("motion.speed",), "any angular speed but zero", advice)
+    groove, count = _screw_groove(keys), keys.balls.count
+    ring = 2.0 * pi * keys.balls.turns + keys.circulation.return_tube / groove.radius
+    most = int(np.ceil(ring / groove.pair.spacing)) - 1
+    if count > most:
+        advice = "the balls need some free length on the track: fewer balls, more turns or a return tube"
+        yield Fault(("balls.count",), f"2 to {most} on this track" if most > 1 else "a longer track", advice)
+    yield from time_faults(keys.time)
+    if keys.time.steps is not None and count * keys.time.steps > MOST:
+        advice = "results of all steps are kept: take fewer steps, or fewer balls"
+        yield Fault(("time.steps",), f"1 to {MOST // count} with {count} balls", advice)
+
+
+# --- records
+
+
+def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
+    track, f, motion = keys.track, keys.friction, keys.motion
+    nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
+    return ScrewGroove(
+        keys.balls.radius,
+        common.groove_radius(keys.screw, keys.balls),
+        track.pitch_radius,
+        -track.lead if track.hand == "left" else track.lead,
+        track.contact_angle,
+        *common.elastic(keys.material),
+        f.coefficient,
+        nut,
+        screw,
+        f.balls,
+        keys.ingredients.mode,
+    )
+
+
+def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
+    """The scene of faultless keys."""
+    first, second = keys.angles.deviations
+    pattern = tuple(keys.angles.pattern)
+    pair = Pair(
+        _screw_groove(keys),
+        (first, second),
+        (pattern, pattern),
+        keys.errors.balls.oversize,
+        FREE[keys.load.direction],
+        (keys.load.force,),
+        keys.friction.coupling,
+    )
+    return ScrewPairScene(*head_of(keys, name), pair)
+
+
+def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
+    """The scene of faultless keys."""
+    groove, a = _screw_groove(keys), keys.angles
+    time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
+    run = Run(
+        groove,
+        keys.balls.count,
+        keys.balls.turns,
+        (keys.load.force,),
+        FREE[keys.load.direction],
+        time.span(Motion(keys.motion.speed)),
+        time.steps or 1,
+        keys.errors.balls.oversize,
+        a.amplitude,
+        a.cycles_per_turn,
+        a.phase,
+        tuple(a.pattern),
+        keys.circulation.return_tube / groove.radius,
+        keys.circulation.first_ball,
+        keys.friction.coupling,
+        keys.time.rounds,
+    )
+    return ScrewRunScene(*head_of(keys, name), run, time)

@@ -1,0 +1,347 @@
+"""A small scene as a whole contact problem for another program: bodies, contacts, supports and loads of its deck."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference.tasks import needed_sides
+from rollbench.compare.studies.crosscheck.deck_contacts import (
+    Place,
+    ball_faces,
+    fine_zone,
+    flank_faces,
+    groove_faces,
+    places_of,
+    sphere_faces,
+)
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import directions, parting
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection
+from rollbench.meshes.exchange.whole_bodies import (
+    Refinement,
+    WholeBody,
+    groove_points,
+    half_ball,
+    half_body,
+    place_ball,
+    sphere_points,
+    whole_ball,
+    whole_body,
+)
+from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.solid import Dimensions, dimensions
+
+#: Most balls of a deck, and most nodes: what one run of another program's direct solver does in minutes.
+MOST_BALLS = 4
+MOST_NODES = 120_000
+#: Surfaces of the nut by where it is held.
+HELD = {
+    "left face": ("low end",),
+    "right face": ("high end",),
+    "both faces": ("low end", "high end"),
+    "outer surface": ("outside",),
+    "flange face": ("seat",),
+    "flange face and centring": ("seat", "centring"),
+}
+#: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
+FAR_SIZES = (2.0, 0.6)
+
+
+@dataclass(frozen=True)
+class DeckOptions:
+    """Choices of a deck's mesh and contact.
+
+    b_over_h: elements across the short half axis of a contact of mean load, the same element size at all contacts; growth:
+    of element sizes per distance from the contacts; stiffness: contact pressure per overclosure [Pa/m]; spring: weak
+    springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements; half: only what is at y >= 0 of
+    a ring pair that this plane parts into mirror images; alike: one mesh for all balls of one radius, so that their loads
+    do not scatter by what meshes of one size differ (halves: always).
+    """
+
+    b_over_h: float = 1.5
+    growth: float = 0.4
+    stiffness: float = 2e17
+    spring: float = 1e3
+    nlgeom: bool = False
+    half: bool = False
+    alike: bool = False
+
+
+@dataclass(frozen=True)
+class MeshedDeck:
+    """A deck, the expected loads ``(n, 4)`` [N] of the low-order model, element size at the contacts [m], smallest scaled
+    Jacobian of every body's cells."""
+
+    deck: Deck
+    expected: Array
+    fine: float
+    quality: dict[str, float]
+
+
+def refuse(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
+    """Raise InputError for the first fault that is there: whether it is, key, value, allowed values and advice."""
+    for there, key, value, allowed, advice in faults:
+        if there:
+            raise InputError(where, key, value, allowed, advice)
+
+
+def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
+    """Raise InputError where a deck cannot describe a scene, or has too many balls for whole bodies; half: also where the
+    plane y = 0 does not part it into mirror images, by a helix, balls beside the plane, loads, or a screw that is not held
+    along y and about x and z."""
+    balls, solid = scene.ball_count, scene.solid
+    large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
+    cut = "cut the screw to a few neighbouring balls: `balls=3:5` keeps balls 3 to 5"
+    half_face = solid.nut_held is not None and solid.nut_held not in HELD
+    bolts = scene.nut.flange is not None and bool(scene.nut.flange.bolts)
+    at = f'"{solid.nut_held}"' if half_face else "single bolts"
+    groove, whole = f'"{solid.nut_groove}"', "leave it out: a deck has whole grooves"
+    azimuth = ball_layout(scene).azimuth
+    held = {n for s in scene.supports for n, v in s.fixed if v == 0.0}
+    beside = bool(np.abs(np.sin(azimuth)).max() > 1e-9) or not {"uy", "rx", "rz"} <= held
+    unlike = bool(scene.track.lead or scene.loads) or beside
+    pair = "a ring pair with balls at 0 and 180 deg, moved by supports that hold uy, rx, rz"
+    faults = (
+        (balls > MOST_BALLS, "balls", str(balls), large, cut),
+        (solid.nut == "rigid", "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies"),
+        (half_face or bolts, "nut.held.at", at, ", ".join(HELD), "a deck holds whole surfaces"),
+        (solid.nut_groove != "through", "solid.nut_groove", groove, '"through"', whole),
+        (half and unlike, "half", "not its own mirror image", pair, "mesh whole bodies"),
+    )
+    refuse(scene.name, faults)
+
+
+def exact_errors(scene: Scene) -> Specimen:
+    """The scene's errors if real geometry can show them: radii of balls and of grooves. Raises InputError for others."""
+    drawn = specimen(scene, ball_layout(scene))
+    moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
+    uneven = bool(drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3])
+    faults = (
+        (drawn.profile.size > 0, "errors.*.profile", "a profile of varying shape"),
+        (moved, "errors.*.pitch, roundness", "a displaced groove"),
+        (uneven, "errors.*.profile", "grooves of two radii"),
+    )
+    allowed = "errors of ball radii and, the same on both flanks, of groove radii"
+    refuse(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
+    return drawn
+
+
+def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
+    """Map of the screw's or nut's real groove: the arcs' centres stay, radius and the ball that would fit change alike."""
+    change = drawn.radius - groove_radii(scene)
+    return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
+
+
+def expected(scene: Scene) -> StaticResult:
+    """Loads by the refined low-order model. Raises InputError where it does not converge or nothing is loaded."""
+    found = run_model(scene, "refined", Options(discretisation=False))
+    allowed = "a scene with loaded contacts that the model refined solves"
+    advice = "meshes are refined at the contacts it finds: load or preload the scene"
+    idle = not found.converged or not (found.load > 0.0).any()
+    refuse(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
+    return found
+
+
+def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
+    """Mesh a scene's whole bodies and put its deck together.
+
+    Raises InputError for a scene that is too large, that a deck cannot describe, or that cannot be meshed.
+    """
+    options = options or DeckOptions()
+    _refuse_unlike_decks(scene, options.half)
+    drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
+    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    places, short = places_of(scene, found.load, sides)
+    fine = short / options.b_over_h
+    try:
+        dims = dimensions(scene)
+        meshed = _rings(scene, dims, drawn, m, places, fine, options)
+        meshed += _balls(scene, drawn, m, layout, places, fine, options)
+    except ValueError as error:
+        raise InputError(
+            scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
+        ) from error
+    bodies = tuple(body for body, _ in meshed)
+    quality = {body.name: smallest for body, smallest in meshed}
+    count = sum(len(b.points) for b in bodies)
+    smaller = "lower `b_over_h`, raise `growth`, or cut the screw: `balls`"
+    refuse(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
+    contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
+    deck = Deck(
+        bodies,
+        _sections(scene, dims),
+        ("NUT_HELD",),
+        contacts,
+        options.stiffness,
+        options.spring,
+        _heading(scene, dims, found, fine, count, options),
+        f"{scene.name}: {scene.title}",
+        options.nlgeom,
+        tuple(f"{b.name}_CUT" for b in bodies if options.half),
+    )
+    return MeshedDeck(deck, found.load, fine, quality)
+
+
+def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
+    return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
+
+
+def _rings(
+    scene: Scene, dims: Dimensions, drawn: Specimen, m: GrooveMap, places: list[Place], fine: float, options: DeckOptions
+) -> list[tuple[DeckBody, float]]:
+    """Screw (its 3D stretch) and nut, each with its cells' smallest scaled Jacobian."""
+    low, high = dims.ends(scene)
+    half, z = scene.nut.length / 2.0, scene.nut.position
+    unused = SocketSize(1.0, m.ball, 1.0)
+    bodies = []
+    for name, part, ends, radii in (
+        ("SCREW", scene.screw, (low, high), (dims.hole, scene.screw.outer_diameter / 2.0)),
+        ("NUT", scene.nut, (z - half, z + half), (dims.land, scene.nut.outer_diameter / 2.0)),
+    ):
+        screw = name == "SCREW"
+        on_body = [p for p in places if (p.side < 2) == screw]
+        groove = body_map(m, drawn, scene, screw)
+        near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in on_body]
+        size = _refined(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
+        flange = None if screw else scene.nut.flange
+        spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse, flange=flange)
+        mesh = (half_body if options.half else whole_body)(groove, spec, size)
+        faces = {groove_faces(p): flank_faces(groove, mesh, p, fine) for p in on_body}
+        if screw:
+            held = (
+                {"SCREW_BORE": mesh.named["bore"]}
+                if dims.screw_held == "bore"
+                else {"SCREW_LOW": mesh.named["low end"], "SCREW_HIGH": mesh.named["high end"]}
+            )
+        else:
+            held = {"NUT_HELD": np.unique(np.concatenate([mesh.named[x] for x in HELD[dims.nut_held]]))}
+        if options.half:  # nodes that are held or move with a rigid section stay in the plane by that
+            held[f"{name}_CUT"] = np.setdiff1d(mesh.named["cut"], np.concatenate(list(held.values())))
+        body = DeckBody(name, mesh.points, mesh.cells, part.material, held, faces)
+        bodies.append((body, mesh.quality.smallest))
+    return bodies
+
+
+def _balls(
+    scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
+) -> list[tuple[DeckBody, float]]:
+    """Every ball with its own radius, where the scene puts it."""
+    bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
+    for i, radius in enumerate(drawn.ball_radius.tolist()):
+        on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
+        kind = radius, side * options.half
+        mesh = meshed.get(kind)
+        if mesh is None:
+            near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else on_ball
+            zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
+            size = _refined(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
+            mesh = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
+            if shared:
+                meshed[kind] = mesh
+        faces = {ball_faces(p): sphere_faces(m, mesh, p, radius, fine) for p in on_ball}
+        name = f"BALL{i + 1}"
+        points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
+        axes = [parting(m)] if options.half else [parting(m), directions(m, 0)[2]]
+        poles = np.argmax(mesh.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
+        pairs = poles.reshape(-1, 2)
+        alike = without_spinning(points, pairs[0]) if options.half else without_turning(points, pairs)
+        weak = poles[:1]
+        nodes = {f"{name}_WEAK": weak}
+        if options.half:
+            nodes[f"{name}_CUT"] = mesh.named["cut"]
+        body = DeckBody(name, points, mesh.cells, scene.balls.material, nodes, faces, weak, alike)
+        bodies.append((body, mesh.quality.smallest))
+    return bodies
+
+
+def without_spinning(points: Array, pair: Index) -> Index:
+    """The row ``(1, 3)`` of a pair of nodes and an axis along which they move alike, so that a half ball, whose cut stays
+    in the plane y = 0, cannot turn about y."""
+    arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
+    return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
+
+
+def without_turning(points: Array, pairs: Index) -> Index:
+    """Pairs' rows ``(3, 3)`` of two nodes and an axis along which they move alike, so that a body cannot turn.
+
+    A rotation theta moves the nodes of a pair, d apart, by theta x d relative to each other: along axis k by
+    theta . (d x e_k). Three such rows that are as independent as can be leave no rotation; their forces are couples, so
+    that the balance of forces is untouched. pairs: nodes ``(p, 2)``.
+    """
+    found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
+    arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
+    best = max(combinations(range(len(found)), 3), key=lambda rows: abs(float(np.linalg.det(arms[list(rows)]))))
+    return np.array([found[k] for k in best], dtype=np.int64)
+
+
+def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
+    """Rigid sections of the screw with the scene's supports and loads. Raises InputError where they act elsewhere."""
+    stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
+    if dims.screw_held == "bore":
+        ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
+        allowed = "one station"
+    else:
+        low, high = dims.ends(scene)
+        ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
+        allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
+    advice = "a deck has no beams: cut the screw (`balls=3:5`), or set solid.shaft and the stations to match"
+    for z in stations:
+        away = min(abs(z - end) for end in ends.values()) > 1e-9
+        refuse(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
+    free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
+    sections: list[RigidSection] = []
+    for name, z in ends.items():
+        fixed = [(FREEDOMS.index(n), v) for s in scene.supports if abs(s.at - z) <= 1e-9 for n, v in s.fixed]
+        wrench = np.zeros(6)
+        for load in scene.loads:
+            if abs(load.at - z) <= 1e-9:
+                wrench += np.array([*load.force, *load.moment])
+        weak = tuple(free) if not sections else ()
+        sections.append(RigidSection(name, "SCREW", name, np.array([0.0, 0.0, z]), tuple(sorted(fixed)), wrench, weak))
+    return tuple(sections)
+
+
+def _heading(
+    scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
+) -> tuple[str, ...]:
+    """Comment lines of a deck: scene, choices, expected loads."""
+    load = found.load
+    mean = float(load[load > 0.0].mean())
+    return (
+        f"Scene {scene.name}, by rollbench {__version__}. Whole bodies, {count} nodes, C3D10; z is the screw's axis.",
+        f"Elements of {1e3 * fine:.4g} mm at the contacts, {options.b_over_h:.4g} across the short half axis at mean load,",
+        f"growing by {options.growth:.4g} per length away from them.",
+        f"Contact without friction, pressure per overclosure {options.stiffness * 1e-9:.4g} N/mm3.",
+        "Balls cannot turn: two pairs of their nodes move alike along three axes (couples, no force on the ball).",
+        f"Weak springs of {1e-3 * options.spring:.4g} N/mm hold one node of every ball (sets BALL..._WEAK) and freedoms",
+        "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
+        "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
+        *dims.assumed,
+        f"Expected contact loads / N: low-order model refined, {_worth(scene, found)}; mean {mean:.1f} N.",
+        "ball " + " ".join(f"{s:>10}" for s in SIDES),
+        *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
+        "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
+        "Abaqus documents every keyword used here (*CONTACT PRINT with SLAVE, MASTER and CFN too); it was not run there.",
+    )
+
+
+def _worth(scene: Scene, found: StaticResult) -> str:
+    """Sentence on the model-form error to expect of the loads."""
+    form = estimate(scene, found)
+    if not found.converged or form.percent is None:
+        return "nothing like the scene was compared with a 3D reference"
+    return f"error to expect {form.percent:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"

@@ -1,0 +1,158 @@
+"""Compliance of a nut alone by the reference's finite elements and by CalculiX: the same cells, forces and held face.
+
+Around every expected contact the corners of the groove's faces move as a rigid section that turns freely; a unit force
+pushes one section after the other along the contact's normal. No contact, one linear solution per force.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from rollbench.compare.errors import InputError
+from rollbench.compare.studies.crosscheck.calculix import run_calculix
+from rollbench.compare.studies.crosscheck.data import read
+from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
+from rollbench.compare.writing import replace_file
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, write
+from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+
+#: Scene whose nut is compared, and the mesh.
+SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)
+#: Agreement aimed at, in per cent.
+TARGET = 0.1
+FORCE = 1000.0
+
+
+@dataclass(frozen=True)
+class NutCheck:
+    """Motion along the normal of contact i by a force on contact j over that force ``[i][j]`` [m/N], by the reference's
+    elements and by CalculiX; scene and key of its content, nodes of the mesh, date, program."""
+
+    scene: str
+    key: str
+    nodes: int
+    ours: list[list[float]]
+    theirs: list[list[float]]
+    date: str
+    program: str
+
+    @property
+    def difference(self) -> float:
+        """Largest difference over the smallest compliance of a contact to its own force [%]."""
+        ours, theirs = np.array(self.ours), np.array(self.theirs)
+        return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
+
+    def sentence(self) -> str:
+        """The result in a sentence."""
+        met = "within" if self.difference <= TARGET else "NOT within"
+        return (
+            f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "
+            f"differs by at most {self.difference:.3f} % between the reference's elements and {self.program}, "
+            f"{met} {TARGET} %."
+        )
+
+
+def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Array]:
+    """Decks of the nut with a force on one contact each, and the contacts' normals ``(k, 3)``. Raises InputError as
+    ``build_deck`` does."""
+    whole = build_deck(scene, options).deck
+    nut = next(b for b in whole.bodies if b.name == "NUT")
+    layout = ball_layout(scene)
+    names, centres, normals = [], [], []
+    for name, corners in nut.faces.items():
+        ball, middle = int(name.rsplit("_", 1)[1]) - 1, nut.points[np.unique(corners)].mean(axis=0)
+        phi = float(layout.azimuth[ball])
+        away = middle - [*(scene.track.pitch_radius * np.array([np.cos(phi), np.sin(phi)])), float(layout.z[ball])]
+        names.append(name)
+        centres.append(middle)
+        normals.append(away / np.linalg.norm(away))
+    patches = {name: np.unique(corners) for name, corners in nut.faces.items()}
+    body = replace(nut, nodes={**nut.nodes, **patches}, faces={})
+    decks = []
+    for pushed in names:
+        sections = tuple(
+            RigidSection(name, "NUT", name, centre, (), np.append(FORCE * n, np.zeros(3)) * (name == pushed))
+            for name, centre, n in zip(names, centres, normals, strict=True)
+        )
+        head = (f"The nut alone, {FORCE:g} N on {pushed}.",)
+        decks.append(replace(whole, bodies=(body,), sections=sections, contacts=(), heading=head, mirrored=()))
+    return decks, np.array(normals)
+
+
+def linear_motions(decks: list[Deck]) -> Array:
+    """Translations ``(decks, sections, 3)`` [m] of the sections of decks that differ in loads alone, by the reference's
+    elements and solver. Decks have one body, no contacts, sections without held freedoms."""
+    body, sections = decks[0].bodies[0], decks[0].sections
+    mesh, number = mesh_of(body.points, body.cells, "P2")
+    K = assemble(elasticity(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
+    C = _transform(body, sections, number, decks[0].fixed)
+    loads = np.zeros((C.shape[1], len(decks)))
+    count = 6 * len(sections)
+    for k, deck in enumerate(decks):
+        loads[-count:, k] = np.concatenate([s.load for s in deck.sections])
+    moved = factor((C.T @ K @ C).tocsc())(loads)[-count:]
+    return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
+
+
+def _transform(
+    body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
+) -> sp.csc_array:
+    """The body's freedoms from its free ones and the sections' six each, which come last."""
+    free = np.ones(3 * len(body.points), dtype=bool)
+    for name in (*fixed, *(s.nodes for s in sections)):
+        free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
+    parts = [sp.eye_array(free.size, format="csc")[:, np.flatnonzero(free)]]
+    for s in sections:
+        freedoms = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
+        modes = sp.coo_array(rigid_modes(body.points[body.nodes[s.nodes]], s.point))
+        parts.append(sp.csc_array((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
+    return sp.hstack(parts, format="csc")
+
+
+def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = "") -> NutCheck:
+    """Both programs on one mesh of a scene's nut; key: of the scene's content, stored with the result.
+
+    Raises InputError where CalculiX is missing or fails."""
+    decks, normals = nut_decks(scene, options)
+    ours = linear_motions(decks)
+    theirs, date, version = np.zeros_like(ours), "", ""
+    for k, deck in enumerate(decks):
+        try:
+            found = run_calculix(write(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
+        except ValueError as error:
+            raise InputError(scene.name, "nut", str(error), "a deck that CalculiX solves", "see its folder") from None
+        date, version = found.date, found.version
+        for i, s in enumerate(deck.sections):
+            (moved,) = found.moved[f"{s.name}_MOVE"].values()
+            theirs[k, i] = UNITS["mm"].length * np.array(moved)
+    along = [(np.einsum("jid,id->ij", x, normals) / FORCE).tolist() for x in (ours, theirs)]
+    return NutCheck(scene.name, key, decks[0].node_count, along[0], along[1], date, f"CalculiX {version}")
+
+
+def save_nut(folder: Path, found: NutCheck) -> Path:
+    """Write the result. Raises InputError where that fails."""
+    plain = asdict(found)
+    for key in ("ours", "theirs"):
+        plain[key] = [[float(f"{x:.8g}") for x in row] for row in plain[key]]
+    path = folder / "nut.json"
+    replace_file(path, json.dumps(plain, indent=1) + "\n")
+    return path
+
+
+def load_nut(folder: Path) -> NutCheck | None:
+    """The stored result, None where there is none. Raises InputError for a damaged file."""
+    found = "a result of rollbench crosscheck", "make it again: `run=True`"
+    return read(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

@@ -1,0 +1,160 @@
+"""The command ``rollbench export``: a mesh of the 3D reference as a file for other programs."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_of
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.exchange.mesh_files import only
+from rollbench.meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from skfem import Mesh
+
+    from rollbench.meshes.exchange.step_files import PlacedSet
+
+#: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
+BLOCK = "block-source"
+#: Bodies, and what is added to their names for those that the reference condenses: with a socket, a hole, at every contact.
+BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
+#: Growth of a whole body's element sizes per length away from its contacts.
+AWAY = 0.4
+
+
+def parts_of(scene: Scene) -> tuple[str, ...]:
+    """Names of the parts that can be exported: whole bodies, the same with sockets, patches of groove and ball of the sides
+    that may touch, block."""
+    sides = [SIDES[s] for s in needed_sides(scene)]
+    patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
+    return (*BODIES, *(body + SOCKETS for body in BODIES), *patches, BLOCK)
+
+
+def placed_sets(described: Solvable) -> list[PlacedSet]:
+    """Each set of a scene in its place, and its stretch of shaft in the reference. Raises ValueError for rollers."""
+    from rollbench.hifi.several_sets import bodies_of
+    from rollbench.meshes.exchange.step_files import PlacedSet
+    from rollbench.meshes.solid import dimensions
+
+    if isinstance(described, Scene):
+        return [PlacedSet(described, 0.0, dimensions(described).ends(described))]
+    out = []
+    for s, bodies in zip(described.sets, bodies_of(described), strict=True):
+        if not isinstance(s.parts, Scene):
+            raise ValueError(f"{s.name} has rollers: only balls and their grooves are written")
+        low, high = dimensions(bodies.bodies).ends(bodies.bodies)
+        out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
+    return out
+
+
+def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> Mesh:
+    """Mesh of a part: a whole body with that level's element sizes, the others as the reference of that level uses them.
+
+    Raises ValueError where it cannot be built.
+    """
+    if part == BLOCK:
+        from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+        from rollbench.meshes.block import Influence, tetrahedra
+
+        influence = Influence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
+        return only(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
+    if part in BODIES:
+        return _whole(scene, part, level)
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.fit import ball_place
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts, patch_mesh
+    from rollbench.meshes.cache import Cache
+    from rollbench.meshes.groove_map import GrooveMap
+    from rollbench.meshes.helix import ball_layout
+    from rollbench.meshes.sockets import local_points
+    from rollbench.meshes.solid import dimensions
+
+    settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
+    meshes = mesh_parts(scene, m, ball_layout(scene), dimensions(scene), sides, settings, Cache(cache))
+    bodies: dict[str, Any] = {"ball": meshes.ball, "screw": meshes.screw, "nut": meshes.nut}
+    if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
+        mesh = bodies[part.removesuffix(SOCKETS)].mesh
+        names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
+        return only(of_order(mesh, body_kind(settings)), *names)
+    kind, _, name = part.rpartition("-")
+    side = SIDES.index(name)
+    body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
+    place: Any = partial(local_points, m, meshes.size, side)
+    if kind == "ball-patch":
+        place = ball_place(m, meshes.size, side, meshes.zone)[1]
+    return only(patch_mesh(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
+
+
+def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
+    """Displacement ``(n, 3)`` [m], stress ``(n, 6)`` [Pa] (xx, yy, zz, yz, xz, xy) and von Mises stress of a part's nodes.
+
+    ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
+    """
+    from rollbench.hifi import fields
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.reference import solve_reference
+    from rollbench.hifi.setup import prepare
+    from rollbench.meshes.cache import Cache
+
+    settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
+    setup = prepare(scene, sides, settings, cache=store)
+    result = solve_reference(setup, scene)
+    if result.status != "converged" and result.moving == 0.0:
+        raise ValueError(result.status)
+    meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
+    forces = fields.contact_forces(setup, result)
+
+    def moved(screw: bool) -> Array:
+        if screw:
+            return fields.screw_displacement(setup, meshes.screw, forces, scene)
+        return fields.nut_displacement(setup, meshes.nut, forces)
+
+    kind, _, side = part.removesuffix(SOCKETS).rpartition("-")
+    if side in ("screw", "nut"):
+        body, material = (meshes.screw, scene.screw.material) if side == "screw" else (meshes.nut, scene.nut.material)
+        u = moved(side == "screw")
+        stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
+    else:
+        if kind == "patch":
+            u = moved(side.startswith("S"))
+            field = fields.groove_patch_field(setup, meshes, u, ball, SIDES.index(side), forces)
+        else:
+            field = fields.ball_fields(setup, meshes, ball, forces)[SIDES.index(side) if kind == "ball-patch" else None]
+        u, stress = field.displacement, field.stress
+    six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
+    return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
+
+
+def _whole(scene: Scene, part: str, level: int) -> Mesh:
+    """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.fit import socket_size
+    from rollbench.hifi.meshing.part_meshes import body_kind, sockets_of
+    from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
+    from rollbench.meshes.groove import BodySpec
+    from rollbench.meshes.groove_map import GrooveMap
+    from rollbench.meshes.helix import ball_layout
+    from rollbench.meshes.solid import dimensions
+
+    settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
+    layout, dims, middle = ball_layout(scene), dimensions(scene), np.zeros((1, 2))
+    if part == "ball":
+        near = np.concatenate([sphere_points(m, side, m.ball, middle) for side in sides])
+        body = whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
+    else:
+        screw, half = part == "screw", scene.nut.length / 2.0
+        radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
+        ends = dims.ends(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
+        places, size = sockets_of(layout, sides, screw), socket_size(scene, m, layout, sides, dims, settings)
+        filled = dims.groove_ends and not screw
+        flange = None if screw else scene.nut.flange
+        spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
+        near = np.concatenate([groove_points(m, place, middle) for place in places])
+        body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
+    mesh = of_order(body.mesh, body_kind(settings))
+    return only(mesh, *sorted(mesh.boundaries))

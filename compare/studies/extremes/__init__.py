@@ -1,0 +1,1 @@
+"""Stiff and extreme scenes, and records of random campaigns."""

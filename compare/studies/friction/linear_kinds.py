@@ -1,0 +1,194 @@
+"""Solves friction scenes of linear bearings: two or more balls, apart and in reach of each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import Refusal
+from rollbench.compare.quantities import number
+from rollbench.compare.scenes.friction_kinds.linear import LinearScene
+from rollbench.compare.studies.friction import answer
+from rollbench.compare.text.printing import Column
+from rollbench.lowfi.friction.linear.bearing import CONTACTS, balanced_loads, diagonal_loads, directions, elastic_loads
+from rollbench.lowfi.friction.linear.chain import (
+    ANOTHER,
+    RISEN,
+    Chain,
+    ChainResult,
+    may_jam,
+    prepare,
+    second_state,
+    solve_linear_chain,
+)
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+
+#: Force out of balance over the largest up to which loads count as solved.
+BALANCED = 1e-8
+#: Balls from which loading the compiled kernels pays.
+LONG = 60
+
+
+def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
+    """Contact angles (N, 4) [rad] and loads (N, 4) [N], and the largest force out of balance over the vertical one.
+
+    Loads equal on each diagonal are an approximation of the source: their imbalance is reported, not judged.
+    """
+    if scene.distribution == "elastic":
+        try:
+            force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
+        except ArithmeticError as error:
+            advice = 'loads whose balance exists, or distribution = "balanced"'
+            raise Refusal(scene.name, "load", str(error), advice) from error
+    elif scene.distribution == "balanced":
+        angles, force = scene.angles, balanced_loads(scene.angles, scene.vertical, scene.side)
+    else:
+        rows = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
+        angles, force = scene.angles, rows
+    pushes = force[..., None] * directions(angles)
+    carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
+    left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
+    return angles, force, float(np.abs(left).max()) / scene.vertical
+
+
+def ball_rows(
+    scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
+) -> list[dict[str, Any]]:
+    """One row per ball; the motion is that of balls in reach of each other, but for what is called apart."""
+    rows = []
+    for k in range(force.shape[0]):
+        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
+        row |= answer.load_row(CONTACTS, force[k], angles[k])
+        for name, r in (("apart", apart), ("touching", near)):
+            row[f"velocity_{name}_mm_s"] = number(1e3 * r.velocity[k])
+            moving = scene.bearing.speed != 0.0
+            row[f"deviation_{name}_percent"] = number(100.0 * r.deviation[k]) if moving else None
+        row["rotation_rad_s"] = [*(number(w) for w in near.rotation[k]), 0.0]
+        row["groove_loss_mW"] = number(1e3 * near.groove_loss[k].sum())
+        rows.append(row)
+    return rows
+
+
+def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
+    """One row per pair of neighbours."""
+    return [
+        {
+            "balls": f"{k + 1}-{k + 2}",
+            "gap_um": number(1e6 * gap),
+            "force_N": number(near.ball_force[k]),
+            "loss_mW": number(1e3 * near.ball_loss[k]),
+        }
+        for k, gap in enumerate(scene.gap)
+    ]
+
+
+def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
+    """Motion and forces of two or more balls, apart and in reach of each other."""
+    angles, force, left = linear_loads(scene)
+    chains = [prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    fast = force.shape[0] > LONG
+    apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
+    second = second_state(chains[1], near, fast) if near.status == "converged" else None
+    loads_good = scene.distribution == "diagonal" or left <= BALANCED
+    converged = loads_good and all(r.status == "converged" for r in (apart, near))
+    balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)
+    bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
+    ball_loss = float(near.ball_loss.sum())
+    semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
+    data = answer.head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+        "law": "coulomb",
+        "distribution": scene.distribution,
+        "coupled": False,
+        "balls": balls,
+        "pairs": pairs,
+        "drive_N": number(near.drive),
+        "drive_apart_N": number(apart.drive),
+        "second_state": None if second is None else second_json(near, second),
+        "second_state_words": second_words(chains[1], second),
+        **answer.by_contact(near.power, near.loss, apart.loss, ball_loss, bound),
+        "solver": {
+            "load_imbalance": number(left),
+            "residual": number(near.residual),
+            "lag": number(near.lag),
+            "iterations": near.iterations,
+        },
+        "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
+    }
+    tables = [
+        ("per ball", BALL_COLUMNS, [answer.flat_ball(CONTACTS, row) for row in balls]),
+        ("between balls", PAIR_COLUMNS, pairs),
+    ]
+    return answer.FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
+
+
+def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
+    """Another state of the chain: force on the carriage, and pairs that press otherwise, with their forces."""
+    apart = np.abs(second.ball_force - near.ball_force)
+    other = np.flatnonzero(apart > ANOTHER * apart.max())
+    pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
+    return {"drive_N": number(second.drive), "pairs": pairs}
+
+
+def second_words(chain: Chain, second: ChainResult | None) -> str:
+    """Sentence on a second state of the chain."""
+    if not may_jam(chain):
+        return "one only: no balls in reach of each other, or no friction between them"
+    if second is None:
+        return (
+            "no second, jammed state was found, from three starts and from states with more friction between balls, "
+            f"{' and '.join(f'{mu:g}' for mu in RISEN)}: a search, no proof"
+        )
+    force = float(second.ball_force.max())
+    return f"there is a second, jammed state: up to {force:.3g} N between balls, {second.drive:.3g} N drive the carriage"
+
+
+def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
+    """Warning where the balls may also settle in a second, jammed state."""
+    if second is None:
+        return []
+    most, base = second.ball_force.max(), near.ball_force.max()
+    text = (
+        f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
+        f"{base:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
+    )
+    return [Warned("jam", text)]
+
+
+def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
+    """The results in a few lines."""
+    rise, solver = data["friction_increase_percent"], data["solver"]
+    return [
+        (
+            "force",
+            f"{data['drive_N']:.6g} N drive the carriage, {data['drive_apart_N']:.6g} N with the balls apart"
+            + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
+        ),
+        ("states", data["second_state_words"]),
+        answer.energy_line(data["energy"]),
+        (
+            "solver",
+            f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
+            f"{solver['residual']:.1e} of its bound",
+        ),
+        ("law", f"coulomb, loads {data['distribution']}; loads do not depend on friction"),
+    ]
+
+
+BALL_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    *((f"{c} N", f"{c} N", ".3f") for c in CONTACTS),
+    ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
+    ("deviation_apart_percent", "epsilon apart %", ".4f"),
+    ("velocity_touching_mm_s", "v mm/s", ".5f"),
+    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xy"),
+    ("groove_loss_mW", "groove loss mW", ".5f"),
+)
+PAIR_COLUMNS: tuple[Column, ...] = (
+    ("balls", "balls", "s"),
+    ("gap_um", "gap um", ".3f"),
+    ("force_N", "force N", ".4f"),
+    ("loss_mW", "loss mW", ".5f"),
+)

@@ -1,0 +1,297 @@
+"""A run in time: values for JSON, a table of the torque over the angle, and a few lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.quantities import number
+from rollbench.compare.studies.friction.answer import Line
+from rollbench.compare.watch import bar
+from rollbench.lowfi.friction.screw.track import Track
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, History, StepError, resolved
+from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.run import Setting
+from rollbench.lowfi.friction.whole.travelling import AGAIN, in_motion
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import draw
+from rollbench.meshes.parts import Friction, Motion, Scene, Time
+
+#: Rows of the table in the terminal.
+ROWS = 12
+#: What a run leaves out besides what an instant does.
+LEFT_OUT = (
+    "travel of the nut along the screw: shaft and supports are those at the scene's station of the nut",
+    "run-in of the grooves: balls take and lose their whole load at the ends of the loaded arc, where the torque jumps",
+    "balls in the return: they roll along without friction or weight unless neighbours push them",
+    "ball-to-ball forces in the balance of contact loads; inertia of the balls",
+)
+COLUMNS = (
+    ("angle_deg", "angle deg", ".2f"),
+    ("torque_Nmm", "torque N mm", ".5g"),
+    ("groove_Nmm", "grooves N mm", ".5g"),
+    ("balls_Nmm", "ball to ball N mm", ".4g"),
+    ("loaded", "balls loaded", "d"),
+    ("groups", "groups touching", "d"),
+)
+
+
+#: Quantities whose error is estimated, in words.
+QUANTITIES = {
+    "torque": "the torque over the angle",
+    "mean": "its mean",
+    "largest": "its largest value",
+    "least": "its least value",
+    "share": "the largest share by ball-to-ball contact",
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run and the errors of its steps; goal: largest error asked for, fixed: whether the steps were given, balls: whether
+    histories of balls are; status in words, "converged" where every step converged and no error is above the goal."""
+
+    history: History
+    error: StepError | None
+    goal: float
+    fixed: bool
+    status: str
+    balls: bool = True
+
+    @property
+    def converged(self) -> bool:
+        """Whether the run may be used."""
+        return self.status == "converged"
+
+
+def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> Run:
+    """Run a scene in time. Raises InputError for models that do not solve it again and again, and Refusal for circuits."""
+    time = scene.time
+    if time is None:
+        raise ValueError("the scene has no [time]")
+    if model not in AGAIN:
+        advice = "take another model, or leave [time] out"
+        raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a run in time", advice)
+    drawn = draw(scene, member)
+    try:
+        balls = balls_of(scene, friction, motion, drawn, member)
+    except ValueError as error:
+        advice = "give the circuits more room: see [circulation]"
+        raise Refusal(scene.name, "circulation", str(error), advice) from error
+    ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
+    loads = in_motion(model, ahead)
+    setting = Setting(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
+    return judged(*stepped(setting, motion, time, scene.name), time)
+
+
+def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
+    """The run at its levels of steps, a bar on a terminal's standard error."""
+    with bar(f"{name}, run in time") as progress:
+        return resolved(setting, time.span(motion), time.steps, time.goal, progress)
+
+
+def judged(history: History, error: StepError | None, time: Time) -> Run:
+    """The run with its verdict: not converged where a step failed, or where an error of the steps is above the goal."""
+    status = history.status
+    if history.good and error is None:
+        status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
+    elif error is not None and not error.small(time.goal):
+        name = max(error.quantities, key=lambda name: error.quantities[name].error)
+        unseen = " (no order seen)" * error.quantities[name].unclear
+        status = (
+            f"not converged in the step: the error of {error.steps[-1]} steps is some {100.0 * error.largest:.2g} % of the "
+            f"mean torque in {QUANTITIES[name]}{unseen}, more than the goal of {100.0 * time.goal:g} %: "
+            f"{'take more steps' if time.steps else 'shorten the run'}"
+        )
+    return Run(history, error, time.goal, time.steps is not None, status, time.output == "balls")
+
+
+def run_data(run: Run) -> dict[str, Any]:
+    """Values of a run for JSON; histories at the middle of each piece of a step, gaps at its end: events (a ball enters or
+    leaves the loaded arc, neighbours meet) cut steps, with short pieces before and after."""
+    h, e = run.history, run.error
+    reached, asked = (number(math.degrees(angle)) for angle in h.angles)
+    data: dict[str, Any] = {
+        "status": run.status,
+        "converged": run.converged,
+        "complete": h.complete,
+        "steps": h.begun,
+        "reached_deg": reached,
+        "asked_deg": asked,
+        "step_error": None if e is None else error_data(e, run.goal),
+        "step_error_unknown": no_error(run),
+        "left_out": list(LEFT_OUT),
+    }
+    if not h.begun:
+        return data
+    data["circuits"] = [
+        {
+            "start": t.start + 1,
+            "balls": t.balls.stop - t.balls.start,
+            "loaded_arc_deg": number(math.degrees(t.arc)),
+            "length_deg": number(math.degrees(t.ring)),
+            "touching_deg": number(math.degrees(t.spacing)),
+            "filling": number((t.balls.stop - t.balls.start) * t.spacing / t.ring),
+        }
+        for t in h.setting.tracks
+    ]
+    data["torque"] = torque_data(h)
+    data["energy"] = energy_data(h)
+    data["over_angle"] = {
+        "angle_deg": _list(np.degrees(h.turned)),
+        "covers_deg": _list(np.degrees(h.lasts * abs(h.setting.groove.speed))),
+        "torque_Nmm": _list(1e3 * h.torque),
+        "groove_Nmm": _list(1e3 * h.groove_torque),
+        "ball_sliding_Nmm": _list(1e3 * h.ball_torque),
+        "ball_closing_Nmm": _list(1e3 * h.closing_torque),
+        "axial_load_N": _list(h.axial),
+        "driving_torque_on_screw_Nmm": _list(1e3 * h.on_screw),
+    }
+    if run.balls:
+        data["balls"] = [ball_data(h, t, k) for t in h.setting.tracks for k in range(t.balls.start, t.balls.stop)]
+    return data
+
+
+def error_data(e: StepError, goal: float) -> dict[str, Any]:
+    """Estimated errors of the time steps, and their parts."""
+    found = e.quantities
+    percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
+    return {
+        "quantity": "friction torque over the angle: mean absolute error, as a part of the mean torque",
+        "torque_percent": percent["torque"],
+        "mean_torque_percent": percent["mean"],
+        "most_torque_percent": percent["largest"],
+        "least_torque_percent": percent["least"],
+        "ball_to_ball_most_percent": percent["share"],
+        "observed_order": number(found["torque"].order),
+        "order_used": number(found["torque"].used),
+        "observed_orders": {name: number(q.order) for name, q in found.items()},
+        "no_order_seen": list(e.unclear),
+        "steps": list(e.steps),
+        "goal_percent": number(100.0 * goal),
+        "small": e.small(goal),
+    }
+
+
+def no_error(run: Run) -> str | None:
+    """Why a run has no estimate of the error of its steps; None where it has one."""
+    if run.error is not None:
+        return None
+    if run.history.good:
+        return "fewer than 4 steps"
+    return "a step did not converge" if run.history.complete else "the run stopped before its end"
+
+
+def energy_data(h: History) -> dict[str, Any]:
+    """Work over the run [J] of the torque on the screw and of its axial load, losses, and the largest imbalance of a step
+    over its losses: of the power that contacts take in, and of torque and load against losses."""
+    turning, along = h.advance
+    loss = h.torque * abs(turning)
+    rubs = bool(np.all(loss > 0.0))
+    return {
+        "torque_work_J": number(turning * float(h.lasts @ h.on_screw)),
+        "load_work_J": number(along * float(h.lasts @ h.axial)),
+        "loss_J": number(float(h.lasts @ loss)),
+        "balance_J": number(float(h.lasts @ h.torque_balance)),
+        "largest_imbalance": number(float(np.abs(h.imbalance).max())),
+        "largest_torque_imbalance": number(float(np.abs(h.torque_balance / loss).max())) if rubs else None,
+    }
+
+
+def torque_data(h: History) -> dict[str, Any]:
+    """Mean, ends and parts of the friction torque."""
+    t = h.torques
+    return {
+        "mean_Nmm": number(1e3 * t["mean"]),
+        "least_Nmm": number(1e3 * t["least"]),
+        "most_Nmm": number(1e3 * t["largest"]),
+        "groove_mean_Nmm": number(1e3 * h.mean(h.groove_torque)),
+        "ball_to_ball_mean_Nmm": number(1e3 * h.mean(h.ball_torque + h.closing_torque)),
+        "ball_to_ball_most_percent_of_groove": number(100.0 * h.share),
+        "largest_ball_force_N": number(float(h.ball_force.max(initial=0.0))),
+    }
+
+
+def ball_data(h: History, track: Track, k: int) -> dict[str, Any]:
+    """Histories of one ball: azimuth in the nut's frame, distance and force to the next ball of its circuit, loads."""
+    ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
+    number_of = int(h.setting.number[k])
+    return {
+        "index": None if number_of < 0 else number_of + 1,
+        "next": ahead,
+        "place": k,
+        "azimuth_deg": _list(np.degrees(h.azimuth[:, k])),
+        "loaded": [bool(v) for v in h.loaded[:, k]],
+        "spacing_deg": _list(np.degrees(h.spacing[:, k])),
+        "force_on_next_N": _list(h.ball_force[:, k]),
+        "load_N": _list(h.load[:, k].sum(axis=1)),
+    }
+
+
+def _list(values: Array) -> list[float | None]:
+    return [number(float(v)) for v in values]
+
+
+def run_rows(h: History) -> list[dict[str, object]]:
+    """Some rows of the torque over the angle for the terminal."""
+    which = np.unique(np.linspace(0, h.time.size - 1, min(ROWS, h.time.size)).round().astype(int))
+    return [
+        {
+            "angle_deg": number(math.degrees(h.turned[k])),
+            "torque_Nmm": number(1e3 * h.torque[k]),
+            "groove_Nmm": number(1e3 * h.groove_torque[k]),
+            "balls_Nmm": number(1e3 * (h.ball_torque[k] + h.closing_torque[k])),
+            "loaded": int(h.loaded[k].sum()),
+            "groups": int(h.groups[k]),
+        }
+        for k in which
+    ]
+
+
+def run_lines(run: Run) -> list[Line]:
+    """The run in a few lines."""
+    h, e = run.history, run.error
+    if not h.begun:
+        return [("run", run.status)]
+    t = torque_data(h)
+    reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
+    far = f"over {reached}" if h.complete else f"stopped at {reached} of {asked},"
+    digits = f".{significant(None if e is None else e.largest)}g"
+    mean, least, most, groove, between = (
+        format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
+    )
+    text = (
+        f"{far} in {h.begun} steps: friction torque {mean} N mm in the mean, {least} to {most} N mm; grooves {groove}, "
+        f"ball to ball {between} N mm in the mean"
+    )
+    lines = [("run", text)]
+    if e is None:
+        lines.append(("steps", f"error unknown, {no_error(run)}"))
+    else:
+        size = ", ".join(f"{100.0 * q.error:.2g} % in {QUANTITIES[name]}" for name, q in e.quantities.items())
+        order = e.quantities["torque"].order
+        seen = "no order observed" if math.isnan(order) else f"order {order:.2g} observed"
+        text = (
+            f"error of the steps, as a part of the mean torque: {size}; from {', '.join(str(n) for n in e.steps)} steps "
+            f"({seen}); goal {100.0 * run.goal:g} %"
+        )
+        lines.append(("steps", text))
+        if e.unclear:
+            names = ", ".join(QUANTITIES[name] for name in e.unclear)
+            lines.append(("", f"no order of convergence in {names}: {UNCLEAR:g} times the change between these is taken"))
+    return lines if run.converged else [*lines, ("", run.status)]
+
+
+def significant(error: float | None) -> int:
+    """Digits of a value with this relative error, unknown where None: at most two more than are sure, 3 to 6."""
+    return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
+
+
+def run_table(run: Run) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
+    """The table of the run, if there is one."""
+    return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -1,0 +1,268 @@
+"""Friction of a whole screw or bearing: static loads by the chosen model, then friction of every ball and the torques that
+follow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.models.answers import load_answers, outside
+from rollbench.compare.models.friction_sums import sums
+from rollbench.compare.models.loading import preload
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.quantities import count_of, number
+from rollbench.compare.scenes.scene_file import kind_of
+from rollbench.compare.studies.friction import output
+from rollbench.compare.studies.friction.answer import FrictionAnswer, balance
+from rollbench.compare.studies.friction.band import (
+    Solved,
+    band,
+    band_lines,
+    feedback_warnings,
+    kept_state,
+    play,
+    play_warning,
+)
+from rollbench.compare.studies.friction.run import Run, run_data, run_lines, run_table, solve_run
+from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
+from rollbench.lowfi.friction.whole.settings import ONE_TURN
+from rollbench.lowfi.friction.whole.state import FrictionState
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Friction, Scene, Support
+
+#: Largest coefficient of friction that is taken.
+MOST = 2.0
+NO_SPEED = (
+    "The scene has no [motion]: the screw turns once a second. Losses and speeds are proportional to that, torques and "
+    "efficiencies do not depend on it."
+)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the command line says: model, coefficients of friction in place of the scene's, specimen, condensed bodies."""
+
+    model: str = ""
+    mu: tuple[float, ...] = ()
+    member: int = 0
+    condensed: Path | None = None
+
+
+@dataclass(frozen=True)
+class Drag:
+    """Friction torque [N m] with the scene's loads removed; None where there is none to speak of, and why. note: how the
+    screw was left free, where its supports would press it along its axis."""
+
+    torque: float | None
+    reason: str = ""
+    note: str = ""
+
+
+def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
+    """Coefficients to solve for: those of the command line, or the scene's. Raises InputError where there are none."""
+    for value in mu:
+        if not 0.0 <= value <= MOST:
+            raise ArgumentError("mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
+    if mu:
+        given = Friction(0.0, 0.0) if scene.friction is None else scene.friction
+        assumed = ("The coefficient of friction is that of the command line.",)
+        return [Friction(value, value, assumed, given.feedback, neighbours=given.neighbours) for value in mu]
+    if scene.friction is None:
+        advice = "add a [friction] table with e.g. coefficient = 0.1, or give `mu=0.1`"
+        raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)
+    return [scene.friction]
+
+
+def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
+    """Loads by the chosen model, then friction for every coefficient; the balls are shown for the first one.
+
+    Raises InputError for a scene that the model cannot describe, or without coefficient of friction.
+    """
+    pairs = coefficients(scene, choices.mu)
+    if not 0 <= choices.member < 10**9:
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
+    model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
+    if choices.condensed is not None and model != "condensed":
+        allowed = "the model condensed"
+        raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
+    options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
+    result = run_model(scene, model, options)
+    named = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}
+    head: dict[str, object] = named | {"member": choices.member if scene.errors.random else None}
+    if not result.converged:
+        status = f"contact loads: {result.status}"
+        data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
+        return FrictionAnswer(data, [], [], False)
+    motion = scene.motion or ONE_TURN
+    try:
+        states = [kept_state(scene, result, pair, motion, choices.member) for pair in pairs]
+    except ValueError as error:  # balls that overlap by their random sizes
+        raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
+    bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
+    drags = drag_torques(scene, states, pairs, bare, options)
+    answer = _answer(scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare))
+    if scene.time is None:
+        return answer
+    return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+
+
+def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
+    """The answer for the scene's instant with the run in time after it."""
+    data = answer.data | {"run": run_data(run)}
+    good = answer.converged and run.converged
+    if answer.converged and not good:
+        data |= {"status": f"run in time: {run.status}"}
+    tables = [*answer.tables, *run_table(run)]
+    return FrictionAnswer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
+
+
+def loaded(scene: Scene) -> bool:
+    """Whether a scene has loads."""
+    return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
+
+
+def drag_torques(
+    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
+) -> list[Drag]:
+    """Friction torque without the scene's loads, for each pair of coefficients; supports and what they prescribe stay.
+    unloaded: the result without them.
+
+    Where these press the screw along its axis, which is an axial load too, its supports let it go along the axis: drag is
+    the friction torque at no axial load.
+    """
+    bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
+
+    def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
+        if not result.converged:
+            return result.status
+        return [kept_state(changed, result, pair, motion, options.member) for pair in pairs]
+
+    without: Sequence[FrictionState] | str = states
+    if loaded(scene):
+        without = solved(bare, unloaded)
+    if isinstance(without, str):
+        return [Drag(None, without)] * len(pairs)
+    if not any(state.torque.translating for state in without):
+        return [drag_of(state) for state in without]
+    pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
+    freed = replace(bare, supports=without_axial(scene.supports))
+    let_go = solved(freed, run_model(freed, unloaded.model, options))
+    if isinstance(let_go, str):
+        return [Drag(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
+    note = f"the screw left free along its axis: {pressed}"
+    return [replace(drag_of(state), note=note) for state in let_go]
+
+
+def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
+    """The supports without what they hold along the axis."""
+    freed = (replace(s, fixed=tuple(held for held in s.fixed if held[0] != "uz")) for s in supports)
+    return tuple(s for s in freed if s.fixed)
+
+
+def drag_of(state: FrictionState) -> Drag:
+    """The drag torque of a state without axial load; none where a ball failed."""
+    return Drag(state.torque.friction) if state.settled else Drag(None, "no balance of friction found")
+
+
+def status_of(state: FrictionState) -> str:
+    """Text of how it ended."""
+    failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
+    if failed:
+        return f"no balance of friction found on {count_of(len(failed), 'ball')}: {', '.join(failed[:8])}"
+    if state.unsettled:
+        numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
+        return (
+            f"friction and place do not agree on {count_of(len(state.unsettled), 'ball')}: {numbers}; see feedback = false"
+        )
+    return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
+
+
+def _assumed(scene: Scene, result: StaticResult) -> list[str]:
+    """Statements about scene and contact loads, the latter marked as such: they speak of a model without friction."""
+    return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
+
+
+States = tuple[list[Friction], list[FrictionState], list[Drag]]
+
+
+def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> FrictionAnswer:
+    """Values for JSON and tables for the terminal."""
+    (friction, *_), (state, *_), (drag, *_) = solved
+    motion = scene.motion or ONE_TURN
+    good = all(s.settled for s in solved[1])
+    status = status_of(next((s for s in solved[1] if not s.settled), state))
+    torque = sums(state.torque, drag.torque)
+    rows, losses = output.ball_rows(result, state), output.loss_rows(state)
+    over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
+    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
+    wide, played = band(besides, result), play(besides, state)
+    held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
+    e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
+    data = head | {
+        "status": status,
+        "converged": good,
+        "law": "coulomb",
+        "coupled": state.coupled,
+        "friction": {"screw": friction.screw, "nut": friction.nut},
+        "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
+        "balls": rows,
+        "torque": torque,
+        "band": wide,
+        "play": played,
+        "drag_unknown": drag.reason or None,
+        "drag_note": drag.note or None,
+        "over_friction": over,
+        "losses": {
+            "total_W": number(e.power),
+            "by_contact_W": losses,
+            "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
+            "heathcote_percent": number(100.0 * slip),
+        },
+        "energy": balance(e.input_power, e.power)
+        | {"axial_load_power_W": number(e.load * e.ratio * e.speed), "torque_power_W": number(e.on_screw * e.speed)},
+        "feedback": {
+            "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
+            "unsettled_balls": len(state.unsettled),
+            "axial_friction_on_screw_N": number(e.pull),
+            "balls_touching": output.neighbour_data(state),
+            "friction_over_load": number(e.tilt),
+        },
+        "solver": {
+            "static_residual": number(result.solver.residual),
+            "friction_imbalance": number(state.balls.left),
+            "feedback_change": number(state.change),
+            "second_states": None if state.second is None else [k + 1 for k in state.second],
+        },
+        "assumed": assumed,
+        "left_out": output.left_out(friction),
+        "warnings": output.warnings_of(
+            scene,
+            friction,
+            state,
+            (
+                *([] if played is None else [play_warning(played)]),
+                *result.warnings,
+                *outside(scene, load_answers(scene, result.load, result.contact_angle, result.member), held),
+                *feedback_warnings(state),
+                *output.slip_warnings(slip),
+            ),
+        ),
+    }
+    tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
+    if state.loaded:
+        tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)]
+    if len(over) > 1:
+        tables.append(("over the coefficient of friction", output.mu_columns(kind_of(scene)), over))
+    every = [("per ball", output.BALL_COLUMNS, output.flat_rows(rows))] if state.loaded else []
+    lines = [
+        *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
+        *(band_lines(wide) if state.loaded else ()),
+    ]
+    lines.append(output.solver_line(result.solver.residual, state.balls.left))
+    if e.friction and slip <= WIDE:
+        lines.append(("slip", "contacts are not flat: " + output.slip_words(slip)))
+    return FrictionAnswer(data, tables, lines, good, every)

@@ -1,0 +1,206 @@
+"""Many screws of one scene with random errors, by any model: what is kept of each, bands per ball, sampling errors.
+
+Members are solved in blocks that may run side by side. What a member is depends on the scene's seed and its number alone,
+and blocks are put together in their order, so the numbers are the same whatever the number of workers. Memory: a block of
+loads in each process, six numbers a member, and one histogram a contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.models.registry import MODELS, Options, default_model, random_errors, run_model
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.studies.members.blocks import Block, contact_loads, places, solve_block, without_random_errors
+from rollbench.lowfi.jit import STATICS, cached
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+
+#: Members of a block: the most, and the least of one set, as it takes as long to prepare some; from how many on kernels are
+#: compiled, and are used where they have been.
+BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
+#: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
+BINS, END = 2000, 10.0
+LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
+MOST = 10_000_000
+
+
+class Bands:
+    """Contacts over the members, by running sums about the loads ``nominal`` (N, 4) [N] without random errors. largest
+    (N, 4) [N]; counts (N, 4, `BINS` + 2): histogram of the loads of width ``width`` [N], the first of loads of zero, the
+    last of those beyond its end."""
+
+    def __init__(self, nominal: Array, width: float) -> None:
+        """Begin without a member."""
+        self.nominal, self.width = nominal, width
+        self._first, self._second = np.zeros(nominal.shape), np.zeros(nominal.shape)
+        self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
+        self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
+
+    def add(self, loads: Array) -> None:
+        """Loads (k, N, 4) of a block; members without equilibrium are left out. Member by member, in order: the sums do
+        not depend on how the members are cut into blocks."""
+        counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
+        for load in loads[~np.isnan(loads[:, 0, 0])]:
+            off = load - self.nominal
+            self._first += off
+            self._second += off * off
+            np.minimum(self._low, load, out=self._low)
+            np.maximum(self.largest, load, out=self.largest)
+            bins = np.where(load > 0.0, 1 + np.minimum(load / self.width, BINS), 0).astype(np.int64)
+            counts[place, bins.ravel()] += 1
+
+    @property
+    def _members(self) -> int:
+        return int(self.counts.reshape(-1, BINS + 2)[0].sum())
+
+    @property
+    def mean(self) -> Array:
+        """Mean load of each contact (N, 4) [N]."""
+        return self.nominal + self._first / max(self._members, 1)
+
+    @property
+    def deviation(self) -> Array:
+        """Standard deviation of each contact's load (N, 4) [N]."""
+        n = self._members
+        mean = self._first / max(n, 1)
+        return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
+
+    @property
+    def smallest(self) -> Array:
+        """Smallest load of each contact (N, 4) [N]."""
+        return np.where(np.isfinite(self._low), self._low, 0.0)
+
+    @property
+    def loaded(self) -> Array:
+        """Share of members in which a contact carries (N, 4)."""
+        return 1.0 - self.counts[..., 0] / max(self._members, 1)
+
+    def quantile(self, level: float) -> Array:
+        """Quantile of each contact's load (N, 4) [N], to ``width``."""
+        below = np.cumsum(self.counts, axis=-1)
+        place = (below < level * below[..., -1:]).sum(axis=-1)
+        return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
+
+
+@dataclass(frozen=True)
+class Members:
+    """Members of a scene. kept (M, k): numbers named by `member_blocks.columns` (nan where there is no equilibrium);
+    statuses of those that did not converge, by number; bands: of the contacts of all sets of balls, one set after the
+    other; balls: the place of each set in them, None for rollers; seconds of wall clock."""
+
+    scene: Scene | Assembly
+    model: str
+    kept: Array
+    failed: dict[int, str]
+    bands: Bands
+    balls: tuple[slice | None, ...]
+    seconds: float
+
+
+def run_members(
+    scene: Scene | Assembly,
+    model: str,
+    count: int,
+    engine: Engine | None = None,
+    step: Callable[[str], None] = lambda _: None,
+    row: Callable[[int, str, Array], None] = lambda *_: None,
+) -> Members:
+    """Solve members 0 to ``count`` - 1 of a scene; ``row`` hears of each, in order: number, status, numbers (k,).
+
+    Raises InputError for an unknown model, a count out of range, a scene without random errors, or one that has no
+    equilibrium without them.
+    """
+    _check(scene, model, count)
+    start, model = perf_counter(), model or default_model(scene)
+    kernels = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
+    bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
+    nominal = contact_loads(bare)
+    if not bare.converged or not nominal.max(initial=0.0) > 0.0:
+        reason = bare.status if not bare.converged else "no contact carries load without random errors"
+        what = "screw" if isinstance(scene, Scene) else "sets"
+        advice = f"load or preload the {what}"
+        raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
+    bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
+    begin, done = perf_counter(), 0
+    for first, block in _blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
+        bands.add(block.loads)
+        rows.append(block.kept)
+        for k, status in enumerate(block.statuses):
+            row(first + k, status, block.kept[k])
+            if status != "converged":
+                failed[first + k] = status
+        done += len(block.kept)
+        spent = perf_counter() - begin
+        step(f"[{done}/{count}] {len(failed)} failed: {spent:.0f} s, about {spent * (count - done) / done:.0f} s left")
+    return Members(scene, model, np.concatenate(rows), failed, bands, places(scene), perf_counter() - start)
+
+
+def _check(scene: Scene | Assembly, model: str, count: int) -> None:
+    single = isinstance(scene, Scene)
+    if single and (model not in MODELS or model == "condensed"):
+        allowed = ", ".join(name for name in MODELS if name != "condensed")
+        raise ArgumentError("model", model, allowed, "choose one of these")
+    if not 2 <= count <= MOST:
+        raise ArgumentError("members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
+    if not random_errors(scene):
+        where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
+        advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
+        raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
+
+
+def _blocks(
+    arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
+) -> Iterator[tuple[int, Block]]:
+    """Blocks in order, whatever the order they come in; arguments: those of `solve_block` before the members."""
+    least = LEAST if isinstance(arguments[0], Scene) else 1
+    size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
+    starts = range(0, count, size)
+    jobs: list[parallel.Job] = [(solve_block, (*arguments, first, min(size, count - first))) for first in starts]
+    waiting: dict[int, Block] = {}
+    following = 0
+    for number, block in first_here(jobs, engine, "members", step):
+        waiting[number] = block
+        while following in waiting:
+            yield following * size, waiting.pop(following)
+            following += 1
+
+
+def _binomial_quantile(p: float, trials: int, chance: float) -> int:
+    """Least count that a binomial variable stays below or at with a probability of ``p``.
+
+    Sums the probabilities within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
+    """
+    mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
+    first = max(0, int(mean - reach))
+    k = np.arange(first, min(trials, int(mean + reach)))
+    grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
+    below = np.cumsum(np.exp(grown - grown.max()))
+    return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
+
+
+def statistics(values: Array) -> dict[str, Any] | None:
+    """Mean with its standard error, deviation, extremes, and quantiles with their 95 % intervals, of the finite ones of
+    values (M,); None of less than two.
+
+    The interval of a quantile lies between order statistics, by the binomial distribution of how many values are below it.
+    """
+    y = np.sort(values[np.isfinite(values)])
+    if y.size < 2:
+        return None
+    sd = float(y.std(ddof=1))
+    out: dict[str, Any] = {"members": int(y.size), "mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size))}
+    out |= {"standard_deviation": sd, "smallest": float(y[0]), "largest": float(y[-1]), "quantiles": []}
+    for level in LEVELS:
+        low, high = (_binomial_quantile(p, y.size, level) for p in (0.025, 0.975))
+        ends = float(y[max(low - 1, 0)]), float(y[min(high, y.size - 1)])
+        out["quantiles"].append({"level": level, "value": float(np.quantile(y, level)), "low": ends[0], "high": ends[1]})
+    return out

@@ -1,0 +1,1 @@
+"""Rolling contact in 3D against the low-order models."""

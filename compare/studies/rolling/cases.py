@@ -1,0 +1,192 @@
+"""What a friction scene is to the 3D model of rolling: where balls and grooves are, and the state of the loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollbench.compare.errors import Refusal
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene
+from rollbench.compare.scenes.friction_kinds.linear import LinearScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.hifi.rolling.balls import Choices, without_meetings
+from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.loads import Cell, cell_loads, solve_loaded
+from rollbench.hifi.rolling.scenes import (
+    Layout,
+    Material,
+    hertz_constants,
+    linear_layout,
+    ring_layout,
+    scene_of,
+    screw_layout,
+)
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDE_SIGNS
+
+#: Most balls of a scene.
+MOST = 4
+#: Senses of the contacts' directions (x, y): BL, BR, TR, TL of a linear bearing; IL, IR, OR, OL of a ring.
+LINEAR = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+RING = LINEAR
+MOVING = np.array([False, False, True, True])
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene under its loads, apart and in touch; speed of what drives it, in the unit of the track (m/s or rad/s);
+    names of the contacts of a ball; whether the loads depend on friction."""
+
+    name: str
+    kind: str
+    apart: Rolling
+    touching: Rolling
+    speed: float
+    contacts: tuple[str, ...]
+    coupled: bool
+
+
+def case_of(scene: KindScene, choices: Choices) -> Case:
+    """The scene as the 3D model takes it; choices: the grid on which friction acts back on the loads, where it does.
+
+    Raises Refusal for a scene that is beyond it.
+    """
+    if isinstance(scene, LinearScene):
+        return _linear(scene)
+    if isinstance(scene, ScrewPairScene):
+        return _screw(scene, choices)
+    if isinstance(scene, BearingBallScene):
+        return _ring(scene)
+    reason = f"the 3D model of rolling takes one to {MOST} balls under given conditions, not the kind {scene.kind}"
+    raise Refusal(scene.name, "kind", reason, "take a linear pair, a linear chain, a screw pair or a bearing ball")
+
+
+def _refuse(scene: KindScene, key: str, reason: str, advice: str) -> None:
+    raise Refusal(scene.name, key, reason, advice)
+
+
+def _directions(angles: Array, senses: Array) -> Array:
+    return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
+
+
+def _linear(scene: LinearScene) -> Case:
+    b, count = scene.bearing, len(scene.side)
+    if count > MOST:
+        _refuse(scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls")
+    if b.speed == 0.0:
+        _refuse(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
+    layout = linear_layout(
+        b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.gap) <= 0.0
+    )
+    material = Material(b.young, b.poisson, b.mu, b.mu_balls)
+    normals = _directions(scene.angles, LINEAR)
+    if scene.distribution == "elastic":
+        found = [_pressed(scene, layout, material, n, float(r)) for n, r in zip(normals, scene.side, strict=True)]
+        normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
+    else:
+        loads = np.array([_given(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
+    whole = scene_of(layout, material, normals, loads)
+    return Case(scene.name, scene.kind, without_meetings(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False)
+
+
+def _given(scene: LinearScene, normals: Array, rho: float) -> Array:
+    """Loads (4,) [N] of a ball in balance at its angles, or equal on each diagonal."""
+    if scene.distribution == "diagonal":
+        normals = _directions(np.full(4, scene.bearing.contact_angle), LINEAR)
+    carriage = scene.vertical * np.array([rho, -1.0])
+    bottom, top = np.linalg.solve(normals[:2].T, carriage), np.linalg.solve(normals[2:].T, -carriage)
+    return np.asarray(np.maximum(np.concatenate([bottom, top]), 0.0))
+
+
+def _pressed(scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float) -> tuple[Array, Array]:
+    """Directions (4, 2) and loads (4,) [N] of a ball whose angles follow the loads."""
+    C = hertz_constants(layout, material)
+    pull = scene.vertical * np.array([rho, -1.0])
+    reach = layout.groove_radius - layout.radius
+    none = np.zeros((1, 2))
+    cell = Cell(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
+    found = cell_loads(cell)
+    if not found.converged:
+        _refuse(scene, "load", "contact loads do not balance", 'take loads whose balance exists, or "balanced"')
+    return found.normal[0], found.force[0]
+
+
+def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
+    pair, g = scene.pair, scene.pair.groove
+    if g.hertz != "right":
+        _refuse(scene, "ingredients.hertz", "the 3D model has no constants as printed", 'take "nominal"')
+    if pair.coupling == "ball and screw":
+        reason = "the 3D model of rolling holds the screw where it settled"
+        _refuse(scene, "friction.coupling", reason, 'take "none" or "ball"')
+    if g.speed == 0.0:
+        _refuse(scene, "motion.speed", "balls at rest do not roll", "let nut or screw turn")
+    signs = np.array(SIDE_SIGNS, dtype=float)
+    outward = signs[:, 0]
+    ride = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
+    layout = screw_layout(
+        g.ball_radius, g.groove_radius, g.pitch_radius, g.lead, g.contact_angle, outward, ride, len(pair.theta)
+    )
+    material = Material(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
+    angles = g.contact_angle + np.array(pair.theta)[:, None] * np.array(pair.pattern)
+    normals = signs * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    fixed = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2]}
+    rows = np.stack(
+        [
+            np.stack([np.array([1.0, 0.0]) if k == "r" else layout.section @ (f @ fixed[k]) for k in pair.free], axis=1)
+            for f in layout.frames
+        ]
+    )
+    count = len(layout.frames)
+    cell = Cell(
+        normals,
+        layout.groove_radius - layout.radius,
+        np.full((count, 4), pair.oversize),
+        np.tile(hertz_constants(layout, material), (count, 1)),
+        outward < 0.0,
+        rows,
+        np.zeros((count, 2)),
+        np.array(pair.force),
+        np.zeros((count, 2)),
+    )
+    coupled = pair.coupling == "ball"
+    scenes = []
+    for meet in (False, True):
+        if coupled:
+            loads, good = solve_loaded(layout, material, cell, choices, meet=meet)
+        else:
+            loads = cell_loads(cell)
+            good = loads.converged
+        if not good:
+            _refuse(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
+        scenes.append(scene_of(layout, material, loads.normal, loads.force))
+    return Case(scene.name, scene.kind, without_meetings(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled)
+
+
+def _ring(scene: BearingBallScene) -> Case:
+    b = scene.bearing
+    if scene.law != "coulomb" or b.hertz != "right":
+        _refuse(scene, "friction.law", "the 3D model has Coulomb's law and exact geometry only", 'take law = "coulomb"')
+    if b.screw_speed == 0.0:
+        _refuse(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
+    outward = RING[:, 1]
+    speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
+    layout = ring_layout(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
+    material = Material(b.young, b.poisson, b.mu, b.mu)
+    cell = Cell(
+        _directions(np.full(4, b.contact_angle), RING)[None],
+        b.groove_radius - b.ball_radius,
+        np.full((1, 4), -b.clearance),
+        hertz_constants(layout, material)[None],
+        outward < 0.0,
+        np.array([[[1.0], [0.0]]]),
+        np.array([[0.0, scene.displacement]]),
+        np.array([scene.force]),
+        np.zeros((1, 2)),
+    )
+    loads = cell_loads(cell)
+    if not loads.converged:
+        _refuse(scene, "load", "contact loads do not balance", "take a load that presses the ball")
+    whole = scene_of(layout, material, loads.normal, loads.force)
+    return Case(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

@@ -1,0 +1,219 @@
+"""Runs of the 3D model of rolling: three grids of a scene, each with nearly rigid bodies beside it, and their store.
+
+Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static reference, on straight tracks a ball and
+grooved bars.
+
+A run is a plain record. The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same
+grid, on top of the rigid limit by quadrature (`hifi.rolling.balls`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from rollbench.compare.errors import Refusal
+from rollbench.compare.reference.body_names import FINITE, HALF_SPACE
+from rollbench.compare.reference.measured import Measured, here
+from rollbench.compare.reference.store import KEY
+from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.studies.rolling.cases import Case, case_of
+from rollbench.compare.system import out_of_memory
+from rollbench.compare.writing import replace_file
+from rollbench.hifi.rolling import balls
+from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.patch import MARGIN
+from rollbench.meshes.canonical import digest
+
+#: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
+LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
+SCHEMA = 1
+#: Bodies by name, and those of a scene unless others are asked for; bump MESHED when the mechanics of finite ones change.
+MESHED = 2
+BODIES = {HALF_SPACE: None, FINITE: Sizes()}
+#: Points of the two quadratures of the rigid limit, whose difference is its uncertainty.
+QUADRATURES = (160, 187)
+#: Level of the source's own element size, and that size [m] by kind of scene.
+SOURCE_LEVEL = 0
+SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.05e-3}
+
+
+@dataclass(frozen=True)
+class RollingRun:
+    """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid bodies
+    on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences over that
+    put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that stick; what
+    the bodies are (a key of `BODIES`); what the seconds were measured with (empty in runs of before 0.15)."""
+
+    scene: str
+    level: int
+    shape: tuple[int, int]
+    elastic: dict[str, float]
+    near_rigid: dict[str, float]
+    limit: dict[str, float]
+    limit_spread: dict[str, float]
+    flat: dict[str, float]
+    status: str
+    upwind: float
+    residual: float
+    seconds: float
+    all_seconds: float
+    sticking: int
+    bodies: str = HALF_SPACE
+    version: str = ""
+    sources: str = ""
+    machine: str = ""
+
+    @property
+    def measured(self) -> Measured:
+        """What its seconds were measured with."""
+        return Measured(self.version, self.sources, self.machine)
+
+    @property
+    def converged(self) -> bool:
+        """Whether all solves of the run are solutions."""
+        return self.status == "converged"
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The grid's answers: what elasticity changes on it, on top of the rigid limit."""
+        return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
+
+
+def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
+    """Digest of all that a run's numbers depend on."""
+    content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
+    sizes = BODIES[bodies]
+    return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
+
+
+def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
+    """File of a run."""
+    what = "" if bodies == HALF_SPACE else f"-{bodies}"
+    return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{key_of(scene, level, bodies)}.json"
+
+
+def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
+    """The stored run, from the first store that has it, under whatever name the scene had when it was made: its key holds
+    that name, which the file says."""
+    for store in stores:
+        own = path_in(store, scene, level, bodies)
+        for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):
+            try:
+                stored = json.loads(path.read_text(encoding="utf-8"))
+                named = replace(scene, name=stored["scene"])
+            except (OSError, ValueError, KeyError, TypeError):
+                continue
+            if path.name == path_in(store, named, level, bodies).name:
+                return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
+    return None
+
+
+def save(store: Path, scene: KindScene, run: RollingRun) -> Path:
+    """Write a run. Returns its file."""
+    path = path_in(store, scene, run.level, run.bodies)
+    replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
+    return path
+
+
+def shape_of(case: Case, level: int) -> tuple[int, int]:
+    """Cells of a level; of the source's element size, as many as fit into the largest contact."""
+    if level != SOURCE_LEVEL:
+        return LEVELS[level]
+    size = SOURCE_SIZE[case.kind]
+    largest = max((t for b in case.touching.balls for t in b.touches), key=lambda t: t.load)
+    along, across = (max(1, round(2.0 * MARGIN * a / size)) for a in balls.hertz_size(case.touching, largest))
+    return along, across
+
+
+def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
+    """Run a level, in so many processes where it meshes bodies. Raises Refusal for a scene that is beyond the 3D model, or
+    whose bodies cannot be meshed, InputError where memory does not suffice."""
+    try:
+        return _compute(scene, level, bodies, processes)
+    except MemoryError as error:
+        raise out_of_memory(error) from error
+    except ValueError as error:
+        if bodies == HALF_SPACE:
+            raise
+        raise Refusal(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
+
+
+def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
+    begin, sizes = process_time(), BODIES[bodies]
+    case = case_of(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
+    shape = shape_of(case, level)
+    elsewhere = balls.prepare_bodies((case.apart, case.touching), sizes, processes)
+    pairs = {
+        name: _both(case, balls.Choices(shape, share, curved, sizes))
+        for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
+    }
+    limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
+    measured = {name: measures(case, *pair) for name, pair in pairs.items()}
+    fine, other = (measures(case, *pair) for pair in limits)
+    apart, touching = pairs["elastic"]
+    states = [r.status for pair in pairs.values() for r in pair if not r.converged]
+    return RollingRun(
+        scene.name,
+        level,
+        shape,
+        measured["elastic"],
+        measured["near"],
+        {k: 0.5 * (fine[k] + other[k]) for k in fine},
+        {k: abs(fine[k] - other[k]) for k in fine},
+        measured["flat"],
+        states[0] if states else "converged",
+        max(r.upwind / r.power for r in (apart, touching)),
+        max(r.residual for pair in pairs.values() for r in pair),
+        elsewhere + apart.seconds + touching.seconds,
+        elsewhere + process_time() - begin,
+        int(sum(int(c.stick.sum()) for c in touching.contacts)),
+        bodies,
+        **asdict(here()),
+    )
+
+
+def _both(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
+    apart = balls.solve_rolling(case.apart, choices)
+    return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
+
+
+def measures(
+    case: Case, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
+) -> dict[str, float]:
+    """Quantities of a solved case by name; the unit is at the end of the name."""
+    out: dict[str, float] = {}
+    linear = case.kind.startswith("linear")
+    for k, force in enumerate(touching.force):
+        out[f"force {k + 1}-{k + 2} N"] = float(force)
+    for k, speed in enumerate(apart.speed):
+        if linear:
+            out[f"deviation {k + 1} apart %"] = float(200.0 * speed / case.speed - 100.0)
+        else:
+            out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
+    if case.apart is case.touching:
+        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0][:2], strict=True)}
+        names = [case.contacts[t] for t in _loaded(case.apart)]
+        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _losses(apart), strict=True)}
+        return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}
+    out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.loss), 1e3 * float(touching.loss)
+    if linear:
+        out["drive apart N"], out["drive touching N"] = (r.loss / abs(case.speed) for r in (apart, touching))
+    out["increase %"] = 100.0 * (float(touching.loss / apart.loss) - 1.0)
+    return out
+
+
+def _loaded(scene: Rolling) -> list[int]:
+    return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
+
+
+def _losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
+    if isinstance(result, balls.RollingResult):
+        return [c.loss for c in result.contacts]
+    return [float(v) for v in np.asarray(result.contact_loss)]

@@ -1,0 +1,1 @@
+"""Run times of models and of the 3D reference, measured and kept."""

@@ -1,0 +1,1 @@
+"""Drawn catalogue screws on the 3D reference."""

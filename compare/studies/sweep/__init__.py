@@ -1,0 +1,1 @@
+"""A scene at many values of its keys."""

@@ -1,0 +1,226 @@
+"""Keys of a scene that a sweep varies: ``KEY=A:B`` for a range, ``KEY=v1,v2`` for a list, units as in the scene.
+
+``KEY+KEY=...`` gives several keys the same value.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rollbench.compare.errors import ArgumentError
+from rollbench.meshes.units import COMMA, has_comma, number_and_unit, show
+
+_ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
+_PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
+_FORM = "KEY=A:B or KEY=v1,v2, units as in the scene"
+#: Keys of which a scene has one: a varied one takes the place of the others.
+_SAME = (
+    ("errors.balls.oversize", "preload.oversize", "preload.force"),
+    ("preload.lead_offset", "preload.oversize", "preload.force"),
+    ("track.pitch_radius", "track.pitch_diameter"),
+    ("balls.radius", "balls.diameter"),
+    ("balls.count", "balls.filling"),
+    ("screw.groove_radius", "screw.conformity"),
+    ("nut.groove_radius", "nut.conformity"),
+    ("circulation.gap", "circulation.filling"),
+    ("time.angle", "time.duration"),
+)
+#: Most keys of a sweep, and most values of a list.
+MOST_KEYS, MOST_VALUES = 20, 1000
+
+
+@dataclass(frozen=True)
+class Vary:
+    """One varied key.
+
+    key: dotted path with indices from 0, ``loads[0].force[2]``, or several that share their value with ``+`` between; text:
+    as given; low, high and unit of a range, whole: of
+    whole numbers, both ends included; choices: the values of a list, as a scene file holds them (empty for a range).
+    """
+
+    key: str
+    text: str
+    low: float = 0.0
+    high: float = 0.0
+    unit: str = ""
+    whole: bool = False
+    choices: tuple[Any, ...] = ()
+
+    def at(self, u: float) -> Any:
+        """The value at a place ``u`` from 0 to 1 of the range or list, as a scene file holds it."""
+        if self.choices:
+            return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
+        if self.whole:
+            return min(int(self.low + u * (self.high - self.low + 1.0)), int(self.high))
+        number = float(f"{self.low + u * (self.high - self.low):.12g}")
+        return f"{number!r} {self.unit}" if self.unit else number
+
+    def number(self, value: Any) -> float:
+        """A value of this key for plots and means: in the range's unit, of a list its place from 1."""
+        if self.choices:
+            return 1.0 + self.choices.index(value)
+        return float(value) if isinstance(value, int | float) else float(_split(value)[0])
+
+    @property
+    def ends(self) -> tuple[Any, ...]:
+        """Values whose key is tried before anything is computed."""
+        return self.choices or (self.at(0.0), self.at(1.0))
+
+    @property
+    def label(self) -> str:
+        """The key with its unit, for tables and axes."""
+        if self.choices:
+            return f"{self.name} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
+        return f"{self.name} / {self.unit}" if self.unit else self.name
+
+    @property
+    def paths(self) -> list[str]:
+        """The paths that take the value."""
+        return self.key.split("+")
+
+    @property
+    def name(self) -> str:
+        """The first path, and how many share its value."""
+        first, *others = self.paths
+        return f"{first} (+{len(others)})" if others else first
+
+
+def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
+    """The varied keys of the command line. Raises InputError for a text of another form, or a key given twice."""
+    found = tuple(_read(text) for text in texts)
+    if not 1 <= len(found) <= MOST_KEYS:
+        raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
+    paths = [path for one in found for path in one.paths]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise ArgumentError("vary", path, "each key once", "put all its values into one text")
+    return found
+
+
+def _refused(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
+    return ArgumentError("vary", show(value), allowed, advice)
+
+
+def _read(text: str) -> Vary:
+    key, sign, values = (piece.strip() for piece in text.partition("="))
+    if not sign or not _PATH.fullmatch(key) or not values:
+        advice = 'e.g. `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
+        raise _refused(text, _FORM, advice)
+    if ":" in values:
+        return _range(key, text, values)
+    parts = [piece.strip() for piece in values.split(",")]
+    if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
+        raise _refused(text, f"2 to {MOST_VALUES} values with commas between")
+    if len(set(parts)) < len(parts):
+        raise _refused(text, "each value once", "remove the repeated one")
+    return Vary(key, text, choices=tuple(_scalar(piece) for piece in parts))
+
+
+def _range(key: str, text: str, values: str) -> Vary:
+    if any(map(has_comma, values.split(":"))):
+        raise _refused(text, "numbers with a point", COMMA)
+    try:
+        (first, unit), (second, other) = map(_split, values.split(":"))
+    except ValueError:
+        raise _refused(text, "two numbers, with or without unit") from None
+    if unit and other and unit != other:
+        raise _refused(text, "one unit for both ends", f"write both in {other}")
+    low, high = float(first), float(second)
+    if not low < high:
+        raise _refused(text, "A below B", "turn them round, or give a list of values")
+    whole = not (unit or other) and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
+    return Vary(key, text, low, high, unit or other, whole)
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Number and unit as written. Raises ValueError for what is no quantity."""
+    found = number_and_unit(text)
+    if found is None:
+        raise ValueError(text)
+    return found
+
+
+def _scalar(text: str) -> Any:
+    """A value as TOML reads it, or, where it is no TOML, text as it stands."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
+    """A copy of a scene's tables with other values of the keys, which take the place of keys that say the same.
+
+    Raises InputError for a list that has no such entry.
+    """
+    out = copy.deepcopy(raw)
+    for path in (p for vary in keys for p in vary.paths):
+        for other in _synonyms(path):
+            _take_out(out, other)
+    for vary, value in zip(keys, values, strict=True):
+        for path in vary.paths:
+            _put(out, path, value)
+    return out
+
+
+def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
+    """Varied paths and the keys of the scene ``raw`` whose place they take."""
+    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _synonyms(path))
+    return [(path, other) for path, other in pairs if _take_out(copy.deepcopy(raw), other)]
+
+
+def _synonyms(path: str) -> Iterator[str]:
+    """Other keys for the same quantity as ``path``, of the same set where there are several."""
+    prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
+    for group in _SAME:
+        if key in group:
+            yield from (prefix + other for other in group if other != key)
+
+
+def _take_out(raw: dict[str, Any], key: str) -> bool:
+    """Remove a key, and the table that it leaves empty; whether it was there."""
+    above, _, last = key.rpartition(".")
+    node: Any = raw
+    for step in _parts(above):
+        try:
+            node = node[step]
+        except (KeyError, IndexError, TypeError):
+            return False
+    if not isinstance(node, dict) or last not in node:
+        return False
+    del node[last]
+    if not node and "." not in above:
+        del raw[above]
+    return True
+
+
+def _parts(key: str) -> list[str | int]:
+    return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
+
+
+def _put(raw: dict[str, Any], key: str, value: Any) -> None:
+    """Give a key a value; tables on the way are made. Raises InputError for a step that leads nowhere: an entry that a list
+    does not have, a key of something other than a table."""
+    *above, last = _parts(key)
+    node: Any = raw
+    for step in above:
+        _check_entry(node, step, key)
+        node = node.setdefault(step, {}) if isinstance(node, dict) else node[step]
+    _check_entry(node, last, key)
+    node[last] = value
+
+
+def _check_entry(node: Any, step: str | int, key: str) -> None:
+    allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
+    if isinstance(node, dict) and isinstance(step, str):
+        return
+    if isinstance(node, list) and isinstance(step, int):
+        if step < len(node):
+            return
+        allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
+    raise _refused(key, allowed, "see the scene file, or: rollbench schema")

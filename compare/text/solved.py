@@ -1,0 +1,204 @@
+"""A solved scene, of one set or several, for the terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.registry import random_errors
+from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.results.scene_json import discretisation_percent, rollers, set_balls, sides_json
+from rollbench.compare.text.entries import block, load_error
+from rollbench.compare.text.printing import Column, text_width
+from rollbench.compare.text.tables import listed, plain
+from rollbench.lowfi.rating.roller_contacts import RACES
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.warned import above
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import FREEDOMS, SIDES
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+#: What the table of sets says of each: key of `_set_rows`, heading, format.
+SETS = (
+    *(("set", "set", "s"), ("name", "name", "s"), ("kind", "kind", "s"), ("z", "z mm", ".2f")),
+    *((f"F{x}", f"F{x} N", ".2f") for x in "xyz"),
+    *(("largest", "largest load N", ".2f"), ("loaded", "loaded", "s")),
+    *(("uz", "axial N/um", ".2f"), ("ux", "along x N/um", ".2f"), ("uy", "along y N/um", ".2f")),
+)
+
+
+def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
+    """A solved scene for the terminal: warnings and the block of answers, tables; then balance and solver, assumptions and
+    what was left out, or where they are. balls: with the table of every ball; details: with what lies behind the answers
+    (always where there are none)."""
+    answers, result = block(one, text_width()), one.result
+    above_all, measured = above(result.warnings), ""
+    behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
+    if isinstance(one, SolvedAxis):
+        sets = count_of(len(one.scene.sets), "set")
+        titles = [f"{one.scene.name}, {sets}, model {result.model}: {result.status}", one.scene.title]
+        tables = _set_tables(one.result, balls=balls)
+    else:
+        drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
+        titles = [f"{one.scene.name}{drawn}, model {result.model}: {result.status}"]
+        tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
+        grid = discretisation_percent(one.scene, one.result)
+        measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
+    behind += solver_lines(result.solver, measured)
+    notes = [f"note: {line}" for line in result.solver.notes]
+    return [
+        *titles,
+        *(["", above_all] if above_all else []),
+        *(["", answers, ""] if answers else []),
+        *tables,
+        *closing_lines(
+            result.warnings, behind, result.assumed, result.left_out, details=details or not answers, notes=notes
+        ),
+    ]
+
+
+def closing_lines(
+    warnings: Sequence[str],
+    behind: Sequence[str],
+    assumed: Sequence[str],
+    left_out: Sequence[str],
+    *,
+    details: bool,
+    notes: Sequence[str] = (),
+) -> list[str]:
+    """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
+    where to find it."""
+    warned = [f"warning: {line}" for line in warnings]
+    if not details:
+        counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
+        return [*warned, f"{counted}, balance and solver: --assumptions"]
+    headed = ("assumed", assumed), ("left out", left_out)
+    return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
+
+
+def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
+    """How the solution came about; only the time where nothing was solved. measured: of the elements."""
+    if not math.isfinite(s.residual):
+        return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
+    return [
+        f"solver: {s.formulation}, {s.engine}; {count_of(s.iterations, 'iteration')}, residual {s.residual:.1e}, "
+        f"{count_of(s.unknowns, 'unknown')}, {count_of(s.elements, 'beam element')}{measured}, {s.seconds:.3g} s"
+    ]
+
+
+def _balance(e: Equilibrium, *, several: bool) -> list[str]:
+    sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
+    if several:
+        return [f"balance of the shaft: {sums} (relative)"]
+    of_parts = f"(relative, sums over loads, reactions and contact points); of the balls: {e.ball_residual:.1e}"
+    lines = [f"balance of the screw: {sums} {of_parts}"]
+    if e.pin_share > 0.0:
+        lines.append(
+            f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest "
+            "force or moment, by which the balance of what the supports can carry is open"
+        )
+    return lines
+
+
+def _ball_tables(one: Solved) -> list[RenderableType]:
+    """Every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
+    result = one.result
+    error = load_error(mean_load(result.load, nominal_contacts(one.scene, result)), one.expected)
+    sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
+    headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
+    for i in range(result.z.size):
+        cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
+        for k in sides:
+            angle = math.degrees(result.contact_angle[i, k])
+            cells += [shown(result.load[i, k], error), f"{angle:.2f}" if math.isfinite(angle) else "–"]
+        rows.append(cells)
+    sums = (
+        (side, *(shown(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
+        for side, row in sides_json(result.load).items()
+    )
+    summed = plain(("side", "max N", "min N", "max/min", "loaded", "lost"), sums)
+    return [plain(headings, rows), "", summed, ""]
+
+
+def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
+    """The stiffness at a section as a table to read, N/um and kN m/rad in their places."""
+    if tangent.status != "converged":
+        return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
+    rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
+    head = (
+        f"tangent stiffness of the screw's section at {1e3 * tangent.station:.6g} mm against the held nut, without the "
+        "screw's supports; forces and moments over displacements and rotations, N, m, rad"
+    )
+    return ["", head, plain(("", *FREEDOMS), rows)]
+
+
+def _set_tables(result: AxisResult, *, balls: bool) -> list[RenderableType]:
+    """Sets, balls and rollers where asked for, housings, stiffness."""
+    out: list[RenderableType] = []
+    if result.sets and result.converged:
+        out += [listed("sets: force on the shaft, stiffness of the set alone", SETS, _set_rows(result))]
+        out += _element_tables(result) if balls else []
+    for h in result.housings if result.converged else ():
+        moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items())
+        force = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
+        out.append(f"{h.name}: {moved}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
+    return [*out, *_stiffness_lines(result)]
+
+
+def _set_rows(result: AxisResult) -> Iterator[dict[str, Any]]:
+    """Place, force on the shaft, loads and stiffness of each set."""
+    for k, s in enumerate(result.sets, 1):
+        head = {"set": k, "name": s.of.name, "kind": s.of.kind, "z": 1e3 * s.of.position}
+        loads = {"largest": s.loads.max(initial=0.0), "loaded": int((s.loads > 0.0).sum())}
+        forces = dict(zip(("Fx", "Fy", "Fz"), s.force, strict=True))
+        yield head | forces | loads | dict(zip(FREEDOMS[:3], 1e-6 * np.diag(s.stiffness), strict=False))
+
+
+def _element_tables(result: AxisResult) -> list[RenderableType]:
+    """Balls by set and index, with the sides that carry load; rollers."""
+    out: list[RenderableType] = []
+    rows = set_balls(result)
+    loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
+    if loaded:
+        columns: list[Column] = [("set", "set", "s"), ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
+        for side in loaded:
+            columns += [(f"{side} N", f"{side} N", ".3f"), (f"{side} deg", "angle deg", ".3f")]
+        flat = [
+            r | {f"{s} N": r["load_N"][s] for s in loaded} | {f"{s} deg": r["contact_angle_deg"][s] for s in loaded}
+            for r in rows
+        ]
+        out.append(listed("balls", columns, flat))
+    found = rollers(result)
+    if found:
+        names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
+        loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
+        races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
+        flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
+        out.append(listed("rollers", (*names, *loads, *races), flat))
+    return out
+
+
+def _stiffness_lines(result: AxisResult) -> list[str]:
+    if result.stiffness is None:
+        return []
+    d = np.diag(result.stiffness)
+    words = [f"{n} {1e-6 * x:.5g} N/um" for n, x in zip(FREEDOMS[:3], d[:3], strict=True) if np.isfinite(x)]
+    words += [f"{n} {1e-3 * x:.5g} kN m/rad" for n, x in zip(FREEDOMS[3:], d[3:], strict=True) if np.isfinite(x)]
+    with np.errstate(all="ignore"):
+        free = np.isfinite(d)
+        C = np.linalg.inv(result.stiffness[np.ix_(free, free)])
+    alone = dict(zip(np.array(FREEDOMS)[free], 1.0 / np.diag(C), strict=True))
+    lone = [f"{n} {1e-6 * alone[n]:.5g} N/um" for n in FREEDOMS[:3] if n in alone]
+    return [
+        f"tangent stiffness of the whole, {result.stiffness_at}, the other freedoms held: {', '.join(words)}",
+        f"the same, the other freedoms following: {', '.join(lone)}",
+    ]

@@ -1,1 +1,0 @@
-"""Wings: what a user may leave out. Each folder holds one, with its ``registration.py``."""

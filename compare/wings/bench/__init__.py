@@ -1,1 +1,0 @@
-"""Speed: what solves cost, against the source's formulation."""

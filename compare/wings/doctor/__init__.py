@@ -1,1 +1,0 @@
-"""What this machine has and lacks: packages, libraries, drawing, folders, memory, licences."""

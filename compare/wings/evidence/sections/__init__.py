@@ -1,1 +1,0 @@
-"""Sections of the report: every printed entry with its verdict, and what does not reproduce."""

@@ -1,1 +1,0 @@
-"""Meshes and result fields of the 3D reference as files for other programs."""

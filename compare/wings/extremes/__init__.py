@@ -1,1 +1,0 @@
-"""Numerical stability: models and formulations on stiff and extreme cases, counted."""

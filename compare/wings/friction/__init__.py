@@ -1,1 +1,0 @@
-"""Friction and ball motion of whole screws and bearings, and the scenes that only friction solves."""

@@ -1,1 +1,0 @@
-"""Many members of a scene with random errors: bands and distributions."""

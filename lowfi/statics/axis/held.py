@@ -1,0 +1,175 @@
+"""What holds several rolling sets: rigid motions of shaft and housings that nothing resists, found before anything is
+solved, and whether loads can be carried at all, by a linear program on contact forces that push.
+
+As in `lowfi.statics.held` for one set: either compressive forces at the nominal contacts of balls and rollers, with what
+supports and springs do, balance the loads, or a motion of shaft and housings as rigid bodies opens every contact, or leaves
+it unchanged, while the loads do work. Only the second proves that they are not held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
+from rollbench.lowfi.statics.axis.system import BallSet, System
+from rollbench.lowfi.statics.held import approach, drives, opening, ran_away
+from rollbench.lowfi.statics.problem import wrench_rows
+from rollbench.lowfi.statics.result import Status
+from rollbench.lowfi.statics.shape import pivots, unresisted
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import FREEDOMS
+
+
+@dataclass(frozen=True)
+class Loose:
+    """Rigid motions that nothing resists: whether the loads drive one, its words, and freedoms (rows, freedom) to hold."""
+
+    driven: bool
+    text: str
+    pins: tuple[tuple[int, int], ...] = ()
+
+
+def loose_motions(system: System) -> Loose:
+    """Motions of shaft and housings as rigid bodies without resistance from supports, springs or rolling elements.
+
+    As `lowfi.statics.held.free_motions`, the motion at a ball's centre stands for its flanks.
+    """
+    s = system.structure
+    motions = rigid_motions(s, system.arm)
+    rows = [held_rows(s, motions)]
+    by_row = motions.reshape(-1, 6, motions.shape[1])
+    n = s.nodes.size
+    for b in system.balls:
+        layout = b.problem.layout
+        moved = np.zeros((2 * layout.z.size, motions.shape[1]))
+        for row, sign in ((0 if b.of.carrier is None else int(b.problem.node[0, 0]), 1.0), (b.outer, -1.0)):
+            if row >= 0:
+                arm = layout.centre - np.array([0.0, 0.0, s.stations[row]])
+                moved += sign * (wrench_rows(layout, arm) @ by_row[row]).reshape(len(moved), -1)
+        rows.append(moved)
+    for roller in system.rollers:
+        a = roller.arrays
+        moved = np.zeros((a.drop.size, motions.shape[1]))
+        for end in range(2):
+            if a.row[0, end] >= 0:
+                moved += a.B[:, end] @ by_row[a.row[0, end]]
+        rows.append(moved)
+    null = unresisted(np.concatenate(rows))
+    if not null.shape[0]:
+        return Loose(False, "")
+    free = (motions @ null.T).reshape(-1, 6, null.shape[0])
+    text = words_for(system, free)
+    if drives(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
+        return Loose(True, f"{text}: no support, spring or rolling element resists it, and the loads drive it")
+    rows_of = [0, *range(n, s.stations.size)]
+    flat = free[rows_of].reshape(-1, null.shape[0])
+    arms = np.tile([1.0, 1.0, 1.0, system.arm, system.arm, system.arm], len(rows_of))
+    chosen = pivots((flat * arms[:, None]).T)
+    return Loose(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
+
+
+def words_for(system: System, free: Array) -> str:
+    """Words for motions (r, 6) or (r, 6, k) of all rows as rigid bodies."""
+    free = free.reshape(len(free), 6, -1)
+    s, n = system.structure, system.structure.nodes.size
+    names = {row: name for name, row in s.row.items() if row >= 0}
+    arms = np.array([1.0, 1.0, 1.0, system.arm, system.arm, system.arm])
+    motions = []
+    for row in (0, *range(n, s.stations.size)):
+        size = np.abs(free[row] * arms[:, None]).max(axis=1)
+        freedoms = [name for name, x in zip(FREEDOMS, size, strict=True) if x > 1e-6 * np.abs(free).max()]
+        if freedoms:
+            motions.append(f"{'the shaft' if row == 0 else names[row]} in {', '.join(freedoms)}")
+    return "rigid motion of " + " and ".join(motions)
+
+
+def pinned(system: System, loose: Loose) -> System:
+    """The system with the loose motions held where they are."""
+    if not loose.pins:
+        return system
+    fixed = system.structure.fixed.copy()
+    for row, k in loose.pins:
+        fixed[row, k] = True
+    structure = replace(system.structure, fixed=fixed)
+    return replace(system, structure=structure, axis=system.axis._replace(fixed=fixed))
+
+
+#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
+APEX = 1e-6
+
+
+def opening_motion(system: System) -> Array | None:
+    """Motion (r, 6) of all rows as rigid bodies [m, rad], of size one with rotations times the arm, that opens all
+    contacts at their nominal angles while the loads do work; None where compressive forces balance the loads.
+
+    Raises ArithmeticError where the linear program finds neither.
+    """
+    from scipy.sparse import csr_array, hstack, vstack
+
+    s = system.structure
+    motions = rigid_motions(s, system.arm)
+    by_row = motions.reshape(-1, 6, motions.shape[1])
+    work = motions.T @ s.load.ravel()
+    total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.arm)
+    if float(np.abs(work).max()) <= 1e-12 * total:
+        return None
+    centres = 2 * system.contacts.r_ball.size
+    rows = [csr_array(_ball_rows(b, system, by_row)) for b in system.balls]
+    rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _roller_rows(system, by_row)]
+    answer = opening(work, csr_array(vstack(rows)), held_rows(s, motions))
+    return None if answer is None else np.asarray(motions @ answer).reshape(-1, 6)
+
+
+def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
+    """Approach of every contact that a set uses, by the rigid motions and by the centres of all balls: it must not grow.
+
+    The one arc of a deep groove counts at its contact angle to either side.
+    """
+    beta = b.problem.scene.track.contact_angle
+    angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
+    moved, balls = b.moved(by_row), system.contacts.r_ball.size
+    used = [(int(side), angle) for side in np.flatnonzero(b.problem.use) for angle in angles]
+    return np.concatenate([approach(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
+
+
+def _roller_rows(system: System, by_row: Array) -> list[Array]:
+    """Approach of the slices of every row of rollers by the rigid motions."""
+    out = []
+    for a in (x.arrays for x in system.rollers):
+        ends = [np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.row[:, e]]) * (a.row[:, e] >= 0)[:, None] for e in range(2)]
+        out.append(ends[0] + ends[1])
+    return out
+
+
+def unheld(system: System) -> Status:
+    """Status sentence of a shaft or a housing that ran away: not held only where the linear program proves it."""
+    opens = "the loads open every contact that could carry them (linear program: {})"
+    return ran_away(
+        partial(opening_motion, system), "the shaft or a ring", lambda motion: opens.format(words_for(system, motion))
+    )
+
+
+def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
+    """Status sentence of a one-way row whose balls carry load [N] across the bottom of the groove, at an angle [rad].
+
+    Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on across the
+    bottom the energy is convex, so its equilibrium is the only one. One with every loaded ball on the side that carries
+    thrust would be an equilibrium of these arcs too, and so be the one that was found.
+    """
+    try:
+        opened = opening_motion(system) is not None
+    except ArithmeticError:
+        opened = False
+    if opened:
+        return Status("not held", f"the load opens {name}, which carries thrust along {thrust} only (linear program)")
+    on = abs(angle) < APEX
+    place = "0 deg, on the groove's bottom" if on else f"{np.degrees(angle):.1f} deg, across the groove's bottom"
+    reason = (
+        f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
+        f"{thrust}: in the only one that there is (the energy is convex) a ball carries {load:.3g} N at a contact angle of "
+        f"{place}"
+    )
+    return Status("not held", reason, "crossed row")

@@ -1,0 +1,46 @@
+"""Fields of the records that keys of stored runs are made of: description, example, default, and the default by which they
+are hashed.
+
+A key leaves out a field that has its frozen default, that of the day it was added (`meshes.canonical`). So a new field with
+a default changes no key, if the default is given by `usual`; `keyed` refuses a record at import where one is not. Fields
+that a scene file has under the same name carry what the file needs: unit and range by their type (`meshes.ranges`),
+description and example by `about` and `usual`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import field
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+#: Frozen defaults by names of record and field.
+FROZEN: dict[str, dict[str, object]] = {}
+_NONE: Any = object()
+
+
+def about(description: str, example: object = None) -> dict[str, Any]:
+    """Metadata of a field that is a key of scene files: what it is, and an example as a file has it."""
+    return {"description": description} | ({} if example is None else {"examples": [example]})
+
+
+def usual(default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True) -> Any:
+    """A field with a default, which is frozen: it stays as it is on the day the field is added, because keys of stored runs
+    rest on it. A default that is changed later is given as ``now``."""
+    metadata = {"usual": default} | (about(description, example) if description else {})
+    return field(default=default if now is _NONE else now, metadata=metadata, compare=compare)
+
+
+def keyed(record: type[T]) -> type[T]:
+    """Mark a frozen dataclass of which keys are made. Raises TypeError for a field whose default is not `usual`."""
+    frozen: dict[str, object] = {}
+    for each in dataclasses.fields(record):  # type: ignore[arg-type]
+        if "usual" in each.metadata:
+            frozen[each.name] = each.metadata["usual"]
+        elif each.default is not dataclasses.MISSING or each.default_factory is not dataclasses.MISSING:
+            advice = "write usual(DEFAULT), or a key of stored runs has it in it"
+            raise TypeError(f"{record.__name__}.{each.name}: its default is not frozen: {advice}")
+    FROZEN[record.__name__] = frozen
+    record.__pydantic_config__ = {"extra": "forbid"}  # type: ignore[attr-defined]
+    return record

@@ -1,0 +1,231 @@
+"""Quantities of scene files: ranges with units and advice, as pydantic reads them, the JSON Schema shows them, and a scene
+that is written has them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Any, get_args
+
+from rollbench.meshes import units
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core import PydanticCustomError
+
+_OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
+#: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.
+RATES = {
+    "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
+    "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Range of a quantity, ends as in a scene (``above``, ``below``: without that end), and an example."""
+
+    dimension: str
+    low: str | float
+    high: str | float
+    example: str | float
+    above: bool = False
+    below: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """The range as text: ``0.01 mm to 1 m``, ``above 0 deg, below 90 deg``."""
+        if not (self.above or self.below):
+            return f"{self.low} to {self.high}"
+        low = f"{'above' if self.above else 'from'} {self.low}"
+        return f"{low}, {'below' if self.below else 'up to'} {self.high}"
+
+    @property
+    def unit(self) -> str:
+        """SI unit of its values."""
+        return units.DIMENSIONS[self.dimension][0]
+
+    def read(self, value: object) -> float:
+        """SI value of ``value``; raises pydantic's error carrying ``allowed`` and ``advice``."""
+        number, low, high = (self._number(v) for v in (value, self.low, self.high))
+        too_low = number <= low if self.above else number < low
+        if not too_low and (number < high if self.below else number <= high):
+            return number
+        advice = f"the value is too {'small' if too_low else 'large'}; a usual one is {units.show(self.example)}"
+        raise self._refused(self.allowed, advice)
+
+    def _number(self, value: object) -> float:
+        """SI value in range or not; raises pydantic's error."""
+        try:
+            return units.parse(value, self.dimension)
+        except units.UnitError as error:
+            allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
+            raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
+
+    def written(self, value: float, added: float = 0.0) -> str | float:
+        """A value as a file has it, in the unit of the example: the shortest text that is read as exactly this value.
+
+        added: what the value that is read is added to, where only the sum counts.
+        """
+        if self.dimension == "number":
+            return value
+        _, unit = units.number_and_unit(str(self.example)) or ("", "")
+        number = value / self._number(f"1 {unit}")
+        if unit.startswith("k") and abs(number) < 1.0:
+            unit, number = unit[1:], 1e3 * number
+        for digits in range(1, 18):
+            text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
+            if added + self._number(text) == added + value:
+                return text
+        text = f"{Decimal(repr(value)) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
+        return text if self._number(text) == value else f"{value!r} {self.unit}"
+
+    @staticmethod
+    def _refused(allowed: str, advice: str) -> PydanticCustomError:
+        from pydantic_core import PydanticCustomError
+
+        return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
+        """Validate with ``read``."""
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """A number, or text with a unit."""
+        kind = "number" if self.dimension == "number" else "string"
+        schema: dict[str, Any] = {"type": kind, "examples": [self.example]}
+        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed}
+        if kind == "number":
+            low = "exclusiveMinimum" if self.above else "minimum"
+            high = "exclusiveMaximum" if self.below else "maximum"
+            return schema | {low: self.low, high: self.high}
+        return schema | {"x-unit": self.unit, "pattern": r"^\s*[+-]?[0-9.].*\S$"}
+
+
+@dataclass(frozen=True)
+class ShareOfRating:
+    """Part of the basic dynamic load rating C as computed [-]."""
+
+    share: float
+
+
+@dataclass(frozen=True)
+class ForceOrShare(Quantity):
+    """Range of a force, or of per cents of the dynamic load rating C: ``5 % of C``."""
+
+    most: float = 50.0
+
+    def read(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
+        """SI value, or the part of C; raises pydantic's error carrying ``allowed`` and ``advice``."""
+        match = _OF_C.fullmatch(value) if isinstance(value, str) else None
+        if match is None:
+            return super().read(value)
+        percent = float(match[1])
+        if not 0.0 < percent <= self.most:
+            advice = "makers preload with 3 to 8 % of C, and seldom with more than 10 %"
+            raise self._refused(f"above 0, up to {self.most:g} % of C", advice)
+        return ShareOfRating(percent / 100.0)
+
+    @property
+    def allowed(self) -> str:
+        """The range as text."""
+        return f'{super().allowed}, or e.g. "5 % of C"'
+
+
+@dataclass(frozen=True)
+class Rate(Quantity):
+    """Range of a speed, an angular speed or a time."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit of its values."""
+        return next(iter(RATES[self.dimension]))
+
+    def _number(self, value: object) -> float:
+        rates = RATES[self.dimension]
+        parts = units.number_and_unit(value) if isinstance(value, str) else None
+        unit = units.tidy(parts[1]) if parts else ""
+        if parts is None or unit not in rates:
+            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
+            article = "an" if self.dimension[0] == "a" else "a"
+            raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
+        return float(parts[0]) * rates[unit]
+
+
+@dataclass(frozen=True)
+class Whole:
+    """Range of a whole number."""
+
+    low: int
+    high: int
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
+        """Validate a number that is whole as it stands."""
+        from pydantic_core import core_schema
+
+        return core_schema.int_schema(strict=True, ge=self.low, le=self.high)
+
+
+@dataclass(frozen=True)
+class Several:
+    """How many entries a list of a file has that is read as a tuple."""
+
+    low: int
+    high: int
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> Any:
+        """Validate a list; its entries are a tuple."""
+        from pydantic_core import core_schema
+
+        items = handler.generate_schema(get_args(source)[0])
+        return core_schema.tuple_variable_schema(items, min_length=self.low or None, max_length=self.high, strict=False)
+
+
+def quantity_of(of: Any) -> Quantity:
+    """The quantity of a type such as `Size`."""
+    found: Quantity = get_args(of)[1]
+    return found
+
+
+#: Most balls of a scene.
+MAX_BALLS = 100_000
+
+Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
+Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
+Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
+Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
+Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
+Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
+Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
+Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
+Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
+Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
+ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
+Modulus = Annotated[float, Quantity("pressure", "1 MPa", "5000 GPa", "210 GPa")]
+Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
+Conformity = Annotated[float, Quantity("number", 0.5, 5, 0.52, above=True)]
+Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
+Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
+Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
+Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+#: A force and a moment by x, y, z.
+Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
+Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
+Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
+Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
+Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
+Filling = Annotated[float, Quantity("number", 0, 1, 0.8, above=True)]
+Travel = Annotated[float, Quantity("angle", "0.001 deg", "1000000 deg", "360 deg")]
+Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
+StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
+Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
+Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
+Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
+#: Young's moduli [Pa] of solids that parts of machines are made of.
+SOLIDS = (1e9, 1e12)

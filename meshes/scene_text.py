@@ -1,0 +1,350 @@
+"""Scenes as text of a scene file: units as its keys have them, tables in the schema's order, what is usual left out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
+from functools import cache
+from math import cos, pi, sin
+from typing import Any, get_args, get_type_hints
+
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet, Stiffness
+from rollbench.meshes.helix import spread_over_turns
+from rollbench.meshes.one_arc import distance_of_centres, rest_angle
+from rollbench.meshes.parts import SIDES, Errors, Friction, Material, Nut, Scene, Screw, Support
+from rollbench.meshes.ranges import (
+    SOLIDS,
+    Clearance,
+    Conformity,
+    Deviation,
+    Duration,
+    Force,
+    Quantity,
+    Shift,
+    Size,
+    Spring,
+    Turn,
+    Turning,
+    Twist,
+    quantity_of,
+)
+
+#: Longest table that stands on the line of its key.
+LINE = 100
+#: Thermal expansion of steel [1/K], by which a strain is written as a warming.
+STEEL = 11.5e-6
+Table = dict[str, Any]
+
+
+def to_toml(tables: Mapping[str, Any]) -> str:
+    """Text of a file with these keys and tables; a small table stands on the line of its key."""
+    return "\n".join(_lines(tables, "")).strip() + "\n"
+
+
+def scene_tables(scene: Scene) -> Table:
+    """Keys and tables of a whole screw or bearing."""
+    offset = scene.errors.lead_offset
+    return given(
+        **_head(scene, scene.screw.material),
+        role=scene.role,
+        members=scene.members if scene.members > 1 else None,
+        track=_track(scene),
+        screw=_body(scene, scene.screw, scene.screw.material),
+        nut=_nut(scene, scene.screw.material),
+        balls=_balls(scene, scene.screw.material),
+        errors=_errors(scene.errors),
+        supports=[*map(_support, scene.supports)],
+        loads=[*map(table_of, scene.loads)],
+        cases=[],
+        ingredients=table_of(scene.ingredients),
+        solid=table_of(scene.solid, "nut_held"),
+        friction=_friction(scene.friction),
+        motion=scene.motion and table_of(scene.motion),
+        circulation=scene.circulation and (table_of(scene.circulation) or {"circuits": 1}),
+        time=scene.time and table_of(scene.time),
+        preload={"lead_offset": text_of(Deviation, offset)} if offset else {},
+        gate=table_of(scene.gate),
+    )
+
+
+def axis_tables(axis: Assembly) -> Table:
+    """Keys and tables of a shaft with its rolling sets."""
+    shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
+    shaft = table_of(axis.screw, "material", "groove_radius") | _material(axis.screw.material, shared)
+    if axis.screw.groove_radius:
+        shaft["groove_radius"] = text_of(Size, axis.screw.groove_radius)
+    at, strain = axis.stiffness_at, axis.thermal_strain
+    expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
+    ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": text_of(Size, at)}
+    joints = [
+        {"between": [j.first, j.second], "at": text_of(Size, j.at), **(_stiffness(j.stiffness) or {"springs": {}})}
+        for j in axis.joints
+    ]
+    return given(
+        **_head(axis, shared, kind="axis"),
+        screw=shaft | given(plain=[*map(table_of, axis.segments)]),
+        sets=[_set(axis, one, shared) for one in axis.sets],
+        housings=[
+            given(name=h.name, **_support(Support(h.at, h.fixed)), **_stiffness(h.stiffness), **_acting(h.force, h.moment))
+            for h in axis.housings
+        ],
+        joints=joints,
+        supports=[*map(_support, axis.supports)],
+        loads=[*map(table_of, axis.loads)],
+        cases=[],
+        stiffness=ask,
+        heat={"warming": f"{strain / expansion:.12g} K", "expansion": expansion} if strain else {},
+        ingredients=table_of(axis.ingredients, "screw", "element_length", "arm"),
+        friction=_friction(axis.friction),
+        motion=axis.motion and table_of(axis.motion),
+    )
+
+
+def case_table(
+    share: float, time: float | None, speed: float | None, parts: Scene | Assembly, case: Scene | Assembly
+) -> Table:
+    """What a load case has otherwise than the parts; its share of the revolutions, or its time [s], and speed [rad/s]."""
+    supports = [_displaced(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
+    table = {"share": share} if time is None else {"time": text_of(Duration, time)}
+    table |= {} if speed is None else {"speed": text_of(Turning, speed)}
+    table |= {} if case.loads == parts.loads else {"loads": [*map(table_of, case.loads)]}
+    before, after = _oversizes(parts), _oversizes(case)
+    table |= {} if before == after else {"oversize": text_of(Deviation, after[0])}
+    if isinstance(parts, Assembly) and isinstance(case, Assembly):
+        each = zip(parts.housings, case.housings, strict=True)
+        table |= given(housings=[{"name": b.name} | _acting(b.force, b.moment) for a, b in each if a != b])
+    return table | given(supports=[x for x in supports if x])
+
+
+def _oversizes(parts: Scene | Assembly) -> list[float]:
+    scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
+    return [scene.errors.balls.oversize for scene in scenes]
+
+
+def _displaced(before: Support, after: Support) -> Table:
+    """What a load case says of a support that it displaces otherwise."""
+    moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
+    return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
+
+
+# --- tables
+
+
+def _head(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
+    head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
+    return head | {"material": _material(material, None)["material"]}
+
+
+def _material(material: Material, shared: Material | None) -> Table:
+    """The material of a part where it is not the one that parts share."""
+    if material == shared:
+        return {}
+    unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
+    return {"material": ({"unusual": True} if unusual else {}) | table_of(material)}
+
+
+def _track(scene: Scene, *, by_thrust: bool = False) -> Table:
+    """The path; of one arc a groove, which a thrust does not say, with the clearance at which the balls rest so."""
+    track = scene.track
+    if track.arcs == "two" or by_thrust:
+        return table_of(track, "arcs")
+    apart, angle = distance_of_centres(scene), track.contact_angle
+    ways = {"radial": 2.0 * apart * (1.0 - cos(angle)), "axial": 2.0 * apart * sin(angle)}
+    found = ways["radial"]
+    for digits in range(2, 18):
+        for way, size in ways.items():
+            found = float(f"{size:.{digits}g}")
+            if rest_angle(apart, **{"radial": None, "axial": None, way: found}) == angle:
+                return table_of(track, "arcs", "contact_angle") | {"clearance": {way: text_of(Clearance, found)}}
+    return table_of(track, "arcs", "contact_angle") | {"clearance": {"radial": text_of(Clearance, ways["radial"])}}
+
+
+def groove_table(radius: float, ball: float) -> Table:
+    """A groove by the shorter text of its radius and of its conformity."""
+    text, conformity = text_of(Size, radius), float(f"{radius / (2.0 * ball):.9g}")
+    shorter = len(str(conformity)) < len(text) - 3 and conformity > 0.5
+    if shorter and conformity * (2.0 * ball) == radius:
+        return {"conformity": text_of(Conformity, conformity)}
+    return {"groove_radius": text}
+
+
+def _body(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
+    table = table_of(part, "groove_radius", "material", "flange")
+    return table | groove_table(part.groove_radius, scene.balls.radius) | _material(part.material, shared)
+
+
+def _nut(scene: Scene, shared: Material) -> Table:
+    nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
+    held = given(at=at)
+    if flange is not None and at in (None, "flange face"):
+        seat = 0.5 * nut.outer_diameter, 0.5 * flange.diameter
+        for name, radius, whole in zip(("inner_diameter", "outer_diameter"), flange.seat, seat, strict=True):
+            held |= {} if radius == whole else {name: text_of(Size, 2.0 * radius)}
+        held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
+    own = {} if flange is None else {"flange": table_of(flange, "seat", "bonded", "bolts")}
+    return _body(scene, nut, shared) | own | given(held=held)
+
+
+def _balls(scene: Scene, shared: Material) -> Table:
+    """Balls by count and turns where they are spread evenly over the turns of each circuit, else by their azimuths."""
+    balls, track = scene.balls, scene.track
+    at, apart = balls.azimuths, [b - a for a, b in zip(balls.azimuths, balls.azimuths[1:], strict=False)]
+    each = next((i for i, x in enumerate(apart, 1) if abs(x - apart[0]) > 1e-6 * abs(apart[0])), len(at))
+    turns = 1.0 if each == 1 else float(f"{each * apart[0] / (2.0 * pi):.9g}")
+    circuits = len(at) // each
+    gap = float(f"{(at[each] - at[0]) / (2.0 * pi) - turns:.9g}") if circuits > 1 else 0.0
+    table = {"radius": text_of(Size, balls.radius)}
+    if at == spread_over_turns(each, turns, track.phase, circuits, gap):
+        table |= {"count": len(at) * track.starts, "turns": turns}
+        table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
+    else:
+        table |= {"azimuths": table_of(balls, "radius", "material")["azimuths"]}
+    return table | _material(balls.material, shared)
+
+
+def _errors(errors: Errors, *, seed: bool = False) -> Table:
+    """Errors; seed: also where it is zero."""
+    listed = {str(number): text_of(Deviation, error) for number, error in errors.balls.listed}
+    balls = table_of(errors.balls, "listed") | given(listed=listed)
+    sides = {side: table_of(errors.side(side)) for side in SIDES}
+    return ({"seed": errors.seed} if seed or errors.seed else {}) | given(balls=balls, **sides)
+
+
+def _support(support: Support) -> Table:
+    fix = [name for name, value in support.fixed if value == 0.0]
+    moved = {name: text_of(Shift if name[0] == "u" else Turn, value) for name, value in support.fixed if value != 0.0}
+    return given(at=text_of(Size, support.at), fix=fix, displace=moved)
+
+
+def _friction(friction: Friction | None) -> Table:
+    if friction is None:
+        return {}
+    table = table_of(friction, "assumed") | given(assumed=[*friction.assumed])
+    if friction.screw == friction.nut:
+        return {"coefficient": friction.screw} | {k: v for k, v in table.items() if k not in ("screw", "nut")}
+    return table
+
+
+def _set(axis: Assembly, one: RollingSet, shared: Material) -> Table:
+    """One set; its inner groove, where that is not the shaft's."""
+    parts, rollers = one.parts, isinstance(one.parts, RollerRow)
+    bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
+    table = given(
+        name=one.name,
+        kind=one.kind,
+        housing=one.housing,
+        carrier=one.carrier,
+        thrust=one.thrust if bearing or one.thrust != "both" else "",
+        offset=text_of(Deviation, one.offset) if one.offset else "",
+        preload=text_of(Force, one.preload) if one.preload else "",
+        position=text_of(Size, one.position) if rollers else "",
+    )
+    if isinstance(parts, RollerRow):
+        row = table_of(parts, "material", "phase", "depth", "crown") | {"ring_depth": text_of(Size, parts.depth)}
+        return table | {"rollers": row | ({} if parts.crown == float("inf") else {"crown": text_of(Size, parts.crown)})}
+    inner = {}
+    if parts.screw != axis.screw:
+        inner = groove_table(parts.screw.groove_radius, parts.balls.radius) | _material(
+            parts.screw.material, axis.screw.material
+        )
+        if parts.screw.outer_diameter != axis.screw.outer_diameter:
+            inner["outer_diameter"] = text_of(Size, parts.screw.outer_diameter)
+    return table | given(
+        track=_track(parts, by_thrust=True),
+        screw=inner,
+        nut=_nut(parts, shared),
+        balls=_balls(parts, shared),
+        errors=_errors(parts.errors, seed=True),
+    )
+
+
+def _acting(force: Sequence[float], moment: Sequence[float]) -> Table:
+    from rollbench.meshes.parts import Load
+
+    return {name: text for name, text in table_of(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
+
+
+def _stiffness(matrix: Stiffness | None) -> Table:
+    if matrix is None:
+        return {}
+    if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
+        return {"matrix": [[*row] for row in matrix]}
+    names = ("ux", "uy", "uz", "rx", "ry", "rz")
+    springs = {n: text_of(Spring if n[0] == "u" else Twist, matrix[i][i]) for i, n in enumerate(names) if matrix[i][i]}
+    return {"springs": springs or {"ux": "0 N/m"}}
+
+
+# --- values of fields, by their types
+
+
+def given(**table: Any) -> Table:
+    """What is neither None nor empty."""
+    return {name: value for name, value in table.items() if value not in (None, "", [], {})}
+
+
+def text_of(of: Any, value: float) -> str | float:
+    """A value as text of a quantity such as `ranges.Size`."""
+    return quantity_of(of).written(value)
+
+
+@cache
+def _quantities(record: type) -> dict[str, Quantity]:
+    """Quantities of the fields of a record that have one."""
+    hints = get_type_hints(record, include_extras=True)
+    return {name: found[0] for name, hint in hints.items() if (found := [*_inside(hint)])}
+
+
+def _inside(hint: Any) -> Iterator[Quantity]:
+    if isinstance(hint, Quantity):
+        yield hint
+    for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
+        yield from _inside(part)
+
+
+def table_of(record: Any, *left_out: str) -> Table:
+    """Fields of a record as keys, but those that are as usual."""
+    quantities = _quantities(type(record))
+    out = {}
+    for each in fields(record):
+        value = getattr(record, each.name)
+        if each.name not in left_out and repr(value) != repr(each.default):  # -0 is not 0
+            out[each.name] = _value(value, quantities.get(each.name))
+    return out
+
+
+def _value(value: Any, quantity: Quantity | None) -> Any:
+    if isinstance(value, tuple):
+        return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value(x, quantity) for x in value]
+    return quantity.written(value) if quantity is not None and isinstance(value, float) else value
+
+
+# --- text
+
+
+def _lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
+    """Lines of a table: its plain keys, then the tables in it."""
+    inner = {}
+    for name, value in table.items():
+        tables = isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict))
+        if tables and (not path or len(_shown(value)) > LINE):
+            inner[name] = value
+        else:
+            yield f"{name} = {_shown(value, wrapped=True)}"
+    for name, value in inner.items():
+        for one in [value] if isinstance(value, dict) else value:
+            yield from ("", f"[{path}{name}]" if isinstance(value, dict) else f"[[{path}{name}]]")
+            yield from _lines(one, f"{path}{name}.")
+
+
+def _shown(value: Any, *, wrapped: bool = False) -> str:
+    """A value in TOML; wrapped: a long list has a line for each entry."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name} = {_shown(x)}" for name, x in value.items()) + " }"
+    if isinstance(value, list):
+        entries = [_shown(x) for x in value]
+        short = f"[{', '.join(entries)}]"
+        return short if len(short) <= LINE or not wrapped else "[\n" + "".join(f"  {x},\n" for x in entries) + "]"
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return str(int(value))
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,53 @@
+"""A case that another publication would add: what is printed, how it is computed, its page."""
+
+FILES = {
+    "__init__.py": "",
+    "printed/acme-1.toml": """
+title = "Contact modulus of steel on steel, balls of a screw"
+source = "Acme (1901)"
+place = "Table 1"
+[[row]]
+key = "modulus"
+label = "contact modulus"
+printed = "113.9"
+unit = "GPa"
+class = "hard"
+verdict = "reproduced"
+[[row]]
+key = "balls"
+label = "balls"
+printed = "2"
+unit = ""
+class = "hard"
+verdict = "reproduced"
+""",
+    "computations.toml": """
+["acme-1"]
+function = "evidence:table_1"
+test = "tests/sources/acme/literature/test_acme.py"
+behind = { "modulus" = "one contact, in closed form", "balls" = ["acme-two-balls"] }
+""",
+    "evidence.py": '''
+from rollbench.lowfi.hertz import contact_modulus
+def table_1(sheet, study):
+    """Table 1."""
+    sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
+    balls = len(study.solve("acme-two-balls").load)
+    sheet.number("balls", float(balls))
+''',
+    "page.py": '''
+from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.sections.finding_table import printed_table
+from rollbench.reports.content import Section
+def section(study, step):
+    """Section of the report."""
+    return Section("acme", "Acme (1901)", (printed_table("acme-1", "Table 1", evidence(study, "acme-1")),))
+''',
+}
+
+
+def write(folder, scene):
+    """The package in a folder, with the text of its scene."""
+    for name, text in (FILES | {"scenes/acme-two-balls.toml": scene}).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")

@@ -1,0 +1,117 @@
+"""Run time of the force formulation with the beam's compliance against the solvers of beam and axis, compiled, in one run.
+
+`python -m tests.benchmarks.one_statics` prints processor seconds of both, their ratio, and the largest difference of a
+load over the largest load: one solve of 32 and of 240 balls, an axis of six sets, and 1,000 members of an ensemble. It
+prints the differences on all shipped scenes too.
+"""
+
+import sys
+from dataclasses import replace
+from time import process_time
+
+import numpy as np
+from tests.axes import TURNING, assembly, bearing, nut
+
+from rollbench.compare.scenes.catalogue import shipped, whole_names
+from rollbench.compare.studies.members.ensemble import run_ensemble
+from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.jit import STATICS, kernels
+from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.elastic import ElasticMembers, solve_elastic
+from rollbench.lowfi.statics.response import forget
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.axis import Housing
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.threads import one_thread
+
+#: The force formulation with what the source's model takes for elastic: the shaft as a beam.
+BEAM = LADDER["lin"]
+#: Members of the ensemble; times are the least of so many runs, in turns.
+MEMBERS, RUNS = 1000, 9
+
+
+def six_sets():
+    """Shaft between two preloaded pairs of bearings, with two preloaded nuts in a carriage that slides along it."""
+    places = (("left +", 0.02), ("left -", 0.035), ("right +", 0.265), ("right -", 0.28))
+    pairs = (bearing(name, z, f"{name[-1]}z", offset=4e-6 if name[-1] == "-" else -4e-6) for name, z in places)
+    nuts = (nut(f"nut {z}", z, housing="carriage", offset=x) for z, x in ((0.13, -3e-6), (0.17, 3e-6)))
+    fixed = tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))
+    carriage = Housing("carriage", 0.15, fixed, None, (0.0, 0.0, 600.0))
+    return assembly(*pairs, *nuts, housings=(carriage,), supports=(TURNING,))
+
+
+def by_rows(scene):
+    """Loads (N, 4) [N] by the solvers on motions."""
+    if isinstance(scene, Scene):
+        return solve_static(scene, engine="compiled").load
+    return loads_of(solve_assembly(scene, engine="compiled"))
+
+
+def by_forces(scene):
+    """Loads (N, 4) [N] by the force formulation."""
+    if isinstance(scene, Scene):
+        return solve_elastic(scene, backend=BEAM, engine="compiled").load
+    return loads_of(solve_refined(scene, backend=BEAM, engine="compiled"))
+
+
+def loads_of(result):
+    """Loads (N, 4) [N] of the balls of all sets."""
+    return np.concatenate([b.load for b in result.of_balls()])
+
+
+def members_by_rows(scene):
+    """Loads (M, N, 4) [N]."""
+    return run_ensemble(scene, MEMBERS).loads
+
+
+def members_by_forces(scene):
+    """Loads (M, N, 4) [N]."""
+    return ElasticMembers(scene, BEAM, kernels(STATICS, compiled=True)).solve(0, MEMBERS)[0]
+
+
+def least(functions, scene, runs):
+    """Least processor seconds of each function, in turns, and what it found."""
+    times, found = [float("inf")] * len(functions), [f(scene) for f in functions]
+    for _ in range(runs):
+        for k, f in enumerate(functions):
+            forget()
+            begin = process_time()
+            f(scene)
+            times[k] = min(times[k], process_time() - begin)
+    return times, found
+
+
+def apart(a, b):
+    """Largest difference over the largest of both."""
+    return float(np.abs(a - b).max() / max(np.abs(a).max(), np.abs(b).max(), 1e-300)) if a.size else 0.0
+
+
+def line(name, functions, scene, runs=RUNS):
+    """Print one case."""
+    times, found = least(functions, scene, runs)
+    print(
+        f"{name:34} {1e3 * times[0]:10.2f} {1e3 * times[1]:10.2f} {times[1] / times[0]:7.2f} {apart(*found):10.1e}",
+        flush=True,
+    )
+
+
+def main():
+    """Print the table and the differences."""
+    one, members = (by_rows, by_forces), (members_by_rows, members_by_forces)
+    print(f"{'compiled, CPU':34} {'rows ms':>10} {'forces ms':>10} {'ratio':>7} {'apart':>10}")
+    line("32 balls, two sides", one, shipped("lin-case1"))
+    tight, oversize = shipped("lin-case1"), replace(shipped("lin-case1").errors.balls, oversize=3e-6)
+    line("32 balls, four sides", one, replace(tight, errors=replace(tight.errors, balls=oversize)))
+    line("240 balls", one, shipped("external-thk-bnf-3205-7p5"))
+    line("six sets", one, six_sets())
+    line("1,000 members", members, shipped("lin-random"), 3)
+    if "--scenes" in sys.argv:
+        for name in whole_names():
+            scene = shipped(name)
+            print(f"{name:34} {apart(by_rows(scene), by_forces(scene)):10.1e}")
+
+
+if __name__ == "__main__":
+    one_thread()
+    main()

@@ -1,0 +1,61 @@
+"""What a comparison is uncertain by: parts, their words, and whose choices speak for a scene."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.study import Study
+from rollbench.compare.models.uncertainty import (
+    QUANTITIES,
+    Choices,
+    input_parts,
+    input_uncertainty,
+    read,
+    save,
+    second_order,
+    spoken_for,
+    total,
+)
+from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.meshes.parts import Material
+
+pytestmark = pytest.mark.xdist_group("u_val")
+
+STUDY = Study()
+KNOWN = {"lin-case1": Choices("lin-case1", 1.5, "lands", 1.2), "lin-case3": Choices("lin-case3", 2.5, "held face", 2.4)}
+
+
+def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
+    scene = STUDY.scene("lin-case2")
+    mine = replace(scene, name="mine")
+    assert spoken_for(scene, KNOWN) == KNOWN["lin-case1"]
+    assert spoken_for(mine, KNOWN) == KNOWN["lin-case3"]
+    assert spoken_for(mine, {}) is None
+    soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
+    assert spoken_for(soft, KNOWN) is None
+    save(tmp_path, KNOWN)
+    assert read(tmp_path) == KNOWN
+
+
+def test_the_total_of_a_preloaded_scene() -> None:
+    scene, found = STUDY.scene("lin-case3"), STUDY.reference("lin-case3")
+    whole = total(scene, found)
+    assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
+    assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
+    parts = input_parts(STUDY, scene, QUANTITIES[0])
+    assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0])[0].max()))
+    assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
+    assert 0.0 < whole.percent < 15.0
+
+
+def test_large_displacements_take_more_of_a_heavier_contact() -> None:
+    """By the larger semi-axis, so that a load that is eight times as large loses sixteen times as much, its mean eight."""
+    scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
+    worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
+    mean = found.load[found.load > 0.0].mean()
+    assert second_order(scene, found) == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
+    eight = replace(found, load=8.0 * found.load)
+    assert second_order(scene, eight) == pytest.approx(2.0 * second_order(scene, found), rel=1e-6)
+    assert second_order(scene, replace(found, load=0.0 * found.load)) == 0.0
