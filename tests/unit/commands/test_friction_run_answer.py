@@ -46,24 +46,6 @@ def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
     json.dumps(answer.data, allow_nan=False)
 
 
-def test_figure_3_24_can_be_drawn_from_the_histories(answer):
-    """Distances of neighbours over the angle, and dots where they touch; sums close the track."""
-    run = answer.data["run"]
-    balls, circuit = run["balls"], run["circuits"][0]
-    indices = [1, 2, 3, 4, 5, 6, None, None]
-    assert [(b["place"], b["next"], b["index"]) for b in balls] == [(k, (k + 1) % 8, indices[k]) for k in range(8)]
-    spacing, force = (np.array([b[k] for b in balls]) for k in ("spacing_deg", "force_on_next_N"))
-    assert spacing.sum(axis=0) == pytest.approx(np.full(len(spacing[0]), circuit["length_deg"]), abs=1e-9)
-    touch = force > 0.0
-    assert touch.any()
-    assert not touch.all()
-    assert np.ptp(spacing[touch]) < 0.05, "touching balls are their sizes apart"
-    place = np.array([b["azimuth_deg"] for b in balls])
-    assert np.all(np.diff(place, axis=1) > 0.0)
-    loads, loaded = (np.array([b[k] for b in balls]) for k in ("load_N", "loaded"))
-    assert np.all(loads[~loaded] == 0.0)
-
-
 def test_error_of_the_steps_stands_in_every_result(answer):
     error = answer.data["run"]["step_error"]
     assert error["steps"] == [5, 10, 20]

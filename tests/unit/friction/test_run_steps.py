@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, observed, solve_steps, step_error
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, solve_steps, step_error
 
 
 @dataclass
@@ -56,49 +56,6 @@ def test_jumps_are_bounded_by_the_estimate(at, most):
     exact = jump(2**14, at).reshape(most, -1).mean(axis=1)
     error = float(np.mean(np.abs(levels[-1] - exact)) / levels[-1].mean())
     assert 0.5 * error <= error_of(levels).torque <= UNCLEAR * 4.0 / most
-
-
-@pytest.mark.parametrize(
-    ("changes", "clear"),
-    [
-        ((4.0, 1.0), True),
-        ((1.0, 0.9), True),
-        ((1.0, 1.0), False),
-        ((0.5, 1.0), False),
-        ((4.0, -1.0), False),
-        ((-0.001, 1.0), False),
-    ],
-)
-def test_an_order_is_believed_where_changes_fall_and_keep_their_sign(changes, clear):
-    """A quantity of order p >= 0.14 has its extrapolated error; otherwise it is ten times the largest change."""
-    found = observed(*changes)
-    assert found.unclear is not clear
-    if clear:
-        left = changes[1] / (changes[0] / changes[1] - 1.0)  # what a geometric series has left
-        assert left <= found.error <= 1.25 * max(left, changes[1] / 0.1)
-    else:
-        assert found.error == UNCLEAR * max(abs(changes[0]), abs(changes[1]), abs(sum(changes)))
-
-
-def test_a_negative_order_is_never_small():
-    """Values of the source's screw at 50, 100 and 200 equal steps: hardly any change, then a large one."""
-    torque = [np.linspace(1.0, 1.0 + peak, n) for n, peak in ((50, 0.18267), (100, 0.18235), (200, 0.18832))]
-    found = error_of(torque)
-    assert "largest" in found.unclear
-    assert not found.small(0.01)
-    assert found.quantities["largest"].error > 0.2062 - 0.1883, "what finer steps give"
-
-
-def test_fewer_than_three_levels_tell_no_error():
-    assert error_of([smooth(64), smooth(128)]) is None
-    assert solve_steps(lambda n: Fake(smooth(n)), 3, 8, 0.01)[1] is None
-
-
-def test_a_torque_of_zero_and_one_without_change_have_no_error():
-    assert error_of([np.zeros(4), np.zeros(8), np.zeros(16)]).torque == 0.0
-    same = error_of([np.ones(4), np.ones(8), np.ones(16)])
-    assert same.largest == 0.0
-    assert same.unclear == ()
 
 
 def test_steps_are_doubled_until_the_errors_are_small():

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
-from rollbench.lowfi.friction.as_source import run as source_run
-from rollbench.lowfi.friction.as_source.chain import solve_by_root
 from rollbench.lowfi.friction.as_source.loads import Places, first_place, loads_by_root
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
-from rollbench.lowfi.friction.as_source.screw import screw_balls, screw_pair_by_root, state_of
+from rollbench.lowfi.friction.as_source.screw import screw_pair_by_root, state_of
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.pair import solve_pair
@@ -77,15 +75,6 @@ def test_coupled_pair_has_ours_as_a_root(theta):
     assert np.abs(found.force - found.load.force).max() > 1.0
 
 
-def test_reach_decides_on_contact():
-    pair = inferred(TWO)
-    load = loads_by_root(pair.cell())
-    balls = screw_balls(pair.groove, load.force, load.angle)
-    apart = solve_by_root(balls, source_law(pair.groove, 100.0), np.array([False]))
-    assert apart.ball_force[0] == 0.0
-    assert apart.q[0, 0] > apart.q[1, 0]
-
-
 def test_run_is_ours_until_balls_meet_and_near_it_after():
     """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
     run = few_balls(steps=24)
@@ -106,12 +95,3 @@ def test_run_is_ours_until_balls_meet_and_near_it_after():
     np.testing.assert_allclose(found.ball_torque[same], ours.ball_torque[same], rtol=5e-3)
     assert same.size > 2
     assert 0.0 < found.overlap < 0.05 * run.groove.pair.spacing
-
-
-def test_run_refuses_what_it_leaves_out():
-    for change in ({"tube": 0.1}, {"coupling": "ball"}):
-        with pytest.raises(ValueError, match="tube = 0"):
-            simulate_by_root(replace(few_balls(), **change), 1)
-    run = few_balls()
-    with pytest.raises(RuntimeError, match="no place to be cut"):
-        source_run._step(run, np.ones((6, 4)), np.ones((6, 4)), np.ones(6, dtype=bool), source_law(run.groove, 100.0), None)

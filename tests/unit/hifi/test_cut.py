@@ -80,15 +80,6 @@ def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
         assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
 
 
-def test_two_whole_lengths_leave_the_cut_open_and_what_couples_alike_in_all_directions_is_no_cut() -> None:
-    """A shear force that bends and a moment that shears every metre alike about both axes leave the cuts as they were."""
-    assert np.abs((known(RIGHT, (2, 4)) - known(RIGHT)) / SIZE).max() > 1e-8
-    alike = np.zeros((6, 6))
-    for i in (0, 1):
-        alike[i, i + 3] = alike[i + 3, i] = 0.3 * RIGHT.R / SECTION.EI
-    np.testing.assert_allclose(known(RIGHT, beam=alike) / SIZE, known(RIGHT) / SIZE, rtol=0, atol=1e-11)
-
-
 def stretch(m, low, high):
     """The swaying shaft as the 3D stretch of a screw; every contact has the six motions of its section as modes."""
     places = [0.37, 0.4, 0.42, high, 0.4]
@@ -111,17 +102,6 @@ def test_a_longer_stretch_answers_like_the_shorter_one_between_beams(hand, ends)
 
     for one, other, left in zip(answers(0.35, 0.45), answers(*ends), (1e-9, 1e-8), strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=left * np.abs(one).max())
-
-
-@pytest.mark.parametrize("stations", [(0.35,), (0.35, 0.45), (0.4,)])
-def test_ends_without_a_beam_beyond_stay(stations):
-    full = stretch(RIGHT, 0.35, 0.45)
-    least = 1e-9 * np.abs(full.F).max()
-    np.testing.assert_allclose(without_cuts(full, cut_end(), RIGHT, stations).F, full.F, rtol=0, atol=least)
-    upper = without_cuts(full, cut_end(), RIGHT, (*stations, 0.5)).F - full.F
-    np.testing.assert_allclose(upper[18:24, 18:24], -at_high(cut_end(), RIGHT, 0.45), rtol=0, atol=least)
-    upper[18:24, 18:24] = 0.0
-    assert np.abs(upper).max() < least
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,6 @@ from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places
 
 from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, of_order
 from rollbench.hifi.bodies.patch import build_tet_patch, condense_patch, field, tie_matrix
-from rollbench.hifi.elements import assembly
-from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import points_of
@@ -153,23 +151,3 @@ def test_map_that_turns_cells_inside_out_is_refused():
 
     with pytest.raises(ValueError, match="inside out"):
         build_tet_patch(tets(0.16e-3), folded, socket())
-
-
-@pytest.mark.parametrize("kind", ["P1", "P2"])
-def test_assembled_body(kind):
-    """Of its own cells or of the split ones, with the patch turned into its socket."""
-    whole, nodes, _ = holed_cube()
-    body = of_order(whole, kind)
-    _, c = in_the_cube()
-    R = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    bare = assembly.assemble(elasticity(1.0, NU), body).toarray()
-    dof, turn = freedoms(nodes), np.kron(np.eye(len(nodes)), R)
-    bare[np.ix_(dof, dof)] += turn @ c.S @ turn.T
-    assert len(bare) == whole.doflocs.size
-    found = assemble(body, [Socket(nodes, R, 0)], {0: c}, 1.0, NU).toarray()
-    assert relative(found, bare) < 1e-14
-
-
-def test_body_of_other_elements_is_refused():
-    with pytest.raises(ValueError, match="'Q1' elements"):
-        of_order(holed_cube()[0], "Q1")

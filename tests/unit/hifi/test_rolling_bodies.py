@@ -12,7 +12,7 @@ from rollbench.hifi.rolling import bodies, static_patches, verification
 from rollbench.hifi.rolling.answers import free_answer, half_space_answer, tractions
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
 from rollbench.hifi.rolling.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
-from rollbench.hifi.rolling.patch import grid, hertz_patch, influence, seen_radii
+from rollbench.hifi.rolling.patch import grid, influence
 from rollbench.hifi.rolling.regular import Regular, monomials
 from rollbench.hifi.rolling.scenes import along_radius
 from rollbench.hifi.rolling.static_patches import Curve
@@ -36,11 +36,6 @@ def coarse_pieces():
         for name, value in (("CUTS", (3, 3, 3)), ("GROOVE_SIZES", (0.35, 1.8)), ("BALL_SIZES", (0.2, 0.4))):
             patch.setattr(static_patches, name, value)
         yield
-
-
-@cache
-def kernel():
-    return bodies.contact_kernel(bodies.Place(R, RADII, 0.25 * np.pi, None), 100.0, E, NU, COARSE)
 
 
 def half_space_kernel(zone, size, degree):
@@ -182,18 +177,6 @@ def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
         whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
     with pytest.raises(ValueError, match="thicker than its ring"):
         grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
-
-
-def test_pressure_of_finite_bodies_is_that_of_the_half_spaces_they_are_seen_as():
-    seen = seen_radii(100.0, RADII, E, NU, kernel())
-    assert seen != RADII
-    assert seen == pytest.approx(RADII, rel=0.02)
-    one, two = hertz_patch(100.0, RADII, E, NU, (12, 12), kernel()), hertz_patch(100.0, seen, E, NU, (12, 12))
-    assert len(one.at) == len(two.at)
-    assert one.normal == pytest.approx(two.normal, rel=0.01, abs=0.01 * two.normal.max())
-    assert one.approach != pytest.approx(two.approach, rel=1e-3)
-    with pytest.raises(ValueError, match="not similar"):
-        one.scaled(2.0, 8.0)
 
 
 def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():

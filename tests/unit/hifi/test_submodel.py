@@ -12,7 +12,6 @@ from rollbench.hifi.bodies import submodel
 from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, patch_modes
 from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, hat_rows
 from rollbench.hifi.bodies.submodel import Piece, coarse_compliance, fine_compliance
-from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import moved, points_of
 
@@ -100,44 +99,3 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     monkeypatch.setattr(submodel, "isostatic", lambda *_: other)
     for again, before in zip(both(), found, strict=True):
         assert relative(again, before) < 1e-8
-
-
-@pytest.mark.parametrize("cells", [2, 4])
-def test_hats_on_a_carrier_are_exact_for_a_quadratic_field(cells):
-    """Displacements of second order in the local coordinates lie in the carrier's space: their means over the fine hats are
-    the fine patch's own; they are not for fourth order."""
-    fine, normals = patch(8)
-    carrier = patch(cells, zone=1.0)[0]
-
-    def means(field):
-        on_carrier = hat_rows(fine, normals, carrier) @ field(carrier.points).ravel()
-        on_patch = mean_weights(fine.weights) @ (field(fine.points)[fine.contact] * normals).sum(axis=1)
-        np.testing.assert_allclose(hat_rows(fine, normals) @ field(fine.points).ravel(), on_patch, rtol=1e-12)
-        return relative(on_carrier, on_patch)
-
-    slope = np.array([[1.0, 0.5, -0.3, 2.0, 0.7, -1.1], [0.2, -0.4, 0.9, 0.3, 1.3, 0.8], [-0.6, 1.2, 0.1, 0.5, -0.9, 1.0]])
-
-    def quadratic(x):
-        terms = np.column_stack([np.ones(len(x)), x[:, 0], x[:, 1], x[:, 0] ** 2, x[:, 0] * x[:, 1], x[:, 1] ** 2])
-        return terms @ slope.T
-
-    assert means(quadratic) < 1e-12
-    assert means(lambda x: quadratic(x) * (1.0 + x[:, :1] ** 2)) > 1e-7
-
-
-def test_condensed_with_a_carrier():
-    """S is the carrier's, H near the fine patch's; A misses what the carrier's cells cannot follow and is stiffer. A patch
-    that carries itself changes nothing, one without a grid carries none."""
-    fine, normals = patch(8)
-    whole, carried = condense_patch(fine, normals, E, NU), condense_patch(fine, normals, E, NU, patch()[0])
-    assert carried.A.shape == whole.A.shape
-    assert carried.unknowns == whole.unknowns
-    assert relative(carried.S, condensed().S) < 1e-12
-    misses = relative(carried.A, whole.A)
-    assert relative(carried.H.T @ whole.areas, whole.H.T @ whole.areas) < 0.5 * misses
-    assert np.all(np.diag(carried.A) < 0.9 * np.diag(whole.A))
-    np.testing.assert_array_equal(carried.areas, whole.areas)
-    again = condense_patch(fine, normals, E, NU, fine)
-    assert max(relative(getattr(again, x), getattr(whole, x)) for x in "AHS") < 1e-10
-    with pytest.raises(ValueError, match="only a patch of hexahedra has a grid"):
-        hat_rows(fine, normals, replace(patch()[0], contact_shape=None))

@@ -64,24 +64,6 @@ def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     assert 0.0 < np.abs(a - b).max() < 2e-5 * a.max()
 
 
-def test_the_dropped_twist_of_a_hollow_screw_is_that_of_a_tube() -> None:
-    """EA of a ring and GJ of a tube, whose radii count to the second and fourth power."""
-    core, bore = 16.5e-3 - 3.254e-3, 12e-3
-    scene = replace(CASE1, screw=replace(CASE1.screw, bore=bore))
-    flexible = [dict(twisted(s).supports[0].fixed)["rz"] for s in (scene, CASE1)]
-    share = bore / (2.0 * core)
-    assert flexible[0] / flexible[1] == pytest.approx(((1.0 - share**2) * (1.0 - share**4)) ** -0.5, rel=1e-9)
-
-
-def test_the_dropped_twist_in_a_wide_groove_is_that_of_the_bottom_it_leaves() -> None:
-    """A groove of 17 mm radius about a pitch radius of 16.5 mm: its arcs meet 3.46 mm below, where a core is left."""
-    off = (17e-3 - 2.778e-3) * np.sqrt(0.5)
-    core = 16.5e-3 - (np.sqrt(17e-3**2 - off**2) - off)
-    wide = replace(CASE1, screw=replace(CASE1.screw, groove_radius=17e-3))
-    flexibility = 1.0 / np.sqrt(210e9 * np.pi * core**2 * 210e9 / 2.56 * np.pi * core**4 / 2.0)
-    assert dict(twisted(wide).supports[0].fixed)["rz"] == pytest.approx(COUPLING * 5000.0 * 0.4 * flexibility, rel=1e-9)
-
-
 def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     changed = (
         ("land", LANDS, "modelling", 103.0, 100.0),
