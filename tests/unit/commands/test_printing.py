@@ -4,9 +4,6 @@ import pytest
 
 from rollbench.compare.text.printing import Answer, cell, print_answer
 
-#: What writes to standard output itself: the printer, a completion script, the progress of a report.
-WRITERS = {"printing.py", "completion.py", "report.py"}
-
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):
     assert print_answer(Answer(lambda: {"a": 1}, (1 // 0 for _ in (1,)), 3), as_json=True) == 3

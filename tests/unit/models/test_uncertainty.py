@@ -11,7 +11,6 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     Choices,
-    Total,
     input_parts,
     input_uncertainty,
     read,

@@ -12,8 +12,6 @@ from rollbench.compare.scenes.friction_kinds import screw_balls
 from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.template import template
 
-NAMES = catalogue.whole_names()
-
 
 @pytest.mark.parametrize("name", ["lin-case3", "lin-case3-offset"])
 def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_text_s(name):
