@@ -16,7 +16,6 @@ from rollbench.lowfi.statics.axis.solve import RigidSets, solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import helix, section
 from rollbench.meshes.axis import Housing, RollingSet, Segment
-from rollbench.meshes.axis import RollerRow as ThrustRow
 from rollbench.meshes.parts import Load, Support
 
 #: A shaft so thick that only its bearings give way.

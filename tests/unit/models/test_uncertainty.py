@@ -11,6 +11,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     Choices,
+    Total,
     input_parts,
     input_uncertainty,
     read,
