@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, Where, app, engine
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.reference.levels import HALF_SPACE
 from rollbench.compare.system import need_packages
 from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer, ruled
 
@@ -217,7 +216,7 @@ def compare(
 
 
 def runs_of(
-    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = HALF_SPACE
+    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
 ) -> list[RollingRun]:
     """Runs of the levels in order, stored ones where there are; each is stored when it is done.
 
@@ -254,16 +253,11 @@ def known_levels(levels: Sequence[int]) -> list[int]:
 
 
 def run_rolling_compare(
-    names: Sequence[str],
-    levels: tuple[int, ...] | None,
-    store: Path,
-    engine: Engine,
-    *,
-    fresh: bool,
-    bodies: str = HALF_SPACE,
+    names: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
     """Low-order models beside the 3D model of rolling; all its levels unless given."""
     from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.levels import HALF_SPACE
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.kinds import KindScene
     from rollbench.compare.studies.rolling.rows import rows
@@ -319,14 +313,7 @@ def _table(name: str, rows: Sequence[RollingRow]) -> Any:
 
 
 def run_rolling_study(
-    names: Sequence[str],
-    levels: int | None,
-    store: Path,
-    engine: Engine,
-    *,
-    source: bool,
-    fresh: bool,
-    bodies: str = HALF_SPACE,
+    names: Sequence[str], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> Answer:
     """Every quantity on every grid, all of them unless given, as it is and on top of the rigid limit, and its uncertainty
     from them all."""
@@ -384,7 +371,7 @@ def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, b
     where some are and some are not, for an unknown name of bodies, for finite bodies under whole screws, and for such an
     option.
     """
-    from rollbench.compare.reference.levels import FINITE
+    from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.kinds import KindScene
 

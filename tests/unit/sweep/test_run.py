@@ -33,7 +33,7 @@ import os, random, signal, sys, time
 from pathlib import Path
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.sweep import run as sweeping, store
+from rollbench.compare.studies.sweep import run as sweeping, sample
 from rollbench.compare.studies.sweep.keys import read_vary
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
@@ -42,7 +42,7 @@ what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
 def lines():
-    return sum(path.read_bytes().count(b"\\n") for path in (folder / store.RECORDS).glob("*.lines"))
+    return sum(path.read_bytes().count(b"\\n") for path in (folder / sample.RECORDS).glob("*.lines"))
 killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
@@ -56,7 +56,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     killed += 1
-    now = len(list(store.read(folder)))
+    now = len(list(sample.read(folder)))
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
