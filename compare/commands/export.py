@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.system import need_gmsh, need_packages
+from rollbench.compare.running import need_gmsh, need_packages
 from rollbench.compare.text.printing import Answer, print_answer
 
 if TYPE_CHECKING:

@@ -17,17 +17,17 @@ def shipped() -> Answer:
 
 def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
+    from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-    from rollbench.compare.printed import printed_data
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.names import AXIS, KINDS, WHOLE
+    from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
     titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
     return {
         "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
         "models": {model.name: model.about for model in MODELS.values()},
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
-        "printed_tables": {name: len(printed_data.load_table(name)) for name in printed_data.tables()},
+        "printed_tables": {name: len(printed.load_table(name)) for name in printed.tables()},
     }
 
 

@@ -13,7 +13,7 @@ from rollbench.compare.text.printing import Answer, cell
 from rollbench.compare.text.tables import ruled
 
 if TYPE_CHECKING:
-    from rollbench.compare.evidence.record import Evidence
+    from rollbench.compare.evidence import Evidence
     from rollbench.compare.models.study import Study
 
 
@@ -24,8 +24,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     sources: names of cases, all unless given; only: names of printed tables and entries ("table:key"), all of these cases
     unless given. Raises InputError for an unknown one.
     """
+    from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
-    from rollbench.compare.writing import replace_file
 
     rows = chosen(Study(), sources, only)
     if write is not None:
@@ -38,8 +38,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
 def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """What is computed for the printed entries that are asked for, as `run_printed` takes them, in the order of tables."""
     from rollbench.compare.case import every_case
-    from rollbench.compare.evidence.computations import computations, evidence
-    from rollbench.compare.printed.printed_data import load_table
+    from rollbench.compare.evidence import computations, evidence
+    from rollbench.compare.printed import load_table
 
     cases = [case.name for case in every_case() if case.title]
     _known("source", sources, cases)
@@ -52,7 +52,7 @@ def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) 
 
 
 def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
-    from rollbench.compare.reading import alike, question
+    from rollbench.compare.files import alike, question
 
     for word in given:
         if word not in names:
@@ -62,7 +62,7 @@ def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
 
 def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
     """JSON-ready."""
-    from rollbench.compare.evidence.verdicts import counts, left_out, misprints
+    from rollbench.compare.evidence import counts, left_out, misprints
 
     return {
         "counts": counts(rows),
@@ -75,7 +75,7 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 def entry_json(e: Evidence) -> dict[str, Any]:
     """One entry, JSON-ready."""
-    from rollbench.compare.evidence.verdicts import source
+    from rollbench.compare.evidence import source
 
     p = e.printed
     return {
@@ -101,8 +101,8 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     """The same for the terminal; misprints and what is left out as counts."""
     from rich.table import Table
 
-    from rollbench.compare.evidence.verdicts import APART, counts, left_out, misprints, trust
-    from rollbench.compare.printed.printed_data import VERDICTS
+    from rollbench.compare.evidence import APART, counts, left_out, misprints, trust
+    from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
@@ -123,7 +123,7 @@ def traced(table: str = "") -> Answer:
     (``module:function``), test. Raises InputError for an unknown table."""
     from rich.table import Table
 
-    from rollbench.compare.evidence.computations import traces
+    from rollbench.compare.evidence import traces
 
     entries = list(traces(table))
     shown = Table(title="every printed number: scenes, computation, test", title_justify="left")

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.reference.body_names import HALF_SPACE
-from rollbench.compare.system import need_packages
+from rollbench.compare.running import need_packages
 from rollbench.compare.text.printing import Answer, on_terminal
 from rollbench.compare.text.tables import aligned, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import RollingRow
     from rollbench.compare.studies.rolling.runs import RollingRun
 
@@ -68,7 +68,7 @@ def run_rolling_compare(
     """Low-order models beside the 3D model of rolling; all its levels unless given."""
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import rows
     from rollbench.compare.studies.rolling.runs import LEVELS
 
@@ -134,7 +134,7 @@ def run_rolling_study(
     """Every quantity on every grid, all of them unless given, as it is and on top of the rigid limit, and its uncertainty
     from them all."""
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import uncertainty
     from rollbench.compare.studies.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE
 
@@ -189,7 +189,7 @@ def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, b
     """
     from rollbench.compare.reference.body_names import FINITE
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
     kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
     if any(kinds) and not all(kinds):

@@ -9,6 +9,6 @@ from rollbench.compare.text.printing import print_json
 @app.command
 def schema() -> None:
     """Print the JSON Schema of a scene file, of all kinds."""
-    from rollbench.compare.scenes.kind_table import json_schema
+    from rollbench.compare.scenes.friction_kinds.table import json_schema
 
     print_json(json_schema())

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.tasks import Task, set_ups
-from rollbench.compare.system import available_GB
+from rollbench.compare.running import available_GB
 from rollbench.meshes.cache import StageDone
 
 #: Seconds of the contact patches, by level: they do not depend on the number of contacts.

@@ -19,8 +19,7 @@ from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.system import cores
-from rollbench.compare.watch import reader_gone
+from rollbench.compare.running import cores, reader_gone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak
 

@@ -9,7 +9,7 @@ from functools import cache
 
 from rollbench.compare import __version__
 from rollbench.compare.provenance import sources_hash
-from rollbench.compare.system import machine
+from rollbench.compare.running import machine
 
 #: Folders whose sources decide how long a solution takes.
 SOLVERS = ("hifi", "lowfi", "meshes")

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare import data
+from rollbench.compare import files
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.measured import Measured
 from rollbench.compare.reference.sealing import sealed, unsealed
 from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
-from rollbench.compare.writing import replace_file
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -194,7 +194,7 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 def shipped_store() -> Path:
     """Folder of the runs that come with the package."""
-    return data.place("references")
+    return files.place("references")
 
 
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:

@@ -14,8 +14,8 @@ from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.store import load
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.report.pages import Listed
+from rollbench.compare.running import cores, gmsh_fault
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.system import cores, gmsh_fault
 from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Section

@@ -13,6 +13,7 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.files import need_writable, replace_file
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
@@ -28,15 +29,14 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.results.scene_json import case_json, cases_json
+from rollbench.compare.running import libraries
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.applicability import range_figure, range_table
 from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.sections.sketch import sketch_of
-from rollbench.compare.system import libraries
 from rollbench.compare.text.cases import case_rows, together_entries
 from rollbench.compare.text.entries import entries
-from rollbench.compare.writing import need_writable, replace_file
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent

@@ -12,14 +12,20 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm, refuse
-from rollbench.compare.scenes.from_keys import force_of, friction_of, material_of, scene_of, support_of
+from rollbench.compare.scenes.from_keys import (
+    case_faults,
+    force_of,
+    friction_of,
+    in_cases,
+    material_of,
+    scene_of,
+    support_of,
+)
 from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults
-from rollbench.compare.scenes.load_cases import case_faults, in_cases
-from rollbench.compare.scenes.schema import SceneKeys, ScrewKeys
+from rollbench.compare.scenes.schema import AxisKeys, CaseHousingKeys, HousingKeys, SceneKeys, ScrewKeys, SetKeys, StiffKeys
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing, Joint, RollerRow, RollingSet, Stiffness, diagonal, full
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Scene, Screw

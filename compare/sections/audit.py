@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.evidence.verdicts import APART, audit, counts, left_out, misprints, trust
+from rollbench.compare.evidence import APART, Evidence, audit, counts, left_out, misprints, trust
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import VERDICTS
+from rollbench.compare.printed import VERDICTS
 from rollbench.reports.content import Quantity, Section, Table, Text
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rollbench.compare.evidence.record import Evidence, sentences
+from rollbench.compare.evidence import Evidence, sentences
 from rollbench.reports.content import Cell, Quantity, Table
 
 #: Remarks that more rows than this share are numbered and stand once, in the note.

@@ -18,8 +18,7 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.ladder import UNSEEN
-from rollbench.compare.models.modelling import REFINED, SPOKEN_FOR, base_run
+from rollbench.compare.models.modelling import REFINED, SPOKEN_FOR, UNSEEN, base_run
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.grid_parts import Experience, Levelled, measured, moving, parts
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.compare.evidence.computations import evidence
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text

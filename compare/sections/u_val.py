@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.ladder import RUNGS, Rung, ladder, left_out_one
 from rollbench.compare.models.model_form import SHARE
+from rollbench.compare.models.modelling import RUNGS, Rung, ladder, left_out_one
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.evidence.verdicts import audit
-from rollbench.compare.evidence.verdicts import counts as audited_counts
+from rollbench.compare.evidence import Evidence, audit
+from rollbench.compare.evidence import counts as audited_counts
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import KINDS, VERDICTS
+from rollbench.compare.printed import KINDS, VERDICTS
 from rollbench.compare.sections.finding_table import printed_table
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 

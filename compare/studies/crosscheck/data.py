@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.writing import replace_file
+from rollbench.compare.files import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.files import replace_file
+from rollbench.compare.running import need_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, refuse
-from rollbench.compare.system import need_gmsh
-from rollbench.compare.writing import replace_file
 from rollbench.meshes.exchange.deck import UNITS, write
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Scene, Support

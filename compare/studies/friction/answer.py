@@ -15,7 +15,7 @@ from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array, Mask
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 LUBRICANT = "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature"
 HYSTERESIS = "rolling hysteresis of the materials"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.bearing_kinds import solve_ball, solve_bearings
 from rollbench.compare.studies.friction.linear_kinds import solve_linear

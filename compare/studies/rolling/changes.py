@@ -12,8 +12,8 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.body_names import FINITE
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.bearings import LinearPairScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
 from rollbench.compare.studies.rolling.cases import case_of
 from rollbench.compare.studies.rolling.rows import stored_rows

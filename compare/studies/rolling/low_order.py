@@ -6,10 +6,9 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene
-from rollbench.compare.scenes.friction_kinds.linear import LinearScene
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.compare.scenes.kinds import KindScene
 from rollbench.compare.studies.friction.linear_kinds import linear_loads
 from rollbench.lowfi.friction.bearing import SIDES, solve_ball
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain

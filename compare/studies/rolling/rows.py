@@ -12,11 +12,11 @@ import numpy as np
 from rollbench.compare.gate.gate import GateRow
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.printed import entry
 from rollbench.compare.reference.body_names import HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.body_sizes import choices_share
 from rollbench.compare.studies.rolling.low_order import low_order
 from rollbench.compare.studies.rolling.runs import LEVELS, RollingRun, load

@@ -18,13 +18,13 @@ from time import process_time
 import numpy as np
 
 from rollbench.compare.errors import Refusal
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.body_names import FINITE, HALF_SPACE
 from rollbench.compare.reference.measured import Measured, here
 from rollbench.compare.reference.store import KEY
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.running import out_of_memory
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import Case, case_of
-from rollbench.compare.system import out_of_memory
-from rollbench.compare.writing import replace_file
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.hifi.rolling.kinematics import Rolling

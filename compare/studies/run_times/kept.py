@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.measured import Measured, here
 from rollbench.compare.studies.run_times.cold import Cold, ColdLevel
-from rollbench.compare.writing import replace_file
 
 #: Files of a store.
 RUN_TIMES, SET_UP_COSTS = "run_times.json", "set_up_costs.json"

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.from_keys import touching_angle
-from rollbench.compare.scenes.like import LOAD, values_like
+from rollbench.compare.scenes.template import LOAD, values_like
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.units import show
 

@@ -21,7 +21,7 @@ from typing import Any
 from uuid import uuid4
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.writing import replace_file
+from rollbench.compare.files import replace_file
 
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
 #: Longest wait for processes of an earlier run [s].

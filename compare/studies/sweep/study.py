@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rollbench.compare.files import replace_file, write_figure
 from rollbench.compare.models.registry import DEFAULT, default_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
@@ -18,7 +19,6 @@ from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.run import Sweep
 from rollbench.compare.studies.sweep.store import Record
 from rollbench.compare.studies.sweep.summary import converged, summary
-from rollbench.compare.writing import replace_file, write_figure
 from rollbench.meshes.axis import Assembly
 
 
