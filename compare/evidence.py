@@ -1,10 +1,8 @@
-"""Evidence: what this project finds for a printed number or claim of a source, and the verdict.
+"""Evidence: what is computed for each printed number and claim, once, and its verdict; gate, report and literature tests
+read it.
 
-Which function computes the evidence of which printed table, from which scenes, and which test asserts it.
-
-The audit: one verdict for every printed entry of the sources, and how much of each source can be trusted.
-
-What is computed for each printed number and claim, once: the gate, the report and the literature tests read it.
+Which function computes the evidence of which printed table, from which scenes, and which test asserts it; and the audit:
+one verdict for every printed entry of the sources, and how much of each source can be trusted.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Shipped files: texts, tables and folders, by their path below the folder ``compare``.
+"""Files: shipped ones by their path below the folder ``compare``, a user's as text, and writing whole or not at all.
 
-A user's file as text: UTF-8, or UTF-16 where a mark at its begin says so; names like one that does not exist.
-
-Writing files whole or not at all.
+A user's file is UTF-8, or UTF-16 where a mark at its begin says so; a name that does not exist is answered with those like
+it.
 """
 
 from __future__ import annotations

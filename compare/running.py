@@ -1,7 +1,5 @@
-"""What the machine must have for the 3D reference, checked before anything is computed.
-
-Watching a long solution: a line on screen after two seconds, and a limit of time.
-"""
+"""Before and during a long solution: what the machine must have for the 3D reference, a line on screen after two seconds,
+and a limit of time."""
 
 from __future__ import annotations
 

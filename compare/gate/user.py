@@ -1,6 +1,6 @@
 """A user's scenes against their 3D reference: loads of a model, or of any other program, with a verdict on each.
 
-A user's own reference: measured loads, or those of another 3D program, in the place of this project's.
+In the place of this project's reference a user's: measured loads, or those of another 3D program.
 """
 
 from __future__ import annotations

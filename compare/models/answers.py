@@ -1,8 +1,6 @@
 """What an engineer asks of a solved scene of one set or several: contacts, rigidity, safety, preload, friction, life.
 
 Also where the answers leave what the models mean, and what rows of deep-groove bearings rest at by their clearance.
-
-Sums of friction beside static answers, as JSON-ready values.
 """
 
 from __future__ import annotations

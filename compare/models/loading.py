@@ -1,6 +1,7 @@
-"""One scene under its loads times a factor: preload at zero load, the load at which a contact is lost, the load's curve.
+"""What a scene does with its loads: under a factor on them, and where they go.
 
-Where the loads of a scene go: into its supports and the frames of its housings, or through its contacts.
+Preload at zero load, the load at which a contact is lost, the load's curve; what supports, frames of housings and contacts
+take.
 """
 
 from __future__ import annotations

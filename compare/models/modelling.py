@@ -1,13 +1,13 @@
-"""Modelling uncertainty of the 3D reference: the effect of its idealisations and of unprinted dimensions.
+"""What modelling choices change: idealisations of the 3D reference one by one, and each rung of the ladder from the
+source's model to the refined one.
 
+Modelling uncertainty of the reference is the effect of its idealisations and of unprinted dimensions.
 Every modelling choice is varied alone on the coarsest level, every choice of the mesh refined alone on the finest, against
 the same scene on the same level (``base``). Of several
 variants of one choice each contact counts its largest change; choices are independent of one another and have no known
 sign, so contact by contact they add by the root of the sum of squares. That sum is an estimate of one typical variation of
 every choice, not a bound. What is the scene's own (where the nut is held) or the method's (modes, sockets) is listed, and
 is not in it; nor are choices that cannot be varied (``compare.reference.variants.NOT_VARIED``).
-
-The ladder from the source's model to the refined one, rung by rung against the 3D reference.
 """
 
 from __future__ import annotations

@@ -380,14 +380,23 @@ def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[Rolling
         yield replace(whole, name=name, parts=row, position=at, thrust=way, preload=share)
 
 
+def conformity(parts: Scene, preload: float, rigidity: float) -> float:
+    """Conformity of both grooves of a bearing, of which a pair has an axial rigidity [N/m] under its preload [N]. Raises
+    ValueError where none gives it."""
+    from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
+
+    steel, track = parts.nut.material, parts.track
+    sizes = (parts.ball_count, 2.0 * parts.balls.radius, 2.0 * track.pitch_radius, USUAL, track.contact_angle)
+    rows = AngleRows(*(np.array([float(x)]) for x in sizes), steel.youngs_modulus, steel.poissons_ratio)
+    return float(conformity_of_pair(rows, np.array([preload]), np.array([rigidity]))[0])
+
+
 def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
     """The parts with the conformity of both grooves that a pair's rigidity at its preload implies, where one is given.
     Raises InputError."""
     if one.pair_rigidity is None:
         return parts
     given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
-    from rollbench.compare.scenes.bearing_pairs import conformity
-
     try:
         implied = conformity(parts, one.pair_preload, one.pair_rigidity)
     except ValueError as error:

@@ -1,7 +1,4 @@
-"""What a scene file describes; load cases of one scene as records, with their shares of the revolutions.
-
-Names of the kinds of scenes.
-"""
+"""What a scene file describes: names of the kinds, and load cases of one scene with their shares of the revolutions."""
 
 from __future__ import annotations
 

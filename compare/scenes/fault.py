@@ -1,8 +1,7 @@
 """Faults of a scene file, and one SceneError of all of them: which key is named, what is allowed there, what to do.
 
-Keys of a scene file: what pydantic finds in them, in words.
-
-With faulty keys a scene is read on with what is sound, so that all its faults are told at once.
+What pydantic finds in the keys is put in words. With faulty keys a scene is read on with what is sound, so that all its
+faults are listed at once.
 """
 
 from __future__ import annotations

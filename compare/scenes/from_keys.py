@@ -1,7 +1,4 @@
-"""Records of the parts that the keys of a scene file stand for.
-
-From ``[[cases]]`` of a scene file to a duty cycle, and what is wrong with them.
-"""
+"""Records that the keys of a scene file stand for: parts, and load cases (``[[cases]]``) with what is wrong with them."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Keys of the scene of a whole screw or bearing: names, descriptions, units, ranges and defaults. Values come out in SI.
+"""Keys of scenes: of a whole screw or bearing, and of several rolling sets on one shaft (``[[sets]]``).
 
-Keys of a scene with several rolling sets on one shaft, ``[[sets]]``.
+Names, descriptions, units, ranges and defaults. Values come out in SI.
 """
 
 from __future__ import annotations

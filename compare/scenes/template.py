@@ -1,6 +1,7 @@
-"""Commented scenes to begin with, one of every kind: the values of a shipped scene, every other key as a comment.
+"""Scenes to begin with: commented ones of every kind, and one of a nominal size, such as 40x10.
 
-A scene of a nominal size, such as 40x10: what is usual for it, by rules that the scene states.
+A commented scene has the values of a shipped scene, and every other key as a comment; that of a nominal size has what is
+usual for it, by rules that the scene states.
 """
 
 from __future__ import annotations

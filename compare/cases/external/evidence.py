@@ -1,12 +1,8 @@
-"""Inputs of the external cases that no scene describes, in SI, and what was assumed to run them.
+"""External evidence: values of other programs, of makers' catalogues and of classic theory, computed with these models.
 
-Bearings of other programs, makers and textbooks: displacements, contact angles, load zones, preloaded pairs.
-
-Single contacts of other programs: Hertz's constants, and rolling with creepage and spin on half spaces.
-
-Ball nuts of catalogues: the three rigidities that ISO 3408-4 separates beside the printed one, and drag torque.
-
-External evidence: values of other programs, of makers' catalogues and of classic theory, computed with these models.
+Inputs that no scene describes, in SI, with what was assumed to run them; bearings (displacements, contact angles, load
+zones, preloaded pairs); single contacts (Hertz's constants, rolling with creepage and spin on half spaces); ball nuts of
+catalogues (the three rigidities that ISO 3408-4 separates, drag torque).
 """
 
 from __future__ import annotations

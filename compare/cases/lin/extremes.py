@@ -1,10 +1,9 @@
-"""Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases.
+"""Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
 
-Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
-
-Every case is solved here from the solver's own start and from random ones; it must converge, balance power in and
-dissipation, and give the same answer each time. The source's method is a root of the force balance under its sigmoid from
-random starts: for one ball at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
+Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases. Every case is
+solved here from the solver's own start and from random ones; it must converge, balance power in and dissipation, and give
+the same answer each time. The source's method is a root of the force balance under its sigmoid from random starts: for one
+ball at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
-"""The ball screw of Liu et al. (2025), its one calibration, and the screws drawn from its distribution of errors.
+"""Liu et al. (2025): the computed value beside every printed number and claim, with evidence.
 
-Liu et al. (2025): the computed value beside every printed number and claim, with evidence.
-
-Printed data: ``printed/liu-*``.
-
-Liu, sections 2, 3, 4.1 and 4.2: inputs, the algorithm, the experiment, Mei's model, one ball too small or too large.
-
-Liu, sections 4.3 and 4.4: random errors, by the place of each printed number among drawn screws.
+The ball screw, its one calibration, and the screws drawn from its distribution of errors; sections 2, 3, 4.1 and 4.2
+(inputs, the algorithm, the experiment, Mei's model, one ball too small or too large); sections 4.3 and 4.4 (random errors,
+by the place of each printed number among drawn screws). Printed data: ``printed/liu-*``.
 """
 
 from __future__ import annotations

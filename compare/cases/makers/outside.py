@@ -1,6 +1,6 @@
 """One number that others print or measured, beside what is computed for it; bias and scatter of many.
 
-What other programs and textbooks print: the entries of the external sources, and contact loads by CalculiX.
+Here too what other programs and textbooks print: the entries of the external sources, and contact loads by CalculiX.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""The kinds "bearing ball" and "bearing pair": one ball, a four-point bearing against a double-row one (Lin 3.2, 4.3.1).
+"""Kinds of scenes of bearings: "bearing ball", "bearing pair" (Lin 3.2, 4.3.1), "linear pair", "linear chain" (Lin 3.3).
 
-The kinds "linear pair" and "linear chain": balls of a linear bearing in reach of each other (Lin 3.3).
+One ball; a four-point bearing against a double-row one; balls of a linear bearing in reach of each other.
 """
 
 from __future__ import annotations

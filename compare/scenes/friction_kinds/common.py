@@ -1,7 +1,4 @@
-"""What the kinds of friction scenes share: keys, records, and faults of grooves, material and path.
-
-What the kinds of scenes share that only friction solves.
-"""
+"""What the kinds of scenes share that only friction solves: keys, records, and faults of grooves, material and path."""
 
 from __future__ import annotations
 

@@ -1,12 +1,9 @@
-"""Case studies 1, 2, 3 of Lin 2.4.1: load distributions, centreline, claims, readings of the right end, choices.
+"""Lin's chapter 2 in the report, with Table B.1 and section 4.3.2, a function a section.
 
-Geometric errors: the cases of Lin 2.4.2, alone and combined, random ones as ensembles with bands.
-
-Table B.1: the Hertz constants as printed, with the source's faults repeated, and right.
-
-Pitch against roundness errors (Lin 4.3.2) on both screws, and how the claims depend on what is not printed.
-
-Two solvers, one set of equations: agreement, and the measured difference of the two kinematic forms.
+Case studies 1, 2, 3 of 2.4.1: load distributions, centreline, claims, readings of the right end, choices. Geometric errors
+of 2.4.2, alone and combined, random ones as ensembles with bands. Hertz constants as printed, with the source's faults
+repeated, and right. Pitch against roundness errors (4.3.2) on both screws, and how the claims depend on what is not
+printed. Two solvers, one set of equations: agreement, and the measured difference of the two kinematic forms.
 """
 
 from __future__ import annotations

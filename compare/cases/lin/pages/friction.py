@@ -1,7 +1,5 @@
-"""Lin 3.2 and 3.3 in the report: one ball in a rotary bearing, balls in contact in a linear bearing.
-
-Lin 3.4 and 4.3 in the report: two balls of a ball screw, a whole screw in time, bearings in pairs.
-"""
+"""Lin's friction in the report: 3.2 and 3.3 (one ball in a rotary bearing, balls in contact in a linear bearing), then 3.4
+and 4.3 (two balls of a ball screw, a whole screw in time, bearings in pairs)."""
 
 from __future__ import annotations
 

@@ -18,9 +18,8 @@ The text prints that contacts are those of an augmented Lagrangian, all else by 
 softer contacts, by a penalty that is not printed (`rollbench.compare.cases.lin.reconstruction.solvers`). Its natural
 size is E/h, h the size of the source's elements; it is computed from there on downwards.
 
-Every combination of readings: largest over smallest load of both models, the errors, and the scatter of meshes.
-
-Six numbers are printed: the ratio, "about 1.34", of both models, and four errors of one against the other. Each combination
+Readings are combined in every way: largest over smallest load of both models, the errors, and the scatter of meshes. Six
+numbers are printed: the ratio, "about 1.34", of both models, and four errors of one against the other. Each combination
 is shown with what it misses of them; no tolerance decides which of them are met, and none is taken for what the source
 did. No model reads a printed number.
 

@@ -1,6 +1,6 @@
-"""Smith's axis in its layouts, each as a scene over the nut's position, beside closed formulas and the sum in series.
+"""Smith (1994), chapters 4 and 5: the axis with its supports; measurements, claims about them, the reduced preload of 5.3.
 
-Smith, chapters 4 and 5: the axis with its supports; measurements, claims about them, the reduced preload of 5.3.
+Its layouts are scenes over the nut's position, beside closed formulas and the sum in series.
 """
 
 from __future__ import annotations

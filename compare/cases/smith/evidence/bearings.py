@@ -1,8 +1,6 @@
-"""The bearings and the axis of Smith (1994), as the source gives them, and what had to be assumed.
+"""Smith (1994), chapters 2 and 3: the angular-contact ball bearing, its triplex set, the tapered roller bearing; torques.
 
-Smith, chapter 2: the angular-contact ball bearing, its triplex set and its torque.
-
-Smith, chapter 3: the tapered roller bearing, its contacts and its torque.
+With the bearings and the axis as the source gives them, and what had to be assumed.
 """
 
 from __future__ import annotations
