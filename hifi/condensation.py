@@ -1,9 +1,9 @@
-"""One side of the balls: its groove's and ball's patches, condensed, and what a contact of that side answers by itself.
+"""How screw, nut and balls of the 3D reference answer contact forces.
 
-How screw, nut and balls of the 3D reference answer contact forces: meshed bodies with a socket at every contact,
+One side of the balls: its groove's and ball's patches, condensed, and what a contact of that side answers by itself.
+
+Bodies: meshed bodies with a socket at every contact,
 condensed to the modes of their patches; the shaft beyond the 3D stretch of the screw.
-
-How meshed bodies and contacts of one geometry answer forces, condensed in as many processes as there are cores.
 """
 
 from __future__ import annotations

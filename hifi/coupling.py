@@ -1,6 +1,6 @@
-"""Compliance between all contacts of a prepared geometry: bodies with their modes, balls, and the screw on its supports.
+"""All contacts of a prepared geometry: compliance between them, and gaps and directions as balls and screw move.
 
-Gaps, directions and places of all contacts of a set on its shaft, and how motions of balls and screw change them.
+Compliance is that of bodies with their modes, balls, and the screw on its supports.
 """
 
 from __future__ import annotations

@@ -1,25 +1,18 @@
-"""In which order, and in which dense blocks, a sparse matrix is eliminated.
+"""Sparse stiffnesses: in which order they are eliminated, their factors, and what a body answers to loads.
 
-Freedoms whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the vertices by nested
-dissection. In the elimination tree i stands above j < i where only vertices up to i connect them (Liu, SIAM J. Matrix
-Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends keeps these
+Order: freedoms whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the vertices by
+nested dissection. In the elimination tree i stands above j < i where only vertices up to i connect them (Liu, SIAM J.
+Matrix Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends keeps these
 connections, so that the elimination tree follows from n - 1 edges. Supernodes are its subtrees of at most ``LEAF`` vertices
 and, above them, its chains of only children, which are the separators.
 
-Elimination of a sparse matrix front by front (multifrontal): what B^T K^-1 B needs, or a factor to be solved with.
+Elimination front by front (multifrontal), for B^T K^-1 B or for a factor to be solved with. The front of a supernode is the
+dense matrix of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its
+parent. (Duff and Reid 1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share,
+Y^T Y with Y = L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch,
+where a bordered factor holds L and Y whole.
 
-The freedoms are eliminated in supernodes (`hifi.linear_algebra`). The front of a supernode is the dense matrix
-of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent. (Duff
-and Reid 1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share, Y^T Y with Y =
-L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a bordered
-factor holds L and Y whole.
-
-Solvers for symmetric positive definite matrices, chosen by size, and what an elastic body answers to loads.
-
-Larger ones: Cholesky factor by dense blocks (`hifi.linear_algebra`) in a nested-dissection order
-(`hifi.linear_algebra`). Small ones: SuperLU of scipy.
-
-Sparse stiffnesses: in which order they are eliminated, factors, and what a body answers to loads.
+Larger matrices have such a Cholesky factor, small ones SuperLU of scipy.
 """
 
 from __future__ import annotations

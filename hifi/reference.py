@@ -271,22 +271,28 @@ class Case:
         seconds = perf_counter() - begin
         still = self.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
         status, may_move = self.verdict(last, done, left)
+        stations, centreline, housings = self.centreline(last)
+        balance, along_groove, screw_balance = self.unbalanced(last)
         return ReferenceResult(
-            status,
-            last.load,
-            last.angle,
-            still.load if frozen else None,
-            *self.centreline(last),
-            self.on_shaft(last),
-            tuple(p.offset for p in self.sets),
-            last.result,
-            tuple(sorted({s for p in self.sets for s in p.sides})),
-            tuple(last.directions),
-            *self.unbalanced(last),
-            sum(p.setup.unknowns for p in self.sets),
-            seconds,
-            done,
-            may_move,
+            status=status,
+            load=last.load,
+            contact_angle=last.angle,
+            frozen=still.load if frozen else None,
+            stations=stations,
+            centreline=centreline,
+            housings=housings,
+            on_shaft=self.on_shaft(last),
+            offsets=tuple(p.offset for p in self.sets),
+            contact=last.result,
+            sides=tuple(sorted({s for p in self.sets for s in p.sides})),
+            directions=tuple(last.directions),
+            balance=balance,
+            along_groove=along_groove,
+            screw_balance=screw_balance,
+            unknowns=sum(p.setup.unknowns for p in self.sets),
+            seconds=seconds,
+            updates=done,
+            moving=may_move,
         )
 
 

@@ -148,22 +148,22 @@ def prepare(
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * layout.z.size
     return Setup(
-        scene,
-        m,
-        layout,
-        dims,
-        settings,
-        sides,
-        patches,
-        screw,
-        nut,
-        ball,
-        homogenised.section if homogenised else section,
-        homogenised,
-        unknowns,
-        _quality(meshes, settings),
-        stages.seconds,
-        sum(stages.others.values()),
+        scene=scene,
+        map=m,
+        layout=layout,
+        dims=dims,
+        settings=settings,
+        sides=sides,
+        patches=patches,
+        screw=screw,
+        nut=nut,
+        ball=ball,
+        section=homogenised.section if homogenised else section,
+        homogenised=homogenised,
+        unknowns=unknowns,
+        quality=_quality(meshes, settings),
+        seconds=stages.seconds,
+        others_MB=sum(stages.others.values()),
     )
 
 

@@ -2,8 +2,6 @@
 
 Unknowns are ball centres, contact angles and all nodal motions of the screw; plain Newton on the equilibrium equations
 with the explicit Jacobian, dense. Kept to check the energy solver and to show where the source's iteration fails.
-
-Formulations of the source, its misprints mended, kept for comparison: root finding, as printed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Line contact of a roller between two raceways: half-width, pressure, approach and its closed-form inverse.
+"""Tapered rollers: their line contact, a bearing's row, and a roller cut into slices.
+
+Line contact of a roller between two raceways: half-width, pressure, approach and its closed-form inverse.
 
 The contact itself is Hertz's: b^2 = 4 q R / (pi E*), p_0 = 2 q / (pi b), q the load per length, R the relative radius. The
 approach of a line contact is not a property of the contact: in plane strain it grows with the logarithm of the depth to
@@ -19,16 +21,12 @@ Balance of one roller along and across its own axis: the loads of both races are
 The cone receives its thrust from race and rib together: Q sin(alpha - 2 gamma) + 2 Q sin(gamma) cos(alpha - gamma) =
 Q sin(alpha). Smith's 3.23 leaves out the rib and makes the inner load larger by sin(alpha)/sin(alpha - 2 gamma).
 
-Roller between two raceways cut into slices: crown.
-
-Slice k of width L/n at x_k sees the approach delta less the profile's drop, and carries the plane-strain line load of that
-approach by itself; the load is the sum. Slices do not feel one another (no edge stress): with a profile that ends in no
-step that is within a few per cent; a sharp edge needs 3D.
+Slices, for a roller with a crown: slice k of width L/n at x_k sees the approach delta less the profile's drop, and carries
+the plane-strain line load of that approach by itself; the load is the sum. Slices do not feel one another (no edge stress):
+with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
 
 All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2
 with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) is unchanged. A tapered roller without crown is loaded evenly.
-
-Tapered rollers: line contact, a bearing's row, and its slices.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@ P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and Mesh
 curved cells. Faces go by names in `mesh.boundaries`. Freedom 3 * node + component of the vector space on a mesh's own
 element belongs to the node `mesh.doflocs[:, node]`.
 
-How good a mesh is: scaled Jacobians of its curved cells, distances from the exact surface; mending, refusal.
+How good a mesh is, is judged here too: scaled Jacobians of its curved cells, distances from the exact surface; mending,
+refusal.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Root of a function between two places: Brent's method, without the seconds that importing scipy.optimize takes.
-
-Pairs of points that are near one another.
-"""
+"""A root by Brent's method, and pairs of near points, without the seconds that importing scipy takes."""
 
 from __future__ import annotations
 

@@ -1,14 +1,15 @@
-"""Linear algebra on one thread: with small matrices, and next to any other busy process, more only wait for one another.
+"""Processes of this machine: threads of their linear algebra, workers, peak memory.
+
+Linear algebra runs on one thread: with small matrices, and next to any other busy process, more only wait for one another.
 
 One rule: the command line, workers and tests call `one_thread` when they begin; a call of the library has one thread until
 it returns, because the rest of the process is its user's. Work is shared among processes. A user's own variable wins.
 
-Worker processes of this machine, which end with the process that started them.
+Workers end with the process that started them.
 
-Peak memory of one piece of work in a process that does several: the kernel's own record, reset before each.
-
-``getrusage`` gives the highest memory since the process began, so that a small run after a large one gets the large one's
-number. Linux forgets that record when asked to (``/proc/self/clear_refs``); elsewhere nothing is measured.
+Peak memory is that of one piece of work in a process that does several. ``getrusage`` gives the highest memory since the
+process began, so that a small run after a large one gets the large one's number. Linux forgets that record when asked to
+(``/proc/self/clear_refs``); elsewhere nothing is measured.
 """
 
 from __future__ import annotations

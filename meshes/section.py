@@ -1,7 +1,4 @@
-"""Cross-section of the grooved screw as the low-order models see it (Lin C.3-C.8).
-
-Where the nodes of the screw's beam lie.
-"""
+"""The grooved screw as a beam of the low-order models: its cross-section (Lin C.3-C.8), and where its nodes lie."""
 
 from __future__ import annotations
 

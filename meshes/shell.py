@@ -3,7 +3,7 @@
 Curves are divided once, gmsh triangulates the plane faces between them and fills the closed surface with tetrahedra, and
 the midpoints of the edges on the surface are put onto it. Units inside: mm (gmsh), metres outside.
 
-gmsh for a while: it has one state for a process, which is begun quietly and ended whatever happens.
+gmsh has one state for a process: `session` begins it quietly and ends it whatever happens.
 """
 
 from __future__ import annotations

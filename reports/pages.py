@@ -1,9 +1,10 @@
-"""The pages of a report: the first one, those of its sections, and the index that the search of every page reads."""
+"""A report as a folder: a first page, a page for each section, tables as CSV, figures as files, an index for the search."""
 
 from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from rollbench.meshes.leftovers import temporary
 from rollbench.reports import field3d, figures, scene3d, sketch, view3d
 from rollbench.reports.cells import cell_view, filled, is_number, micro, typeset, write_csv
 from rollbench.reports.content import (
@@ -28,25 +30,34 @@ from rollbench.reports.content import (
     Table,
     Text,
 )
+from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.manifest import write_manifest
 
 #: What marks pages as written by a report, and their folder as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'
+
 #: The index of the search: a script, because a page opened from a file may load no data.
 SEARCH = "search.js"
+
 #: Characters of a table or text that the search knows.
 KNOWN = 4000
+
 #: Columns of a table that a page shows; its CSV has all of them, and all rows.
 COLUMNS = 8
+
 #: Rows beyond those of a table that it shows sooner than says that they are in its CSV.
 SPARED = 2
+
 #: Columns of a table in full length that so small a share of its rows fills are left to the CSV.
 RARE = 0.1
+
 #: Keys of columns that stay where others are left to the CSV, and on a phone.
 VERDICTS = ("class", "verdict", "status")
+
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
 Progress = Callable[[str], None]
+
 Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 
@@ -269,3 +280,108 @@ def _first(columns: Sequence[Quantity]) -> list[Quantity]:
             found.append(column)
             left -= column.key not in VERDICTS
     return found
+
+
+_FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+
+def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
+    """Write a report into the directory ``out``, which then holds nothing else.
+
+    Everything is drawn into a directory beside ``out`` first, and that directory takes the place of ``out``
+    only when it is whole: an error or an interrupt leaves an earlier report as it was.
+
+    Args:
+        report: the records to draw.
+        out: a directory that does not exist, is empty, or holds an earlier report and nothing else.
+        progress: called with one line before each section, and when a picture has to be left out.
+
+    Returns:
+        The path of ``index.html``.
+
+    Raises:
+        ValueError: ``out`` holds what no report wrote or cannot be replaced; a name is unfit for a file or
+            given twice; a figure's data are inconsistent.
+    """
+    out = Path(out).resolve()
+    check_target(out)
+    _check_names(report)
+    say = progress or (lambda _: None)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    fresh = temporary(out, "new")
+    try:
+        for folder in (fresh, fresh / "tables", fresh / "figures"):
+            folder.mkdir()
+        write_pages(report, fresh, say)
+        _swap(fresh, out)
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+    return out / "index.html"
+
+
+def check_target(out: Path) -> None:
+    """Raise ValueError unless a report may replace the directory ``out``."""
+    if not out.exists():
+        return
+    if not out.is_dir():
+        raise ValueError(f"{out} is a file; give a directory for the report")
+    entries = sorted(out.rglob("*"))
+    index = out / "index.html"
+    if entries and not (index.is_file() and MARKER in index.read_text(encoding="utf-8", errors="replace")):
+        raise ValueError(f"{out} is not empty and holds no rollbench report; choose another directory")
+    for entry in entries:
+        top = entry.relative_to(out).parts
+        folder = len(top) == 1 and top[0] in _FOLDERS and entry.is_dir()
+        file = len(top) == 2 and entry.is_file() and entry.suffix in _FOLDERS.get(top[0], ())
+        if not (folder or file or (len(top) == 1 and _is_page(entry))):
+            raise ValueError(f"{entry} was not written by a report and would be lost; move it elsewhere first")
+
+
+def _is_page(entry: Path) -> bool:
+    """Whether a file is a page of a report, the index of its search, its manifest, or the PDF of releases
+    up to 0.14."""
+    if not entry.is_file():
+        return False
+    return entry.name in (SEARCH, MANIFEST, "first-pages.pdf") or (
+        entry.suffix == ".html" and MARKER in entry.read_text(encoding="utf-8", errors="replace")
+    )
+
+
+def _check_names(report: Report) -> None:
+    """Names become files and anchors: refuse unfit ones and repeated ones."""
+    seen: set[tuple[str, str]] = {("page", "index")}
+    for page in report.pages:
+        if not _NAME.fullmatch(page.name) or ("page", page.name) in seen:
+            raise ValueError(f"page name {page.name!r} is unfit for a file or given twice")
+        seen.add(("page", page.name))
+    for section in report.sections:
+        items = [item for item in section.items if not isinstance(item, Text)]
+        named = [("table" if isinstance(item, Table) else "figure", item.name) for item in items]
+        if section.summary:
+            named += [("figure", figure.name) for figure in (section.summary.figure, section.summary.narrow)]
+        for kind, name in [("section", section.name), *named]:
+            if not _NAME.fullmatch(name):
+                raise ValueError(f"{kind} name {name!r}: use letters, digits, dot, dash and underscore only")
+            if (kind, name.lower()) in seen:
+                raise ValueError(f"{kind} name {name!r} is given twice")
+            seen.add((kind, name.lower()))
+
+
+def _swap(fresh: Path, out: Path) -> None:
+    """Let ``fresh`` take the place of ``out``; whatever happens in between, one of the two is there."""
+    if not out.exists():
+        fresh.rename(out)
+        return
+    old = fresh.with_suffix(".old")
+    try:
+        out.rename(old)
+        fresh.rename(out)
+    except BaseException as error:
+        if old.exists() and not out.exists():
+            old.rename(out)
+        if isinstance(error, OSError):
+            raise ValueError(f"{out} cannot be replaced ({error.strerror}); give a directory below it") from error
+        raise
+    shutil.rmtree(old, ignore_errors=True)

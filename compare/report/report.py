@@ -173,7 +173,7 @@ def make_report(
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
-    from rollbench.reports.html import write
+    from rollbench.reports.pages import write
 
     with replaced(out):
         need_writable(out / "index.html")

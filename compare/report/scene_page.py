@@ -71,7 +71,7 @@ def make_page(name: str, out: Path, store: Path, reference: Path | None = None) 
 def replaced(out: Path) -> Iterator[None]:
     """Write a report into the folder ``out`` inside. Raises InputError where it holds what no report wrote, or cannot be
     written."""
-    from rollbench.reports.html import check_target
+    from rollbench.reports.pages import check_target
 
     try:
         check_target(out)

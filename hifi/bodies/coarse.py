@@ -4,13 +4,12 @@ A body is its coarse mesh plus the condensed patches in its sockets. Only the fe
 forces reach its socket matter: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by
 u = A f + V z, z = Q q, and the coarse body answers z = G V^T f with G = Q K^-1 Q^T.
 
-A contact's own compliance from a submodel: a short piece of its body around it, meshed finely.
-
-A coarse body tied to a condensed patch carries loads from contact to contact well, but is too stiff where a contact
-answers itself: the trace of its socket and the cells beside it hold back a share of the approach that no finer patch gives
-back. That share is local, the same for all contacts of a side, and decays within a socket's size. So a contact's own
-compliance is taken from a piece of the body cut off around one contact and meshed as finely as needed, and what the coarse
-body has there is taken out:
+What a contact answers by itself comes from a submodel: a short piece of its body around it, meshed finely. A coarse body
+tied to a condensed patch carries loads from contact to contact well, but is too stiff where a contact answers itself: the
+trace of its socket and the cells beside it hold back a share of the approach that no finer patch gives back. That share is
+local, the same for all contacts of a side, and decays within a socket's size. So a contact's own compliance is taken from a
+piece of the body cut off around one contact and meshed as finely as needed, and what the coarse body has there is taken
+out:
 
     A_own = C_fine - V G_coarse V^T,
 

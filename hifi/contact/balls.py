@@ -18,7 +18,7 @@ bodies (translations [m], rotations [rad]), column j of N being the gap closed b
 [N, N m], positive where they do work in a closing motion. These are the optimality conditions of the convex problem
 min 1/2 lambda^T C lambda + g0^T lambda over lambda >= 0 with N^T lambda = f, so a solution's forces are unique.
 
-Compliance of contact pairs: each contact's own, what couples the contacts of a ball, and what couples all of them.
+C has three parts: each contact's own, what couples the contacts of a ball, and what couples all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Meshes of one geometry: coarse screw, nut and ball with their sockets, and the patches that fit into these.
 
-Sizes of the meshes of the 3D reference, the contact zone's grid, and the ball's patch on the groove's nodes.
+Here are their sizes too, the contact zone's grid, and the ball's patch on the groove's nodes.
 """
 
 from __future__ import annotations

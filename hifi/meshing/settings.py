@@ -1,6 +1,6 @@
 """Mesh choices of the 3D reference, and the sizes of contacts that they follow; no finite elements are imported.
 
-What the contacts of a scene will be like, by a rigid nut, a beam and Hertz springs: for the mesh only.
+What the contacts of a scene will be like is estimated by a rigid nut, a beam and Hertz springs: for the mesh only.
 
 The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), nuts are
 rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the

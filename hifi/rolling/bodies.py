@@ -1,22 +1,16 @@
 """Kernels of finite bodies (`hifi.rolling.patch`) from finite elements: ball and groove.
 
-On rings and helices both are patches of the static reference in pieces of their bodies (`hifi.rolling.bodies`); on
+On rings and helices both are patches of the static reference in pieces of their bodies; on
 straight tracks, which it has none of, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A body's answers to
-smooth tractions on its contact zone, in all three directions, less those of a half space whose zone has the same nodes
-(`hifi.rolling.bodies`): what the grid does to the singular part is in both.
+smooth tractions on its contact zone, in all three directions, less those of a half space whose zone has the same
+nodes: what the grid does to the singular part is in both.
 
-Groove and ball of the static reference around one contact, for loads along tangents too: patches in pieces of bodies.
+Such a patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
+ring, nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one (`hifi.bodies.coarse.piece_compliance`).
+Cells of the contact zone are those of the other bodies of rolling (`hifi.rolling.contact_bodies.Zone`).
 
-The patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring,
-nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one
-(`hifi.bodies.coarse.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
-(`hifi.rolling.contact_bodies.Zone`).
-
-Answers of meshed bodies to smooth tractions on their contact zone, in three directions, and those of a half space meshed
-alike.
-
-A body is free, its loads balanced by a rigid field of body forces, or held at its boundary "held"; the cut of a half
-space's block moves as Boussinesq's and Cerruti's point forces move it.
+A body whose answers are sought is free, its loads balanced by a rigid field of body forces, or held at its boundary "held";
+the cut of a half space's block moves as Boussinesq's and Cerruti's point forces move it.
 """
 
 from __future__ import annotations

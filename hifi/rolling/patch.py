@@ -4,10 +4,8 @@ Local axes: x against the flow of material through the contact (the leading edge
 normal from body 1 (the ball) into body 2 (the groove). Freedoms of a patch of n cells: (n, 2) values along x and y, as
 vectors of length 2 n with all x first. Forces are those on body 1.
 
-What finite bodies add to a half space's displacements in a contact: a smooth kernel in polynomials.
-
-The displacement at x by a force at x' on a finite body is the half space's, singular where they meet, plus a part that
-varies slowly over a contact,
+What finite bodies add is a smooth kernel in polynomials. The displacement at x by a force at x' on a finite body is the
+half space's, singular where they meet, plus a part that varies slowly over a contact,
 
     G(x, x') = G_half(x, x') + Phi(x) M Phi(x')^T,
 

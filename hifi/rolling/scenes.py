@@ -1,13 +1,11 @@
-"""Balls of a linear bearing, a ball screw and a ring as `hifi.rolling.balls` takes them.
+"""Balls of a linear bearing, a ball screw and a ring as `hifi.rolling.balls` takes them, and their contact forces.
 
 Order of a ball's grooves and senses of their directions are the caller's: contact angles and directions come in, loads are
 solved here or given.
 
-Contact forces of balls between two rigid bodies with Hertz contacts, alone and together with rolling.
-
-Each ball moves in the section of its track, the inner body (screw, inner ring, carriage) by its free motions u, the
-outer one stands. The arc of groove i has its centre at d_i from the ball's: with the ball displaced by p and the inner
-body by u,
+Contact forces between two rigid bodies with Hertz contacts, with rolling or without: each ball moves in the section of its
+track, the inner body (screw, inner ring, carriage) by its free motions u, the outer one stands. The arc of groove i has its
+centre at d_i from the ball's: with the ball displaced by p and the inner body by u,
 
     d_i = reach n_i + p - (rows u on the inner body's grooves),   approach_i = |d_i| - reach + interference_i,
 

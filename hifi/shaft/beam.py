@@ -1,7 +1,4 @@
-"""The shaft beyond the 3D stretch: a Timoshenko beam of given section stiffnesses, independent of the low-order model's.
-
-What holds and loads a shaft and the housings of its nuts.
-"""
+"""The shaft beyond the 3D stretch: a Timoshenko beam, independent of the low-order model's; what holds and loads it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Closed formulas of a ball-screw axis: stretch, heat, loads of the supports, stiffness over position, torque.
+"""Closed formulas of a ball-screw axis, and the equilibrium of rows of bearings on one shaft.
+
+Axis: stretch, heat, loads of the supports, stiffness over position, torque.
 
 A screw shaft of axial stiffness EA/L between two supports, the nut at x from the left one. All springs are linear and all
 rings rigid. These formulas are the baseline that scenes with beams, rolling sets and their contacts are compared with; they

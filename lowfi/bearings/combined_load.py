@@ -4,11 +4,10 @@ The ring's displacement (axial, radial) compresses the roller at azimuth psi by
 delta_a sin(alpha) + delta_r cos(alpha) cos(psi); equilibrium is the minimum of a convex energy in the two displacements.
 Smith's route (1994, 3.1-3.21) by the load-zone integrals and a power law stands beside it as ``by_load_zone``.
 
-Load zone of one row under thrust and radial load: Sjovall's integrals and their inverse.
-
-A roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2 eps)], with the load zone parameter
-eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries the greatest load times that bracket to the n.
-The integrals run over the loaded part of the circumference. Written with w = 1/(2 eps), pure thrust is w = 0.
+Sjovall's integrals and their inverse: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2
+eps)], with the load zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries the
+greatest load times that bracket to the n. The integrals run over the loaded part of the circumference. Written with w =
+1/(2 eps), pure thrust is w = 0.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""The ball as an elastic sphere: what contacts do to one another through it, beyond Hertz's half space (Lur'e's series).
+"""What ball and flank add to Hertz's half space: the ball as an elastic sphere, the flank by its curvature.
 
-A point load P presses the surface in by u(t) = P/(8 pi G R) sum (2 n + 1) c_n P_n(cos t), n = 1 left out: that term is the
-rigid motion, which the ball's equilibrium takes out again. With c_n = A/n + B/n^2 + ... the half space is A/sin(t/2) and a
-logarithm is left, averaged over the contact for its own term.
+Sphere (Lur'e's series): a point load P presses the surface in by u(t) = P/(8 pi G R) sum (2 n + 1) c_n P_n(cos t), n = 1
+left out: that term is the rigid motion, which the ball's equilibrium takes out again. With c_n = A/n + B/n^2 + ... the half
+space is A/sin(t/2) and a logarithm is left, averaged over the contact for its own term.
 
-A contact's own flank: its geometry, and what its curvature adds to Hertz's half space, by the size of the contact.
+Flank: its geometry, and what its curvature adds, by the size of the contact.
 """
 
 from __future__ import annotations

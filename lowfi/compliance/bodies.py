@@ -1,22 +1,19 @@
-"""Compliance of screw, nut and ball between the contacts of a scene, by backend.
+"""Compliance of screw, nut and ball between the contacts of a scene: by backend, or read from a file.
 
 Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
 revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already holds.
 What only the geometry decides is kept; what computes it (`lowfi.compliance.between`) is imported where it is not known yet.
 
-A stretch of shaft between a beam's two ends: what its contacts and its high end do to one another beyond the beam.
-
-By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
+A stretch of shaft between a beam's two ends (`end_response`): what its contacts and its high end do to one another beyond
+the beam. By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
 (`lowfi.compliance.tube`), held by the mean motions of its low end, answers contact forces with the high end free; loaded
 there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear force. By
 reciprocity a contact that presses inward moves the high end away.
 
-Compliance between contacts from a condensed 3D model, read from a file.
+A file of a condensed 3D model knows motions along the nominal normals; the low-order bodies keep what lies across them. The
+screw's beam beyond the nut, its supports and loads stay those of the low-order model.
 
-The file knows motions along the nominal normals; the low-order bodies keep what lies across them. The screw's beam beyond
-the nut, its supports and loads stay those of the low-order model.
-
-Modes of negative compliance, which no body has.
+Modes of negative compliance, which no body has, are cut away.
 """
 
 from __future__ import annotations

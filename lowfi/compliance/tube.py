@@ -1,9 +1,8 @@
 """A plain tube or shaft loaded over small patches on its groove: compliance between contacts by Fourier harmonics.
 
-Section constants of a grooved shaft or nut from half a lead of it, a ring groove in place of the helix.
-
-The groove has the exact axial section of the helical one. Between two planes of symmetry (mid groove, mid land) the cell is
-stretched, twisted and bent by the motions that symmetry leaves to those planes; what it stores gives EA, GJ and EI.
+Section constants of a grooved shaft or nut from half a lead of it, a ring groove in place of the helix: the groove has the
+exact axial section of the helical one. Between two planes of symmetry (mid groove, mid land) the cell is stretched, twisted
+and bent by the motions that symmetry leaves to those planes; what it stores gives EA, GJ and EI.
 """
 
 from __future__ import annotations

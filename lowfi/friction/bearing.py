@@ -1,16 +1,13 @@
-"""One ball of a rotary bearing with up to four contacts: loads, quasi-static motion, friction torque (Lin 3.2).
+"""Friction of balls in rotary bearings: one ball with up to four contacts (Lin 3.2), and bearings in pairs (Lin 4.3.1).
 
 A bearing is a ball screw of zero lead whose "screw" is the inner ring. Axes at the ball: x along the bearing's axis, y
 radially outward, z along the ball's path (z3, x3, y3 of a screw). Contacts in the order IL, IR, OR, OL (inner or outer
 ring, left or right: towards -x or +x). The inner ring turns about x, the outer ring stands. Friction does not change the
 contact loads here: they lie in the x-y plane, friction along z.
 
-Friction torque of a four-point and of a double-row angular-contact bearing against the load's angle (Lin 4.3.1).
-
-Loads of all balls between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation. A
-bearing is a ball screw of zero lead whose "screw" is the inner ring; friction then does not change the loads.
-
-Friction of balls in rotary bearings: one ball between rings, and bearings in pairs.
+Pairs are a four-point and a double-row angular-contact bearing, their torque against the load's angle. Loads of all balls
+between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation. A bearing is a ball screw of
+zero lead whose "screw" is the inner ring; friction then does not change the loads.
 """
 
 from __future__ import annotations

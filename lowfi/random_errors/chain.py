@@ -27,7 +27,7 @@ constant: d = e + v sin a_0. implicit (Liu's 10 and 14): cos a = (A - e) cos a_0
 exact: the centres move along the axis only, d = e - A + sqrt((A sin a_0 + v)^2 + (A cos a_0)^2); (10) scales the offset
 across the axis by (A - e)/A too, and takes the secant of the motion for its tangent. In all: axial force Q sin a cos(lead).
 
-Many chains of one design with random errors: drawn by number, solved in chunks, only what is asked for kept.
+An ensemble: many chains of one design, drawn by number, solved in chunks, only what is asked for kept.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""The worst contact of a load distribution by Hertz, its static safety, and where an ellipse leaves its groove.
-
-The worst line contact of a row of tapered rollers, and its static safety.
+"""The worst contact of a load distribution, of balls by Hertz or of tapered rollers, and its static safety.
 
 Basic static load ratings C0 of rings (ISO 76) and ball screws (ISO 3408-5), by the most heavily loaded contact.
 

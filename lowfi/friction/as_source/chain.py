@@ -3,7 +3,7 @@
 First every ball by itself; neighbours in reach that close in then count as touching; each group of touching balls is one
 system of equations: force balance of all, equal velocities of neighbours, with the ball-to-ball forces as unknowns.
 
-The source's method for balls in a linear bearing, kept for comparison: a root at given loads (Lin 3.3.1, 3.3.2).
+Balls in a linear bearing (Lin 3.3.1, 3.3.2) are chains too: a root at given loads.
 """
 
 from __future__ import annotations

@@ -1,21 +1,22 @@
-"""The source's method for balls of a ball screw, kept for comparison: loads and motion as one root (Lin 3.4.1, 3.4.2).
+"""The source's method for a ball screw, kept for comparison: roots for loads, for balls and for a run (Lin 3.4).
+
+Loads and motion of balls are one root (Lin 3.4.1, 3.4.2).
 
 Unknowns of a ball, as above Lin 3.71: place in the groove section (2), contact angles gamma (4), motion (4); of two
 that touch: the force between them. First the loads without friction and the screw's place, which then stays.
 
-The source's method for contact loads of balls in a ball screw without friction, kept for comparison: a root.
+Contact loads without friction are a root.
 
 Unknowns: place of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
 beam is rigid that is chapter 2's state (Lin 2.11-2.25), searched by the hybrid method.
 
-A whole ball screw in time by the source's method, kept for comparison: a root for every touching group (Lin 3.4.4).
+A whole ball screw in time is a root for every touching group (Lin 3.4.4).
 
 Each step: loads as a root, every ball's motion alone, then the groups of those that are within reach and close in
 (Lin 3.77); places move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.
 
-The source's root finding from several starts, rolling and at random about our solution: to count its failures.
-
-Every search yields what it found, None where the source finds no loads to begin with.
+To count failures the root is sought from several starts, rolling and at random about our solution. Every search yields what
+it found, None where the source finds no loads to begin with.
 """
 
 from __future__ import annotations

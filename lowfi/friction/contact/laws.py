@@ -1,9 +1,8 @@
 """Friction laws behind one interface: Coulomb, Coulomb regularised, and the sigmoid of the source.
 
-Coulomb friction of elliptical Hertz contacts that slide and spin, in closed form.
-
-Each contact has its own axes: x along the semi-axis a, z along b, y the normal into the body whose motion relative to
-the other is (vx, vz, spin); its points move with (vx + spin z, vz - spin x). Friction acts on that body.
+Coulomb friction of elliptical Hertz contacts that slide and spin has a closed form. Each contact has its own axes: x along
+the semi-axis a, z along b, y the normal into the body whose motion relative to the other is (vx, vz, spin); its points move
+with (vx + spin z, vz - spin x). Friction acts on that body.
 """
 
 from __future__ import annotations

@@ -5,11 +5,10 @@ rest, the top (the carriage) moves along z. Angles are measured from -y (bottom)
 those under N_y (pressing) and N_x = rho N_y on the carriage, three ways: friction does not enter, as it acts along the
 track, so that loads come first (Lin 3.3.2).
 
-Closed formulas of Lin 3.3.3, rederived: ball velocity, ball-to-ball force and loss in four-point contact.
-
-Valid where all four contacts carry load and their velocity centres stay within about half a semi-axis of the contact
-centres. The printed (3.42), (3.43), (3.51) carry 1 - cos 2 beta_0 where the derivation gives tan beta_0; both are 1 at
-the 45 degrees of the case study. Contacts are ordered BL, BR, TR, TL.
+Closed formulas of Lin 3.3.3, rederived, give ball velocity, ball-to-ball force and loss in four-point contact. Valid where
+all four contacts carry load and their velocity centres stay within about half a semi-axis of the contact centres. The
+printed (3.42), (3.43), (3.51) carry 1 - cos 2 beta_0 where the derivation gives tan beta_0; both are 1 at the 45 degrees of
+the case study. Contacts are ordered BL, BR, TR, TL.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ The answer then is the end of the path that begins without friction between ball
 problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.path``). Balls
 that all part without it do part. ``second_state`` looks for others.
 
-Two balls under opposite side forces: the case study of Lin 3.3.4, by the numerical model and by the formulas.
+Two balls under opposite side forces are the case study of Lin 3.3.4, by this model and by the formulas.
 """
 
 from __future__ import annotations

@@ -4,13 +4,11 @@ Every ball's motion is in balance with the friction at its grooves and the force
 at which the gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). Semismooth
 Newton on motions and forces together, with a falling regularising speed of friction.
 
-Loads of balls of a ball screw and their motion with friction and ball-to-ball contact, in agreement (Lin 3.4.1).
-
-Friction and ball-to-ball forces in the plane of the groove's section change the contact loads, and these the friction:
-both are solved in turn in accelerated rounds, and as one system where the rounds do not settle: friction that wedges a ball
-between grooves changes the loads by many times as much as it changes itself, so that rounds of loads and friction run away.
-Positions and motions together are well behaved: the ball's place is what the contact angles follow. Newton's method follows
-them from no friction, smooth, to all of it, sharp.
+At loads that agree with the motion (`coupled_chain`, Lin 3.4.1): friction and ball-to-ball forces in the plane of the
+groove's section change the contact loads, and these the friction: both are solved in turn in accelerated rounds, and as one
+system where the rounds do not settle: friction that wedges a ball between grooves changes the loads by many times as much
+as it changes itself, so that rounds of loads and friction run away. Positions and motions together are well behaved: the
+ball's place is what the contact angles follow. Newton's method follows them from no friction, smooth, to all of it, sharp.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
-"""Quasi-static motion of balls in a ball screw at given loads, and what its friction does to the loads (Lin 3.4.1).
+"""Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, what friction does to loads (Lin 3.4.1).
 
 The motion of each ball is that of least dissipation. Its in-plane friction (the helix turns nut and screw against each
 other about y3) changes the contact loads through the ball's equilibrium: ``screw_coupled`` iterates both.
 
-Contact loads of balls between a rigid screw and a rigid nut: minimum of a convex energy over all positions.
-
-Each ball moves in the plane of its groove section (x3 radial, z3 binormal), the screw by its free motions u, the nut
-stands. In-plane friction enters as forces on balls and screw that do not change while they settle.
+Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
+z3 binormal), the screw by its free motions u, the nut stands. In-plane friction enters as forces on balls and screw that do
+not change while they settle.
 """
 
 from __future__ import annotations

@@ -2,10 +2,8 @@
 
 The track is a ring: the loaded turns of the nut and a return tube of given length. See ``travel``.
 
-Two balls of a ball screw that touch: the case study of Lin 3.4.3 with every assumption a parameter.
-
-What the section does not print is the load state: clearance or oversize, how the force reaches the balls, which contact
-angles deviate.
+Two balls that touch are the case study of Lin 3.4.3, with every assumption a parameter. What the section does not print is
+the load state: clearance or oversize, how the force reaches the balls, which contact angles deviate.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ between these events. The scheme "located" ends a step at each event, takes a sh
 torque before and after it is seen, and is of second order (midpoint rule). "equal" is the source's: equal steps, loads and
 motions at their start, of first order, with the time of an event wrong by a part of a step.
 
-A closed track of balls: where on it they are, and when one reaches an end of its loaded arc.
+A closed track knows where on it the balls are, and when one reaches an end of its loaded arc.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Circuits of the balls as angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing.
+"""Balls of a scene in their circuits: places, gaps between neighbours, and how they push each other along the track.
 
-Balls of a scene that push each other along their track: motions, ball-to-ball forces and losses at given contacts.
-
-All balls of a scene in their circuits: sizes, places, and the gaps between neighbours.
+Circuits are angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing.
 """
 
 from __future__ import annotations

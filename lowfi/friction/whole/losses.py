@@ -3,17 +3,15 @@
 The motion of each ball is that of least dissipation (``motion``); friction does not change the loads. The sums that
 follow from it, torques and efficiencies, are in ``screw_torque``.
 
-Heathcote slip: what the curvature of the contact across the groove adds to the losses of flat contact ellipses.
+Heathcote slip is what the curvature of the contact across the groove adds to the losses of flat contact ellipses. Ball and
+groove meet in a surface of radius R_d across the groove, 1 / R_d = (1 / R_ball + 1 / R_groove) / 2. A ball that rolls with
+the angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by Omega x^2
+/ (2 R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and once
+without, both by quadrature over the ellipses, so that balls find the motion that makes the most of their contacts.
 
-Ball and groove meet in a surface of radius R_d across the groove, 1 / R_d = (1 / R_ball + 1 / R_groove) / 2. A ball that
-rolls with the angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by
-Omega x^2 / (2 R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and
-once without, both by quadrature over the ellipses, so that balls find the motion that makes the most of their contacts.
-
-What a static load distribution with geometric errors means for ball-to-ball contact (Lin 4.3.2).
-
-The source argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded
-ball moves with least dissipation at its static loads; how an unloaded one moves is a parameter.
+Ball-to-ball contact from a static load distribution with errors (Lin 4.3.2): the source argues from the loads: balls that
+lose contact stay behind, so that others run into them. Here each loaded ball moves with least dissipation at its static
+loads; how an unloaded one moves is a parameter.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A screw or bearing in time: balls travel through circuits, loads are solved where they are; see ``screw.travel``.
 
-Loads again and again while balls travel along the track: their bodies' compliance changes slowly.
+Loads are solved again and again while balls travel; the compliance of their bodies changes slowly.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Force of one ball over the axial motion of its groove, by three readings of the contact angle.
+"""Chains of balls: force of one ball by three readings of the contact angle, Newton's method of a chain, many chains.
 
-Newton's method of one chain of balls: start with rigid bodies, then a tridiagonal system a step.
-
-Many chains: what is kept of each.
+Newton's method starts with rigid bodies, then solves a tridiagonal system a step.
 """
 
 from __future__ import annotations

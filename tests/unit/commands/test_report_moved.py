@@ -10,7 +10,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.provenance import SCENE, inputs
 from rollbench.compare.report.verify import MOST, checked_report, moved_tables, run_verify, tables
 from rollbench.compare.scenes import catalogue
-from rollbench.reports import html, manifest
+from rollbench.reports import manifest, pages
 from rollbench.reports.content import Quantity, Report, Section, Table
 
 COLUMNS = (Quantity("m", "model", "", "s"), Quantity("x", "error", "%", ".2f"), Quantity("t", "cold", "s", ".2f"))
@@ -22,7 +22,7 @@ TEXTS = {"two-balls": catalogue.scene_text("two-balls")}
 def report(tmp_path, name: str, table: Table = TABLE):
     origin = {"rollbench": "1.0", "inputs": inputs((tmp_path / "store",), TEXTS)}
     whole = Report("a report", "", {}, paged(Section("s", "S", (table,))), origin=origin)
-    return html.write(whole, tmp_path / name).parent
+    return pages.write(whole, tmp_path / name).parent
 
 
 def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_path):
@@ -48,7 +48,7 @@ def test_a_report_is_verified_by_its_manifest_and_what_is_none_is_refused(tmp_pa
     (tmp_path / "store").mkdir()
     (tmp_path / "store" / "run.json").write_text("{}", encoding="utf-8")
     folder = report(tmp_path, "a")
-    html.check_target(folder)
+    pages.check_target(folder)
     stated = json.loads((folder / manifest.FILE).read_text(encoding="utf-8"))
     assert {"index.html", "s.html", "search.js", "tables/errors.csv"} == set(stated["files"])
     assert f"{SCENE}two-balls" in stated["inputs"]

@@ -13,7 +13,7 @@ from tests.processes import ran
 from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged
 
 from rollbench.reports.content import Figure, Panel, Quantity, Report, Section, Series, Summary, Table, Text
-from rollbench.reports.html import write
+from rollbench.reports.pages import write
 
 pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser")]
 WIDTHS = {1400: 900, 390: 844}

@@ -9,7 +9,8 @@ from unittest.mock import Mock
 import pytest
 from tests.report_samples import contents, figure, report, screw, table
 
-from rollbench.reports import field3d, html, pages, scene3d
+from rollbench.reports import field3d, pages, scene3d
+from rollbench.reports import pages as html
 from rollbench.reports.content import FieldPicture, Quantity, Table
 from rollbench.reports.pages import MARKER, SEARCH
 

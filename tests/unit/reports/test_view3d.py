@@ -10,7 +10,7 @@ from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged, screw
 
 from rollbench.reports import pages, view3d
 from rollbench.reports.content import Report, Section
-from rollbench.reports.html import write
+from rollbench.reports.pages import write
 
 #: A ring, whose surfaces come from the same functions as those of pictures (test_scene3d draws a screw).
 PICTURE = screw("unseen-four-point", name="bearing", title="A short <screw>", turns=True)

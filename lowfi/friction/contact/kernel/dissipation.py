@@ -1,10 +1,7 @@
 """Dissipation of one elliptical contact as a function of its sliding velocity, its spin and a regularising speed.
 
-Carlson's R_D with its derivative by the second argument, by duplication.
-
-Mean distance psi from a point to the mass of a flattened ellipsoid, with its first and second derivatives.
-
-With unit force and a = 1 the Hertz pressure is the mass of the homogeneous ellipsoid (1, b, 0), and
+It follows from the mean distance psi from a point to the mass of a flattened ellipsoid and its derivatives, by Carlson's
+R_D (duplication). With unit force and a = 1 the Hertz pressure is the mass of the homogeneous ellipsoid (1, b, 0), and
 
     psi_i = (3/4) x_i int_l^oo U s / ((a_i^2 + s) S) ds,   S = sqrt(s (s + b^2) (s + 1)),
     U = 1 - x^2/(1 + s) - y^2/(b^2 + s) - h^2/s,

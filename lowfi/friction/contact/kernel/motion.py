@@ -1,9 +1,8 @@
 """Motion of least dissipation with contacts at rest: a falling regularising speed, then rest imposed exactly.
 
-Dissipation of a body that touches others at elliptical contacts, and Newton's method for its minimum.
-
-Unknown is the motion q (n,). Contact i sees (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength
-mu F. The convex function is sum_i strength_i D_i(v_i; speed) - push . q.
+Dissipation of a body at elliptical contacts, and Newton's method for its minimum: unknown is the motion q (n,). Contact i
+sees (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength mu F. The convex function is sum_i strength_i
+D_i(v_i; speed) - push . q.
 """
 
 from math import sqrt

@@ -6,7 +6,7 @@ last z of the contact with the next ball: its force where z is positive and, tur
 negative. F = max(z, 0), rate = max(-z, 0) are complementary by themselves. Smoothed, F rate = ``smooth`` instead of zero.
 Exact, the rate is in units of eps, what sticking contacts yield to a force, so that Newton's method passes z = 0 with ease.
 
-Newton's method on the equations of a chain.
+Newton's method solves them.
 """
 
 from math import sqrt

@@ -1,6 +1,6 @@
 """Balance of many balls in motion with ball-to-ball contact as a complementarity problem, and Newton's method on it.
 
-Contacts of balls in motion with grooves and with each other: what they see, friction and losses.
+Here too: what the contacts of balls in motion see, with grooves and with each other, friction and losses.
 """
 
 from math import sqrt

@@ -3,7 +3,7 @@
 Unknown of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
 after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 
-What one ball adds to the joint system at its place: forces out of balance and their derivatives.
+`ball_rows` is what one ball adds to it at its place: forces out of balance and their derivatives.
 """
 
 from math import sqrt
