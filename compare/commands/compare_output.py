@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.compare.files import write_csv, write_figure
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.quantities import quantities
@@ -16,7 +17,6 @@ from rollbench.compare.results.compared import OURS, Beside, Compared, answers_o
 from rollbench.compare.results.scene_json import Axial, LoadSums
 from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.text.printing import cell, plain
-from rollbench.compare.writing import write_csv, write_figure
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import Life
 from rollbench.meshes.loads import mean_load

@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.measure import error_percent, gate_scale, load_error
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.registry import MODELS, Model, Options, run_model
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.printed import entry
 from rollbench.compare.reference.convergence import pool
 from rollbench.compare.reference.estimate import FITTED, Reference, reference_of, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS
@@ -276,7 +276,7 @@ class Exceedance:
 
 def known_exceedances() -> list[Exceedance]:
     """Named exceedances of the gate, shipped as data."""
-    return [Exceedance(**row) for row in data.table("references/known_exceedances.toml").get("row", [])]
+    return [Exceedance(**row) for row in files.table("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
 from rollbench.compare.models.comparison import Loads, from_result, from_run
@@ -202,7 +202,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 def save_points(store: Path, points: Sequence[Point]) -> None:
     """Write the points of all models."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
-    from rollbench.compare.writing import replace_file
+    from rollbench.compare.files import replace_file
 
     replace_file(store / FILE, text)
 
@@ -210,7 +210,7 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 @cache
 def shipped_points() -> tuple[Point, ...]:
     """The points that come with the package; none of a file that is absent or damaged."""
-    return (*_points(lambda: json.loads(data.text(f"references/{FILE}"))), *surveyed_points())
+    return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
 
 
 @cache

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare import __version__, data
+from rollbench.compare import __version__, files
+from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
-from rollbench.compare.system import machine
-from rollbench.compare.writing import replace_file
+from rollbench.compare.running import machine
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -288,7 +288,7 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 def shipped_store() -> Path:
     """Folder of the runs that come with the package."""
-    return data.place("references")
+    return files.place("references")
 
 
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:

@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
-from rollbench.compare.models.load_path import path_words
+from rollbench.compare.models.loading import path_words
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.quantities import count_of, shown
 from rollbench.compare.results.scene_json import answers_json, set_json, starting_torque, whole_json

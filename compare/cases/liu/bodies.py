@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.cases.liu.evidence import case
+from rollbench.compare.cases.liu import evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import uncertainty_percent
@@ -24,9 +24,12 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import screw_section
 
 SCENE = "liu-screw"
+
 #: Scenes of that screw with references in 3D, and the mesh levels of these: 156 contacts, minutes a level.
 SOLID = (SCENE, "liu-small", "liu-drawn", "liu-drawn-1kN")
+
 SOLID_LEVELS = (1, 2)
+
 #: Loads [N]; half range of the drawn errors [m] and how many screws are drawn.
 LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
@@ -59,18 +62,18 @@ def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
 def same_screw(scene: Scene) -> Chain:
     """The chain with the axial compliance of the scene's screw, and a rigid nut."""
     spacing = float(np.diff(scene.balls.azimuths)[0]) * scene.track.lead / (2.0 * np.pi)
-    return replace(case.screw("exact"), compliance=abs(spacing) / screw_section(scene).EA)
+    return replace(evidence.screw("exact"), compliance=abs(spacing) / screw_section(scene).EA)
 
 
 def compare_models(study: Study) -> tuple[Compared, ...]:
     """No errors, one ball too small or too large, and drawn screws, under both loads."""
     scene = study.scene(SCENE)
     chain = same_screw(scene)
-    drawn = draw_errors(case.SEED + 2, 0, DRAWN, case.balls(), HALF_RANGE)
+    drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.balls(), HALF_RANGE)
     kinds = [
-        ("none", np.zeros(case.balls())),
-        ("ball 33: -2 um", case.one_error(-2e-6)),
-        ("ball 33: +2 um", case.one_error(2e-6)),
+        ("none", np.zeros(evidence.balls())),
+        ("ball 33: -2 um", evidence.one_error(-2e-6)),
+        ("ball 33: +2 um", evidence.one_error(2e-6)),
     ]
     kinds += [(f"drawn, +-2 um, screw {i + 1}", errors) for i, errors in enumerate(drawn)]
     return tuple(_compared(study, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS)

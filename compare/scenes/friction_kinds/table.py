@@ -1,16 +1,39 @@
-"""Scenes that only friction solves as tables of a scene file."""
+"""The kinds of scenes that only friction solves, in one table.
+
+Scenes that only friction solves as tables of a scene file.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any, Union
 
 import numpy as np
+from pydantic import Discriminator, Tag, TypeAdapter
 
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, Creep
-from rollbench.compare.scenes.friction_kinds.common import Theta
-from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene, LinearScene, Speed
-from rollbench.compare.scenes.friction_kinds.screw_balls import FREE, ScrewPairScene, ScrewRunScene
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
+from rollbench.compare.scenes.friction_kinds import bearings, screw_balls
+from rollbench.compare.scenes.friction_kinds.bearings import (
+    BearingBallKeys,
+    BearingBallScene,
+    BearingPairKeys,
+    BearingPairScene,
+    Creep,
+    LinearChainKeys,
+    LinearPairKeys,
+    LinearPairScene,
+    LinearScene,
+    Speed,
+)
+from rollbench.compare.scenes.friction_kinds.common import Kind, KindScene, Theta
+from rollbench.compare.scenes.friction_kinds.screw_balls import (
+    FREE,
+    ScrewPairKeys,
+    ScrewPairScene,
+    ScrewRunKeys,
+    ScrewRunScene,
+)
+from rollbench.compare.scenes.keys import without_null
+from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
 from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
 from rollbench.lowfi.friction.linear.bearing import deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -28,6 +51,39 @@ from rollbench.meshes.ranges import (
     quantity_of,
 )
 from rollbench.meshes.scene_text import given, groove_table, table_of, text_of
+
+TABLE = {
+    "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record),
+    "bearing pair": Kind(BearingPairKeys, bearings.pair_faults, bearings.pair_record),
+    "linear pair": Kind(LinearPairKeys, bearings.faults, bearings.record),
+    "linear chain": Kind(LinearChainKeys, bearings.faults, bearings.record),
+    "screw pair": Kind(ScrewPairKeys, screw_balls.faults, screw_balls.pair_record),
+    "screw run": Kind(ScrewRunKeys, screw_balls.faults, screw_balls.run_record),
+}
+
+
+def kind_named(name: str) -> Kind:
+    """The kind of that name, one of `names.KINDS`."""
+    return TABLE[name]
+
+
+def _tag(value: Any) -> str:
+    kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+    if kind == AXIS or (isinstance(value, dict) and "sets" in value):
+        return AXIS
+    return str(kind) if kind in KINDS else "whole"
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
+    by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
+    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_tag)]  # noqa: UP007
+    schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
+    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
+    name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
+    draft = "https://json-schema.org/draft/2020-12/schema"
+    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
+
 
 Table = dict[str, Any]
 

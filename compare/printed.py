@@ -1,4 +1,7 @@
-"""Numbers and claims printed in the sources, as data with class and tolerance. Models never read them."""
+"""Numbers and claims printed in the sources, as data with class and tolerance. Models never read them.
+
+Numbers and claims printed in the sources, as data.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,11 @@ from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
+
 CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
+
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
+
 #: Kinds in words: what reproducing an entry of the kind says of a model. A table names the two in the middle.
 KINDS: dict[Kind, str] = {
     "number": "computed number",
@@ -24,8 +30,11 @@ KINDS: dict[Kind, str] = {
     "zero": "zero by symmetry",
     "input": "input, taken over",
 }
+
 NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
+
 Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
+
 #: Verdicts in words; those that say something of a model first.
 VERDICTS: dict[Verdict, str] = {
     "reproduced": "the text determines it, and it comes out to the digits printed",
@@ -37,12 +46,15 @@ VERDICTS: dict[Verdict, str] = {
     "input": "given by the source and taken over",
     "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
 }
+
 #: Half width of a band over its middle at most: a range from 0.6 to 1.67 times a number says something of it, a wider one
 #: holds nearly whatever is computed.
 WIDEST = 0.25
+
 _TEXTS = (
     *("key", "label", "printed", "unit", "place", "class", "kind", "verdict", "contradicted", "remark", "origin", "claim"),
 )
+
 _NUMBERS = ("tolerance", "low", "high")
 
 

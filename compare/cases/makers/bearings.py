@@ -24,6 +24,7 @@ from rollbench.meshes.parts import Scene
 
 #: Materials and conformity that ratings of bearings take (ISO 281, ISO 76): not printed by makers.
 YOUNG, POISSON, CONFORMITY = 207e9, 0.3, 0.52
+
 #: Exponent of starting torque over the load of a row: the ellipse's axis times the load (Palmgren; Smith 2.33).
 TORQUE = 4.0 / 3.0
 
