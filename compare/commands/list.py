@@ -18,13 +18,13 @@ def shipped() -> Answer:
 def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-    from rollbench.compare.models.user_models import installed
+    from rollbench.compare.models.user_models import installed, origin
     from rollbench.compare.printed import printed_data
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.names import AXIS, KINDS, WHOLE
 
     titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
-    of_users = {name: f"{point.value}, installed" for name, point in installed().items() if name not in MODELS}
+    of_users = {name: origin(name) for name in installed() if name not in MODELS}
     return {
         "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
         "models": {model.name: model.about for model in MODELS.values()},

@@ -73,6 +73,12 @@ def installed() -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
 
 
+def origin(name: str) -> str:
+    """Where an installed model comes from: its function, and the version of its package."""
+    point = installed()[name]
+    return point.value if point.dist is None else f"{point.value}, {point.dist.name} {point.dist.version}"
+
+
 @cache
 def load(name: str) -> UserModel:
     """The function of an installed model. Raises ArgumentError where its package cannot be imported or has no function
