@@ -1,15 +1,21 @@
 """Kernels of several rolling sets: energy and its slope, Hessians, the envelope, the rollers' law."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
-from tests.axes import ROLLERS, double_nut
+from tests.axes import ROLLERS, assembly, bearing, double_nut, nut
 from tests.helpers import relative
 
+from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers import LineLaw
 from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, tapered
-from rollbench.lowfi.statics.kernel import rollers
-from rollbench.meshes.axis import diagonal
+from rollbench.lowfi.statics.kernel import axis, beam, rollers
+from rollbench.lowfi.statics.kernel_types import Slopes
+from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
+from rollbench.meshes.parts import Load
 
 SPRINGS = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
 
@@ -33,3 +39,72 @@ def test_compiled_kernels_find_the_same():
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
     assert relative(found[1], found[0]) < 1e-11
+
+
+def mixed():
+    """A nut, a ball bearing and rollers in two housings on springs, joined to one another."""
+    roller = RollingSet("r", "tapered roller bearing", ROLLERS, 0.25, "b", thrust="+z", offset=-6e-6)
+    sets = nut("n", 0.13, housing="a", offset=3e-6), bearing("k", 0.03, "-z", housing="b", offset=5e-6), roller
+    housings = Housing("a", 0.14, (), SPRINGS, (10.0, 20.0, -30.0)), Housing("b", 0.2, (("rz", 0.0),), SPRINGS)
+    joint = Joint("a", "b", 0.17, SPRINGS)
+    return replace(assembly(*sets), housings=housings, joints=(joint,), loads=(Load(0.06, (100.0, 50.0, 400.0)),))
+
+
+@pytest.fixture(scope="module", params=["lin", "lin-source-partition"])
+def ready(request):
+    parts = MODELS[request.param].of_assembly(mixed())
+    prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=False))
+    prepared.iterate()
+    rng = np.random.default_rng(1)
+    prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
+    n, lengths = prepared.system.structure.nodes.size, prepared.system.axis.lengths
+    moved = prepared.state.q[: n - 1].copy()
+    moved[:, 0] += lengths * prepared.state.q[: n - 1, 4]
+    moved[:, 1] -= lengths * prepared.state.q[: n - 1, 3]
+    prepared.state.d[:] = prepared.state.q[1:n] - moved
+    return prepared
+
+
+def evaluated(prepared, step=None, t=0.0):
+    s, state = prepared.system, prepared.state
+    out = Slopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
+    q, d = state.q.copy(), state.d.copy()
+    if step is not None:
+        beam.advance(s.axis, state, q, d, step, t)
+    energy, _ = axis.evaluate_axis(prepared.given, state, out)
+    state.q[:], state.d[:] = q, d
+    return energy, out
+
+
+def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient(ready):
+    s = ready.system
+    step = np.random.default_rng(2).normal(0.0, 1e-7, ready.state.q.shape)
+    step[s.structure.fixed] = 0.0
+    _, out = evaluated(ready)
+    assert (ready.state.slices[:, 0] > 0.0).any()
+    ends = [evaluated(ready, step, t) for t in (-1e-2, 1e-2)]
+    slope = (ends[1][0] - ends[0][0]) / 2e-2
+    assert slope == pytest.approx(float((out.gradient * step).sum()), rel=1e-6)
+    change = (ends[1][1].gradient - ends[0][1].gradient) / 2e-2
+    evaluated(ready)
+    values = np.zeros(s.axis.start[-1])
+    axis.add_axis(values, s.axis)
+    axis.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis.add_rollers(values, s.axis, s.slices, ready.state.slices)
+    lines = full(values, s.axis)
+    place = (6 * s.axis.place[:, None] + np.arange(6)).ravel()
+    placed = np.zeros(len(lines))
+    placed[place] = step.ravel()
+    product = (lines @ placed)[place].reshape(step.shape)
+    free = ~s.structure.fixed
+    assert relative(product[free], change[free]) < 1e-5
+
+
+def full(values, arrays):
+    """Symmetric matrix of an envelope."""
+    n = arrays.first.size
+    out = np.zeros((n, n))
+    for i in range(n):
+        j = np.arange(arrays.first[i], i + 1)
+        out[i, j] = out[j, i] = values[arrays.start[i] + j]
+    return out

@@ -73,3 +73,17 @@ def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key
     path = store.save(tmp_path, scene, new)
     assert path.name == store.path_in(shipped_store(), scene, run).name
     assert store.read(path, scene, run.level, "").measured == here()
+
+
+def test_the_report_refuses_a_mixture():
+    study = study_of(KEPT, quick=True)
+    study.computed[(reference_time.ladder,)] = []
+    reference_time.all_points(study, quiet)
+    mixed = [replace(p, measured=OTHER) if p.name == "mei" else p for p in points_of(study)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reference_time, "time_points", lambda *_: mixed)
+        with pytest.raises(ValueError, match="several measuring runs"):
+            reference_time.all_points(study, quiet)
+    far = [replace(p, measured=OTHER) if p.kind == "level" else p for p in mixed]
+    with pytest.raises(ValueError, match="several measuring runs"):
+        reference_time.speed_table({"lin-case1": far})
