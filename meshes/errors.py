@@ -184,8 +184,8 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
     drawn, errors = draw(scene, member), scene.errors
     nominal = scene.balls.radius + errors.balls.oversize
     listed = tuple((i, float(radius - nominal)) for i, radius in enumerate(drawn.ball_radius, 1))
-    sides = {
-        name: replace(
+    SL, SR, NL, NR = (
+        replace(
             errors.side(name),
             pitch=tuple(FourierTerm(*term) for term in drawn.pitch[s]),
             roundness=tuple(FourierTerm(*term) for term in drawn.roundness[s]),
@@ -193,9 +193,9 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
             profile_sigma=(),
         )
         for s, name in enumerate(SIDES)
-    }
+    )
     balls = replace(errors.balls, listed=listed, sigma=0.0)
-    return replace(scene, errors=replace(errors, balls=balls, **sides))
+    return replace(scene, errors=replace(errors, balls=balls, SL=SL, SR=SR, NL=NL, NR=NR))
 
 
 def without_draws(scene: Scene) -> Scene:
