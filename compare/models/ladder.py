@@ -13,8 +13,7 @@ from rollbench.compare.models.comparison import REFERENCED, finest_bodies
 from rollbench.compare.models.model_form import Point, left_out, point, surveyed_points
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic

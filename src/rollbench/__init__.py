@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
     from rollbench.compare.errors import InputError
     from rollbench.compare.models.user_models import ModelAnswer
-    from rollbench.compare.report.library import report
+    from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.solved import Result, Status
@@ -62,7 +62,7 @@ _ELSEWHERE = {
     "Comparison": "rollbench.compare.results.comparison",
     "ModelAnswer": "rollbench.compare.models.user_models",
     "Scene": "rollbench.meshes.parts",
-    "report": "rollbench.compare.report.library",
+    "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),

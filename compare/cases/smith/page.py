@@ -11,7 +11,7 @@ from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.evidence.record import Evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.bearings.axis import axis_stiffness
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

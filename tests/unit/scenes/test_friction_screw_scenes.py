@@ -9,7 +9,7 @@ from tests.shipped_texts import changed
 from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import solve, whole
-from rollbench.compare.studies.friction.kind_solvers import solve_kind
+from rollbench.compare.studies.friction.kinds import solve_kind
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair, summarise
 from rollbench.lowfi.friction.screw.travel import simulate

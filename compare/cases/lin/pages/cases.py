@@ -12,7 +12,7 @@ from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.curves import lateral, load_panel, loads
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text

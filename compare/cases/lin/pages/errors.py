@@ -11,7 +11,7 @@ from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Quantity, Row, Section, Series, Table

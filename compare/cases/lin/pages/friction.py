@@ -27,7 +27,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, value_of
 from rollbench.compare.sections.curves import numbers
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.friction.bearing import SIDES, Solution, sweep
 from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, maps
 from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text

@@ -12,7 +12,7 @@ from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, value_of
 from rollbench.compare.sections.curves import numbers
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.friction.bearing import TorqueCurve
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, deviation, summarise

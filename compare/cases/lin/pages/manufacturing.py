@@ -12,7 +12,7 @@ from rollbench.compare.evidence.computations import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed.printed_data import entry, value_of
 from rollbench.compare.sections.curves import loads
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
