@@ -163,13 +163,16 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+    from rollbench.compare.models.user_models import installed, origin
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
     titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
+    of_users = {name: origin(name) for name in installed() if name not in MODELS}
     return {
         "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
         "models": {model.name: model.about for model in MODELS.values()},
+        **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
         "printed_tables": {name: len(printed.load_table(name)) for name in printed.tables()},
     }

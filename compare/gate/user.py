@@ -40,7 +40,7 @@ from rollbench.compare.models.comparison import (
     referenced,
 )
 from rollbench.compare.models.loading import scaled
-from rollbench.compare.models.registry import DEFAULT, MODELS, run_model
+from rollbench.compare.models.registry import DEFAULT, known_model, run_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
 from rollbench.compare.reference.jobs import Engine, ensure, plan
@@ -280,7 +280,7 @@ def check_scenes(
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
             out += [v for one in each for v in _verdicts(one, files, limits, request)]
-            judged = MODELS[request.model].name if request.loads is None else request.loads.name
+            judged = request.model if request.loads is None else request.loads.name
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
             beside = each if value.force is None else referenced(files.at[value.force], request.stores)
@@ -477,10 +477,11 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
         answer = answered(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
     else:
-        if not MODELS[name].suits(scene):
+        model = known_model(name)
+        if not model.suits(scene):
             advice = "rollbench list tells what each model describes"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        solved = run_model(scene, name, options_for(MODELS[name], scene, ref, stores))
+        solved = run_model(scene, name, options_for(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model has no loads: {status}"

@@ -313,6 +313,8 @@ def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Con
     """What a model says of contacts, of the quantities that are given a limit."""
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
     further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
+    if "pressure" in further and answer.pressure is not None:
+        further["pressure"] = answer.pressure
     return Contacts(answer.load, further)
 
 

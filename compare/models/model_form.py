@@ -33,6 +33,7 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
 from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.compare.reference.store import Run
 from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -258,9 +259,11 @@ def bound(known: Array, errors: Array, here: Array, least: float) -> float:
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
-    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
-    and scenes beyond the range of what describes the compared ones.
+    Not covered: models that were not compared (Mei's, those of users), kinds of scenes that were not (rings are compared
+    with rings only), and scenes beyond the range of what describes the compared ones.
     """
+    if result.model not in MODELS:
+        return ModelForm(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
     compared = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]

@@ -165,8 +165,9 @@ def _axial(data: dict[str, Any], worth: ModelForm | None) -> str:
     d, three = data["axial"], data["rigidities_N_per_um"]
     moved = None if worth is None else worth.displacement_percent
     stiff = None if worth is None else worth.rigidity_percent
-    moves = shown(d["displacement_um"], _share(d["displacement_um"], moved), 3)
-    text = f"{moves} um under {d['force_N']:.5g} N at the nut's centre"
+    um = d["displacement_um"]
+    moves = "displacement not known" if um is None else f"{shown(um, _share(um, moved), 3)} um"
+    text = f"{moves} under {d['force_N']:.5g} N at the nut's centre"
     if three is None:
         return f"{text}; no rigidity without axial load"
     why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
