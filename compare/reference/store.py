@@ -244,6 +244,7 @@ def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
     """What a mesh depends on beside the scene's own fields."""
+
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
     low, high = dims.ends(scene)
@@ -347,6 +348,7 @@ def _mesh_of(path: Path) -> _Mesh | None:
 
 @lru_cache(maxsize=100_000)
 def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
+
     try:
         run = unsealed(path)
         settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])
