@@ -1,8 +1,8 @@
 """Evidence: what is computed for each printed number and claim, once, and its verdict; gate, report and literature tests
 read it.
 
-Which function computes the evidence of which printed table, from which scenes, and which test asserts it; and the audit:
-one verdict for every printed entry of the sources, and how much of each source can be trusted.
+`computations.toml` of a case names the function that computes the numbers of a printed table and the test that asserts it.
+The verdict that is expected of an entry stands beside the printed value; `Evidence.change` is how the two differ.
 """
 
 from __future__ import annotations

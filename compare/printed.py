@@ -1,7 +1,4 @@
-"""Numbers and claims printed in the sources, as data with class and tolerance. Models never read them.
-
-Numbers and claims printed in the sources, as data.
-"""
+"""Numbers and claims printed in the sources, as data with class and tolerance. Models never read them."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""The commands ``list`` and ``audit``: what is shipped and printed.
-
-``rollbench check --printed`` judges what is printed, ``rollbench list --trace`` says what each number rests on.
-"""
+"""``rollbench check --printed`` (also ``audit``) judges what is printed; ``rollbench list`` names what is shipped, and with
+``--trace`` what each printed number rests on."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     condensed = read_condensed(scene, options) if name == "condensed" else None
     solve = partial(
         solve_elastic,
-        backend=LADDER.get(name, REFINED),
+        backend=REFINED if condensed is not None else LADDER[name],
         condensed=condensed,
         name=name,
         everything=options.everything,
