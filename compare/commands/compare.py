@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, Where, app, engine
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.system import need_packages
+from rollbench.compare.running import need_packages
 from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.compared import Beside
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import RollingRow
     from rollbench.compare.studies.rolling.runs import RollingRun
     from rollbench.meshes.parts import Scene
@@ -259,7 +259,7 @@ def run_rolling_compare(
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.levels import HALF_SPACE
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import rows
     from rollbench.compare.studies.rolling.runs import LEVELS
 
@@ -318,7 +318,7 @@ def run_rolling_study(
     """Every quantity on every grid, all of them unless given, as it is and on top of the rigid limit, and its uncertainty
     from them all."""
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import uncertainty
     from rollbench.compare.studies.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE
 
@@ -373,7 +373,7 @@ def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, b
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
     kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
     if any(kinds) and not all(kinds):

@@ -15,7 +15,7 @@ from typing import Literal
 
 from rollbench.compare import __version__
 from rollbench.compare.commands.terminal import Flag, Json, app
-from rollbench.compare.system import available_GB, cores, gmsh_fault, gmsh_remedy
+from rollbench.compare.running import available_GB, cores, gmsh_fault, gmsh_remedy
 from rollbench.compare.text.printing import Answer, print_answer, writing
 
 State = Literal["ok", "missing", "optional"]
@@ -162,7 +162,7 @@ def _folders(store: Path) -> Iterator[Check]:
 
 def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     from rollbench.compare.errors import InputError
-    from rollbench.compare.writing import need_writable
+    from rollbench.compare.files import need_writable
 
     near = folder
     while not near.exists() and near != near.parent:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.system import cores, need_gmsh, need_packages, need_reference, out_of_memory
+from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, out_of_memory
 from rollbench.compare.text.printing import Answer, on_terminal, print_answer
 
 if TYPE_CHECKING:
@@ -192,11 +192,11 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
 
     Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
     """
+    from rollbench.compare.files import need_writable, written
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.tasks import settings_of
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case, whole
-    from rollbench.compare.writing import need_writable, written
 
     if level not in LEVELS:
         raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")

@@ -66,12 +66,12 @@ def run_mesh_study(
     count: as for `levels_of`. Raises InputError for other levels, Refusal for a scene of which no run converged.
     """
     from rollbench.compare.commands.compare import code_of
+    from rollbench.compare.files import no_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.sections.curves import study_figure
     from rollbench.compare.studies.mesh_study import closing, compute_study, extremes, level_rows, levels_of, table_of
-    from rollbench.compare.writing import no_figure, write_csv, write_figure
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
     stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)

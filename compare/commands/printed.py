@@ -1,7 +1,5 @@
-"""The commands ``list`` and ``audit``: what is shipped and printed.
-
-``rollbench check --printed`` judges what is printed, ``rollbench list --trace`` says what each number rests on.
-"""
+"""``rollbench check --printed`` (also ``audit``) judges what is printed; ``rollbench list`` names what is shipped, and with
+``--trace`` what each printed number rests on."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
-    from rollbench.compare.evidence.record import Evidence
+    from rollbench.compare.evidence import Evidence
     from rollbench.compare.models.study import Study
 
 
@@ -27,8 +25,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     sources: names of cases, all unless given; only: names of printed tables and entries ("table:key"), all of these cases
     unless given. Raises InputError for an unknown one.
     """
+    from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
-    from rollbench.compare.writing import replace_file
 
     rows = chosen(Study(), sources, only)
     if write is not None:
@@ -41,8 +39,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
 def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """What is computed for the printed entries that are asked for, as `run_printed` takes them, in the order of tables."""
     from rollbench.compare.case import every_case
-    from rollbench.compare.evidence.computations import computations, evidence
-    from rollbench.compare.printed.printed_data import load_table
+    from rollbench.compare.evidence import computations, evidence
+    from rollbench.compare.printed import load_table
 
     cases = [case.name for case in every_case() if case.title]
     _known("source", sources, cases)
@@ -55,7 +53,7 @@ def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) 
 
 
 def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
-    from rollbench.compare.reading import alike, question
+    from rollbench.compare.files import alike, question
 
     for word in given:
         if word not in names:
@@ -65,7 +63,7 @@ def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
 
 def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
     """JSON-ready."""
-    from rollbench.compare.evidence.verdicts import counts, left_out, misprints
+    from rollbench.compare.evidence import counts, left_out, misprints
 
     return {
         "counts": counts(rows),
@@ -78,7 +76,7 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 def entry_json(e: Evidence) -> dict[str, Any]:
     """One entry, JSON-ready."""
-    from rollbench.compare.evidence.verdicts import source
+    from rollbench.compare.evidence import source
 
     p = e.printed
     return {
@@ -104,8 +102,8 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     """The same for the terminal; misprints and what is left out as counts."""
     from rich.table import Table
 
-    from rollbench.compare.evidence.verdicts import APART, counts, left_out, misprints, trust
-    from rollbench.compare.printed.printed_data import VERDICTS
+    from rollbench.compare.evidence import APART, counts, left_out, misprints, trust
+    from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
@@ -126,7 +124,7 @@ def traced(table: str = "") -> Answer:
     (``module:function``), test. Raises InputError for an unknown table."""
     from rich.table import Table
 
-    from rollbench.compare.evidence.computations import traces
+    from rollbench.compare.evidence import traces
 
     entries = list(traces(table))
     shown = Table(title="every printed number: scenes, computation, test", title_justify="left")
@@ -161,17 +159,20 @@ def shipped() -> Answer:
 
 def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
+    from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-    from rollbench.compare.printed import printed_data
+    from rollbench.compare.models.user_models import installed, origin
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.names import AXIS, KINDS, WHOLE
+    from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
     titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
+    of_users = {name: origin(name) for name in installed() if name not in MODELS}
     return {
         "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
         "models": {model.name: model.about for model in MODELS.values()},
+        **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
-        "printed_tables": {name: len(printed_data.load_table(name)) for name in printed_data.tables()},
+        "printed_tables": {name: len(printed.load_table(name)) for name in printed.tables()},
     }
 
 

@@ -63,7 +63,7 @@ def report(
         With a scene: your own reference in place of the 3D reference, as for rollbench check.
     """
     if scene is not None:
-        from rollbench.compare.system import need_packages
+        from rollbench.compare.running import need_packages
         from rollbench.meshes.libraries import PAGES
 
         need_packages(*PAGES)  # some of which the next line imports
@@ -94,7 +94,7 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     store
         Folder of the reference's runs, besides those shipped.
     """
-    from rollbench.compare.system import need_packages
+    from rollbench.compare.running import need_packages
     from rollbench.meshes.libraries import PAGES
 
     need_packages(*PAGES)  # some of which the next line imports

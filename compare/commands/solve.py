@@ -51,10 +51,10 @@ def run_solve(name: str, choices: Choices) -> Answer:
     converge. Raises InputError."""
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.running import checked, watched
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.text.solved import case_table, stiffness_lines
-    from rollbench.compare.watch import checked, watched
 
     described = catalogue.any_scene(name)
     scenes: Sequence[Scene | Assembly] = each_case(described, name)
@@ -95,10 +95,10 @@ def _of_case(choices: Choices, name: str) -> Choices:
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
+    from rollbench.compare.files import write_csv
     from rollbench.compare.gate.given_files import loads_csv
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.quantities import count_of
-    from rollbench.compare.writing import write_csv
 
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
@@ -166,7 +166,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
         raise ArgumentError("curve", str(choices.curve), "a name that ends in .csv", "rename it")
     for path in filter(None, (choices.curve, choices.loads_csv)):
-        from rollbench.compare.writing import need_writable
+        from rollbench.compare.files import need_writable
 
         need_writable(path)
     if not choices.stiffness_at:

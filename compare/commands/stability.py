@@ -57,10 +57,10 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
 
     Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
     """
+    from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.survey import SCENES, SEED
     from rollbench.compare.text.printing import on_terminal
-    from rollbench.compare.writing import need_writable, replace_file
 
     if not 1 <= count <= SCENES:
         raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")

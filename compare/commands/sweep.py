@@ -64,8 +64,8 @@ def sweep(
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
     """Solve what is missing and write the summary; exit code 1 where no sample converged. Raises InputError."""
+    from rollbench.compare.files import no_figure
     from rollbench.compare.studies.sweep.summary import solve_sweep
-    from rollbench.compare.writing import no_figure
 
     found = solve_sweep(sweep, out, engine, on_terminal)
     written = f"{out}: written: samples.csv, summary.json and {no_figure() or 'figures (SVG)'}"

@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.evidence.computations import by_table, evidence
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence import Evidence, by_table, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, gate_points, known_exceedances
-from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import uncertainty_percent

@@ -28,10 +28,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
 from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.lowfi.statics.contacts import nominal_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
@@ -204,7 +205,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 def save_points(store: Path, points: Sequence[Point]) -> None:
     """Write the points of all models."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
-    from rollbench.compare.writing import replace_file
+    from rollbench.compare.files import replace_file
 
     replace_file(store / FILE, text)
 
@@ -212,7 +213,7 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 @cache
 def shipped_points() -> tuple[Point, ...]:
     """The points that come with the package; none of a file that is absent or damaged."""
-    return (*_points(lambda: json.loads(data.text(f"references/{FILE}"))), *surveyed_points())
+    return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
 
 
 @cache
@@ -260,9 +261,11 @@ def bound(known: Array, errors: Array, here: Array, least: float) -> float:
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
-    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
-    and scenes beyond the range of what describes the compared ones.
+    Not covered: models that were not compared (Mei's, those of users), kinds of scenes that were not (rings are compared
+    with rings only), and scenes beyond the range of what describes the compared ones.
     """
+    if result.model not in MODELS:
+        return ModelForm(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
     compared = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]

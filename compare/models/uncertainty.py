@@ -34,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import load_answers
 from rollbench.compare.models.applicability import outside
@@ -46,7 +47,6 @@ from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.grid_parts import both_flanks
 from rollbench.compare.reference.store import Run, load, shipped_store
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.writing import replace_file
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load

@@ -24,7 +24,7 @@ from rollbench.compare.reference.tasks import (
     stations,
 )
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.system import need_reference, out_of_memory
+from rollbench.compare.running import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies

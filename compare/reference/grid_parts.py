@@ -49,10 +49,10 @@ from pathlib import Path
 
 import numpy as np
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load

@@ -24,8 +24,7 @@ from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.system import available_GB, cores
-from rollbench.compare.watch import reader_gone
+from rollbench.compare.running import available_GB, cores, reader_gone
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak

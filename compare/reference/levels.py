@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rollbench.compare import data
+from rollbench.compare import files
 
 #: Ball radius [m] to which the levels' lengths belong; other scenes in proportion.
 BALL = 2.778e-3
-_TABLES = data.table("reference/levels.toml")
+_TABLES = files.table("reference/levels.toml")
 
 
 def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:

@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare import __version__, data
+from rollbench.compare import __version__, files
+from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
-from rollbench.compare.system import machine
-from rollbench.compare.writing import replace_file
+from rollbench.compare.running import machine
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical, digest
@@ -243,7 +244,6 @@ def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
     """What a mesh depends on beside the scene's own fields."""
-    from rollbench.hifi.meshing.settings import Settings
 
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
@@ -289,7 +289,7 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 def shipped_store() -> Path:
     """Folder of the runs that come with the package."""
-    return data.place("references")
+    return files.place("references")
 
 
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
@@ -348,7 +348,6 @@ def _mesh_of(path: Path) -> _Mesh | None:
 
 @lru_cache(maxsize=100_000)
 def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
-    from rollbench.hifi.meshing.settings import Settings
 
     try:
         run = unsealed(path)

@@ -10,9 +10,9 @@ import numpy as np
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
-from rollbench.compare.models.ladder import UNSEEN, Rung, ladder
-from rollbench.compare.models.ladder import points as compared_points
 from rollbench.compare.models.model_form import Point, surveyed_points
+from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
+from rollbench.compare.models.modelling import points as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, scatter, total

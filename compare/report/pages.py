@@ -18,8 +18,8 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.store import load
 from rollbench.compare.reference.tasks import Task
+from rollbench.compare.running import cores, gmsh_fault
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.system import cores, gmsh_fault
 from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
@@ -76,7 +76,7 @@ PLACED = (
     Listed("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
     Listed("sheets", "cases", "sections.sheets", quick=True, runs=True),
     Listed("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
-    Listed("cases", "cases", "cases.lin.pages.cases", quick=True, runs=True),
+    Listed("cases", "cases", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
     Listed("reconstruction", "cases", "cases.lin.pages.reconstruction", runs=True),
     Listed("overview", "accuracy", "report.overview", quick=True, runs=True),
     Listed("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
@@ -85,15 +85,15 @@ PLACED = (
     Listed("pictures", "reference", "sections.pictures", meshes=True),
     Listed("verification", "reference", "sections.verification", meshes=True),
     Listed("crosscheck", "reference", "sections.verification:crosscheck_section", runs=True, meshes=True),
-    Listed("hertz", "reference", "cases.lin.pages.hertz"),
+    Listed("hertz", "reference", "cases.lin.pages.chapter_2:hertz_section"),
     Listed("stability", "robustness", "report.stability"),
-    Listed("formulations", "robustness", "cases.lin.pages.formulations"),
+    Listed("formulations", "robustness", "cases.lin.pages.chapter_2:formulations_section"),
     Listed("tolerances", "tolerances", "sections.tolerances"),
-    Listed("errors", "tolerances", "cases.lin.pages.errors"),
-    Listed("manufacturing", "tolerances", "cases.lin.pages.manufacturing"),
+    Listed("errors", "tolerances", "cases.lin.pages.chapter_2:errors_section"),
+    Listed("manufacturing", "tolerances", "cases.lin.pages.chapter_2:manufacturing_section"),
     Listed("friction", "friction", "cases.lin.pages.friction"),
     Listed("steering", "friction", "cases.lin.pages.steering"),
-    Listed("friction-screw", "friction", "cases.lin.pages.friction_screw"),
+    Listed("friction-screw", "friction", "cases.lin.pages.friction:screw_section"),
     Listed("rolling", "rolling", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
     Listed("smith", "sources", "cases.smith.page"),
     Listed("liu", "sources", "cases.liu.page"),

@@ -13,6 +13,7 @@ from typing import Any
 from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.files import need_writable
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
@@ -21,10 +22,9 @@ from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
+from rollbench.compare.running import gmsh_fault, libraries, machine, need_packages
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.compare.text.printing import Answer
-from rollbench.compare.writing import need_writable
 from rollbench.meshes.libraries import PAGES
 from rollbench.meshes.processes import held_to_one_thread
 from rollbench.reports.content import Report, Section
@@ -78,8 +78,8 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 
     if study.stores is None:
         return
-    from rollbench.compare.cases.liu.evidence.bodies import references as bodies_references
-    from rollbench.compare.models.ladder import DEEP, UNSEEN
+    from rollbench.compare.cases.liu.bodies import references as bodies_references
+    from rollbench.compare.models.modelling import DEEP, UNSEEN
     from rollbench.compare.studies.crosscheck.study import references as checked_references
 
     scenes = [study.scene(name) for name in REFERENCED]
@@ -129,8 +129,8 @@ def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
     from rollbench.compare.models.applicability import save_places
-    from rollbench.compare.models.ladder import ladder, points
     from rollbench.compare.models.model_form import save_points
+    from rollbench.compare.models.modelling import ladder, points
 
     rungs = study.once(ladder)
     if rungs and study.stores:

@@ -16,6 +16,7 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.files import need_writable, replace_file
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
@@ -30,6 +31,7 @@ from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.results.scene_json import case_json, cases_json
+from rollbench.compare.running import libraries
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import load_panel, loads
@@ -38,10 +40,8 @@ from rollbench.compare.sections.sheets import sketch_of
 from rollbench.compare.studies.friction.answer import lines_of, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
 from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
-from rollbench.compare.system import libraries
 from rollbench.compare.text.entries import entries
 from rollbench.compare.text.solved import case_rows, together_entries
-from rollbench.compare.writing import need_writable, replace_file
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from rollbench.compare.cases.lin.pages.extremes import table_section_items
+from rollbench.compare.cases.lin.extremes import table_section_items
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.fit import WORDS
 from rollbench.compare.studies import survey as survey

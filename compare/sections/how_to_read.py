@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.compare.evidence.computations import evidence
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import RULE

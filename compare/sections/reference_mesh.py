@@ -9,8 +9,7 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.ladder import UNSEEN
-from rollbench.compare.models.modelling import REFINED, VARIED, varied
+from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, varied
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import SHARED, beside_face
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent

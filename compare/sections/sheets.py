@@ -13,7 +13,7 @@ import numpy as np
 from rollbench.compare.gate.verdict import LIMIT, Limits, Verdict
 from rollbench.compare.gate.verdict import judge as by_gate
 from rollbench.compare.models.comparison import REFERENCED, RULE, from_result, from_run
-from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, QUANTITIES, Validated, validated

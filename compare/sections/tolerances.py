@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.models.study import Study
 from rollbench.compare.studies.sweep.keys import Vary, read_vary
 from rollbench.compare.studies.sweep.sample import MAIN
@@ -29,7 +29,7 @@ WORDS = {
 @cache
 def stored() -> dict[str, Any]:
     """The shipped summary."""
-    found: dict[str, Any] = json.loads(data.text(TOLERANCES))
+    found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 

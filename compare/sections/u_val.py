@@ -18,9 +18,8 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import REFERENCED, from_result
-from rollbench.compare.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import REFINED, SPOKEN_FOR, base_run
+from rollbench.compare.models.modelling import REFINED, RUNGS, SPOKEN_FOR, UNSEEN, Rung, base_run, ladder, left_out_one
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (

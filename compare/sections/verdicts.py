@@ -10,11 +10,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.evidence.record import Evidence, sentences
-from rollbench.compare.evidence.verdicts import APART, audit, counts, left_out, misprints, trust
-from rollbench.compare.evidence.verdicts import counts as audited_counts
+from rollbench.compare.evidence import APART, Evidence, audit, counts, left_out, misprints, sentences, trust
+from rollbench.compare.evidence import counts as audited_counts
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import KINDS, VERDICTS
+from rollbench.compare.printed import KINDS, VERDICTS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 
 #: Remarks that more rows than this share are numbered and stand once, in the note.

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_of
+from rollbench.compare.running import need_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, refuse
-from rollbench.compare.system import need_gmsh
-from rollbench.compare.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, write
 from rollbench.meshes.exchange.mesh_files import only

@@ -25,10 +25,10 @@ from statistics import median
 from time import perf_counter, time
 from typing import Any, TypeVar
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.store import Measured, here
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import run_ensemble
-from rollbench.compare.writing import replace_file
 from rollbench.meshes.processes import VARIABLES
 
 

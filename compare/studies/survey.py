@@ -30,7 +30,7 @@ from rollbench.compare.reference.store import Run, read, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.from_keys import touching_angle
-from rollbench.compare.scenes.like import LOAD, values_like
+from rollbench.compare.scenes.template import LOAD, values_like
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import nominal_contacts

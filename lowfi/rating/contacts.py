@@ -129,8 +129,11 @@ class Truncation:
     cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge")
 
 
-def worst_contact(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Contact | None:
-    """The loaded contact of the highest pole pressure, None without load. load ``(n, 4)`` [N], angle ``(n, 4)`` [rad].
+def worst_contact(
+    scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
+) -> Contact | None:
+    """The loaded contact of the highest pole pressure, None without load. load ``(n, 4)`` [N], angle ``(n, 4)`` [rad];
+    pressure ``(n, 4)`` [Pa] in place of Hertz's.
 
     Elliptical Hertz contact (Johnson 1985, 4.2) of the radii of ball and groove that are drawn, whatever constants the
     force law has (ingredient ``hertz``); valid as long as the ellipse is small against ball and groove. Raises ValueError
@@ -139,7 +142,7 @@ def worst_contact(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> C
     if not (load > 0.0).any():
         return None
     h = own_hertz(scene, drawn)
-    pressure = h.pressure(load)
+    pressure = h.pressure(load) if pressure is None else pressure
     i, s = (int(k) for k in np.unravel_index(int(pressure.argmax()), load.shape))
     force, root = float(load[i, s]), float(np.cbrt(load[i, s]))
     return Contact(

@@ -148,5 +148,5 @@ def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidi
         return None
     alone = contacts_displacement(scene, size)
     body = body_compliance(scene)
-    unequal = None if displacement is None or displacement * force <= 0.0 else force / displacement
+    unequal = force / displacement if displacement is not None and displacement * force > 0.0 else None
     return Rigidities(size / alone, None if body is None else 1.0 / (alone / size + body), unequal)

@@ -24,8 +24,8 @@ from tests.campaign.scenes import Campaign, Part
 
 from rollbench.compare.cli import commands
 from rollbench.compare.errors import InputError
+from rollbench.compare.files import replace_file
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-from rollbench.compare.writing import replace_file
 
 
 def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:

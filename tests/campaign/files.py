@@ -46,7 +46,7 @@ VALUES = (
 WRITER = """
 import sys
 from pathlib import Path
-from rollbench.compare.writing import replace_file
+from rollbench.compare.files import replace_file
 k = 0
 print("ready", flush=True)
 while True:

@@ -16,8 +16,9 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.levels import FINITE
 from rollbench.compare.reference.store import most_of, shipped_store
+from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import case_of
 from rollbench.compare.studies.rolling.rows import (
     GAP,
@@ -36,7 +37,6 @@ from rollbench.compare.studies.rolling.rows import (
 )
 from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load
 from rollbench.compare.studies.rolling.runs import sizes as body_sizes
-from rollbench.compare.system import gmsh_fault
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array

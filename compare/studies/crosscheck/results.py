@@ -34,9 +34,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Cell, Quantity

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.friction_sums import moves, sums
+from rollbench.compare.models.answers import moves, sums
 from rollbench.compare.quantities import number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
@@ -25,7 +25,7 @@ from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 
 LUBRICANT = "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature"

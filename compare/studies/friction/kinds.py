@@ -15,8 +15,8 @@ import numpy as np
 
 from rollbench.compare.quantities import number
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from rollbench.compare.scenes.kinds import KindScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_linear

@@ -104,8 +104,9 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
 
 
 def work_of(scene: Scene, result: StaticResult) -> float:
-    """Loads of a scene times the motions of their stations in a result [J]; nan where it has none."""
-    if not result.centreline_z.size:
+    """Loads of a scene times the motions of their stations in a result [J]; nan where it has no
+    line of them."""
+    if result.centreline_z.size < 2:
         return float("nan")
     work = 0.0
     for x in scene.loads:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.registry import MODELS, Options, default_model, random_errors, run_model
+from rollbench.compare.models.registry import Options, default_model, known_model, random_errors, run_model
 from rollbench.compare.quantities import number
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
@@ -169,9 +169,8 @@ def run_members(
 
 def _check(scene: Scene | Assembly, model: str, count: int) -> None:
     single = isinstance(scene, Scene)
-    if single and (model not in MODELS or model == "condensed"):
-        allowed = ", ".join(name for name in MODELS if name != "condensed")
-        raise ArgumentError("model", model, allowed, "choose one of these")
+    if single:
+        known_model(model, without=("condensed",))
     if not 2 <= count <= MOST:
         raise ArgumentError("members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
     if not random_errors(scene):

@@ -17,14 +17,13 @@ import numpy as np
 from rollbench.compare.gate.gate import GateRow
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.printed import entry
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene
-from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene, LinearScene
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearPairScene, LinearScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.compare.scenes.kinds import KindScene
 from rollbench.compare.studies.friction.linear_kinds import linear_loads
 from rollbench.compare.studies.rolling.cases import case_of
 from rollbench.compare.studies.rolling.runs import (

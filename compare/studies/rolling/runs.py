@@ -22,16 +22,16 @@ from time import process_time
 import numpy as np
 
 from rollbench.compare.errors import Refusal
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import KEY, Measured, here, shipped_store
+from rollbench.compare.running import out_of_memory
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import Case, case_of
-from rollbench.compare.system import out_of_memory
-from rollbench.compare.writing import replace_file
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rigid_rolling, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes

@@ -10,7 +10,8 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.models import user_models
+from rollbench.compare.models.registry import AXIS_MODELS, MODELS, known_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
 from rollbench.compare.scenes import scene_file, scene_tables
@@ -59,7 +60,9 @@ class Sweep:
         """All that the records depend on."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
-        some = {"outputs_kept": list(self.wanted)} if self.outputs else {}
+        some: dict[str, Any] = {"outputs_kept": list(self.wanted)} if self.outputs else {}
+        if self.model not in MODELS:
+            some["model_of"] = user_models.origin(self.model)
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
@@ -69,9 +72,10 @@ class Sweep:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "names with commas between")
         raw = scene_file.read_toml(self.text, self.origin)
         scene = scene_tables.read_tables(raw, self.origin)
-        known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
-        if self.model not in known:
-            raise ArgumentError("model", self.model, ", ".join(known), "choose one of these")
+        if not isinstance(scene, Assembly):
+            known_model(self.model, without=("condensed",))
+        elif self.model not in AXIS_MODELS:
+            raise ArgumentError("model", self.model, ", ".join(AXIS_MODELS), "choose one of these")
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:

@@ -26,6 +26,7 @@ from uuid import uuid4
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.files import replace_file
 from rollbench.compare.models.answers import unloaded_place
 from rollbench.compare.models.load_cases import cycle_life, loads_of
 from rollbench.compare.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
@@ -33,7 +34,6 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.studies.sweep.keys import Vary, changed
-from rollbench.compare.writing import replace_file
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -206,7 +206,7 @@ def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
     """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
-    from rollbench.compare.models.friction_sums import torque
+    from rollbench.compare.models.answers import torque
 
     return torque(sets, friction, motion, options)
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import sobol_indices
 
+from rollbench.compare.files import replace_file, write_figure
 from rollbench.compare.models.registry import DEFAULT, default_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
@@ -25,7 +26,6 @@ from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep.keys import Method, Vary, base_points, read_vary
 from rollbench.compare.studies.sweep.run import Sweep
 from rollbench.compare.studies.sweep.sample import CONVERGED, MAIN, OUTPUTS, Record
-from rollbench.compare.writing import replace_file, write_figure
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Series

@@ -224,7 +224,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
         ({"out": tmp_path / "a.txt"}, "out: got"),
     ):
         with pytest.raises(InputError, match=key):
-            export.run(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
+            export.write_deck(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
     assert not list(tmp_path.iterdir())
 
 

@@ -9,7 +9,7 @@ from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.like import scene_like
+from rollbench.compare.scenes.template import scene_like
 from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import nominal_hertz

@@ -8,7 +8,7 @@ from tests.sources.entries import found
 
 from rollbench.compare.cases.lin.evidence import rotary_linear
 from rollbench.compare.cases.lin.pages import friction
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_hash
