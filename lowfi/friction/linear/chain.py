@@ -31,12 +31,16 @@ from rollbench.lowfi.friction.linear.bearing import (
     LinearBearing,
     Loads,
     balanced_loads,
+    ball_force,
+    ball_loss,
     deviations,
     diagonal_loads,
     directions,
     elastic_loads,
     second_kind,
     semi_axes,
+    spin_loss,
+    velocity_deviation,
 )
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
 from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainPoint, Work
