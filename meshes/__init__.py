@@ -1,2 +1,5 @@
-"""What the physics shares: parts and their exact geometry, units, sections (numpy only); and, for the 3D reference, meshes of
-screw, nut, ball and patches by gmsh (`grooved_body`, `ball_body`, `shell`), their quality, and exchange with other programs."""
+"""What the physics shares: parts and their exact geometry, units, sections; meshes of bodies for the 3D reference.
+
+Screw, nut, ball and patches are meshed by gmsh (`grooved_body`, `ball_body`, `shell`); `exchange` writes for other programs.
+Parts, helix, surface and sections need numpy alone.
+"""
