@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.models.answers import moves, sums
+from rollbench.compare.models.friction_sums import moves, sums
 from rollbench.compare.quantities import number
 from rollbench.compare.studies.friction.answer import (
     BESIDES,
