@@ -37,6 +37,8 @@ def table_1(sheet, study):
 ''',
     "page.py": '''
 from rollbench.compare.evidence import evidence
+from rollbench.compare.sections.verdicts import printed_table
+from rollbench.compare.evidence import evidence
 from rollbench.compare.sections.finding_table import printed_table
 from rollbench.reports.content import Section
 def section(study, step):

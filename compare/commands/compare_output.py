@@ -16,8 +16,7 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.compared import OURS, Beside, Compared, answers_of
 from rollbench.compare.results.scene_json import Axial, LoadSums
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.text.printing import cell
-from rollbench.compare.text.tables import plain
+from rollbench.compare.text.printing import cell, plain
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import Life
 from rollbench.meshes.loads import mean_load

@@ -10,8 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.text.printing import Answer, print_answer, text_width
-from rollbench.compare.text.tables import listed
+from rollbench.compare.text.printing import Answer, listed, print_answer, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

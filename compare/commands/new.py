@@ -1,4 +1,4 @@
-"""The command rollbench new."""
+"""The commands ``new`` and ``schema``: a scene file to edit, and the JSON Schema of all."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 from shlex import quote
 
 from rollbench.compare.commands.terminal import Word, app
-from rollbench.compare.text.printing import Answer, print_answer
+from rollbench.compare.text.printing import Answer, print_answer, print_json
 
 
 @app.command
@@ -34,3 +34,11 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     write_new(file, schema_line + text_of(kind, like))
     command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
+
+
+@app.command
+def schema() -> None:
+    """Print the JSON Schema of a scene file, of all kinds."""
+    from rollbench.compare.scenes.friction_kinds.table import json_schema
+
+    print_json(json_schema())

@@ -1,16 +1,19 @@
-"""What is printed: ``rollbench check --printed`` judges it, ``rollbench list --trace`` says what each number rests on."""
+"""The commands ``list`` and ``audit``: what is shipped and printed.
+
+``rollbench check --printed`` judges what is printed, ``rollbench list --trace`` says what each number rests on.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell
-from rollbench.compare.text.tables import ruled
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.evidence import Evidence
@@ -133,3 +136,70 @@ def traced(table: str = "") -> Answer:
         test = t.test.removeprefix("tests/sources/")
         shown.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
     return Answer([asdict(trace) for trace in entries], [shown])
+
+
+@app.command
+def audit(*, only: Names = None, write: Path | None = None, as_json: Json = False) -> int:
+    """Judge every printed entry of the sources: the name that rollbench check --printed had, kept until 1.0.
+
+    Parameters
+    ----------
+    only
+        Names of printed tables or entries; all unless given.
+    write
+        File to write the verdicts to.
+    """
+
+    return print_answer(run_printed((), only or (), write), as_json)
+
+
+def shipped() -> Answer:
+    """Scenes, models and printed tables."""
+    data = _shipped_json()
+    return Answer(data, _lines(data))
+
+
+def _shipped_json() -> dict[str, dict[str, Any]]:
+    """Scenes by kind and models with their titles, printed tables with their number of rows."""
+    from rollbench.compare import printed
+    from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
+
+    titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
+    return {
+        "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
+        "models": {model.name: model.about for model in MODELS.values()},
+        "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
+        "printed_tables": {name: len(printed.load_table(name)) for name in printed.tables()},
+    }
+
+
+def _lines(data: Mapping[str, Any]) -> Iterator[str]:
+    """The same for the terminal."""
+    groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
+    groups |= {group: entries for group, entries in data.items() if group != "scenes"}
+    width = max(len(name) for group in groups.values() for name in group)
+    for group, entries in groups.items():
+        yield group.replace("_", " ")
+        for name, text in entries.items():
+            yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
+
+
+@app.command(name="list")
+def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
+    """List the scenes, the models and the printed tables that are shipped.
+
+    Parameters
+    ----------
+    trace
+        Instead: every printed number and claim with its scenes, or why it has none, the function that computes it and its
+        test.
+    table
+        The same for the numbers of one printed table.
+    """
+
+    if trace or table:
+        print_answer(traced(table), as_json)
+    else:
+        print_answer(shipped(), as_json)

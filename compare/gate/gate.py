@@ -17,7 +17,7 @@ from rollbench.compare.models.comparison import REFERENCED, gate_points, known_e
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants

@@ -23,11 +23,9 @@ from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.registry import MODELS, Model, Options, run_model
 from rollbench.compare.printed import entry
 from rollbench.compare.reference.convergence import pool
-from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_of, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.measured import here
-from rollbench.compare.reference.store import Run, bodies_path, load, shipped_store
+from rollbench.compare.reference.store import Run, bodies_path, here, load, shipped_store
 from rollbench.compare.reference.tasks import Solvable, balls_of
 from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts

@@ -25,8 +25,7 @@ from rollbench.compare.models.comparison import REFERENCED, finest_bodies
 from rollbench.compare.models.model_form import Point, left_out, point, surveyed_points
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import Run, load
 from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
 from rollbench.compare.scenes.catalogue import with_role

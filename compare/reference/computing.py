@@ -11,8 +11,7 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.measured import here
-from rollbench.compare.reference.store import Run, versions
+from rollbench.compare.reference.store import Run, here, versions
 from rollbench.compare.reference.tasks import (
     SetUp,
     Solvable,

@@ -31,8 +31,7 @@ from rollbench.compare.models.model_form import ModelForm, Point, estimate, ship
 from rollbench.compare.models.registry import DEFAULT, MODELS, Model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load
 from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json

@@ -386,8 +386,15 @@ def conformity(parts: Scene, preload: float, rigidity: float) -> float:
     from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
 
     steel, track = parts.nut.material, parts.track
-    sizes = (parts.ball_count, 2.0 * parts.balls.radius, 2.0 * track.pitch_radius, USUAL, track.contact_angle)
-    rows = AngleRows(*(np.array([float(x)]) for x in sizes), steel.youngs_modulus, steel.poissons_ratio)
+    rows = AngleRows(
+        balls=np.array([float(parts.ball_count)]),
+        ball_diameter=np.array([2.0 * parts.balls.radius]),
+        pitch_diameter=np.array([2.0 * track.pitch_radius]),
+        conformity=np.array([USUAL]),
+        free_angle=np.array([track.contact_angle]),
+        young=steel.youngs_modulus,
+        poisson=steel.poissons_ratio,
+    )
     return float(conformity_of_pair(rows, np.array([preload]), np.array([rigidity]))[0])
 
 

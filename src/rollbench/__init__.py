@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rollbench.compare import __version__
     from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
     from rollbench.compare.errors import InputError
-    from rollbench.compare.report.library import report
+    from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.solved import Result, Status
@@ -56,7 +56,7 @@ __all__ = [
 _ELSEWHERE = {
     "InputError": "rollbench.compare.errors",
     "Comparison": "rollbench.compare.results.comparison",
-    "report": "rollbench.compare.report.library",
+    "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),

@@ -1,6 +1,6 @@
 """Random extreme scenes, mutated files and killed processes, each outcome judged by a check of its own:
 
-    python -m tests.campaign --random 2000 --seed 7 --keep compare/studies/extremes/campaign.json
+    python -m tests.campaign --random 2000 --seed 7 --keep compare/studies/campaign.json
     python -m tests.campaign --axes 300 --seed 7
 
 It prints the counts and every bad outcome, and ends with 1 where there is one. With --keep the counts go to the file that

@@ -18,7 +18,7 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
 from rollbench.compare.reference import grid_parts
-from rollbench.compare.reference.near_face import left_out
+from rollbench.compare.reference.grid_parts import left_out
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.lowfi.rating.life import life

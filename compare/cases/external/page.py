@@ -17,7 +17,7 @@ from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene

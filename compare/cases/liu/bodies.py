@@ -15,7 +15,7 @@ import numpy as np
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.lowfi.random_errors.chain import Chain, draw_errors, solve_chain
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

@@ -12,7 +12,7 @@ from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.meshes.arrays import Array

@@ -283,8 +283,7 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
 def calculix(study: Study) -> Iterator[Outside]:
     """Contact loads of the 3D reference beside those of CalculiX, extrapolated, both with their uncertainties; errors
     in per cent of the mean load."""
-    from rollbench.compare.studies.crosscheck.data import load, path_of, shipped
-    from rollbench.compare.studies.crosscheck.rows import contact_rows
+    from rollbench.compare.studies.crosscheck.results import contact_rows, load, path_of, shipped
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:

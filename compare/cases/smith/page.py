@@ -10,7 +10,7 @@ from rollbench.compare.cases.smith.evidence import axis, bearings
 from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.bearings.axis import axis_stiffness
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

@@ -14,11 +14,9 @@ from rollbench.compare.models.registry import AXIS_MODELS, MODELS
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
 from rollbench.compare.scenes import scene_file, scene_tables
-from rollbench.compare.studies.sweep import store
-from rollbench.compare.studies.sweep.design import Method, points, values
-from rollbench.compare.studies.sweep.keys import Vary, changed, displaced
-from rollbench.compare.studies.sweep.outputs import MAIN, OUTPUTS
-from rollbench.compare.studies.sweep.sample import attempt, reason, solve_batch
+from rollbench.compare.studies.sweep import sample
+from rollbench.compare.studies.sweep.keys import Method, Vary, changed, displaced, points, values
+from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, attempt, reason, solve_batch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -80,25 +78,25 @@ class Sweep:
                 scene_tables.keys_of(changed(raw, [vary], [value]), self.origin)
 
 
-def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, store.Record]:
+def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
     """Records of all samples by number; what the folder holds already is not solved again.
 
     Raises InputError for what cannot be swept, a folder that holds something else, and workers that are lost.
     """
     sweep.check()
     places = sweep.places()
-    if not store.load(folder):
+    if not sample.load(folder):
         _try_first(sweep, places)
     for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
         step(f"{path} takes the place of the scene's {other}")
-    store.open_folder(folder, sweep.header())
-    with store.taken_over(folder) as token:
-        have = store.load(folder)
+    sample.open_folder(folder, sweep.header())
+    with sample.taken_over(folder) as token:
+        have = sample.load(folder)
         left = [n for n in range(len(places)) if n not in have]
         step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
         if left:
             _solve_missing(sweep, folder, engine, step, (token, places, left))
-            have = store.load(folder)
+            have = sample.load(folder)
     return have
 
 
@@ -130,7 +128,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         (solve_batch, (str(folder.resolve()), token, what, [(n, values(sweep.keys, places[n])) for n in batch]))
         for batch in batches
     ]
-    writer = store.Writer(folder, token)
+    writer = sample.Writer(folder, token)
     start = reported = perf_counter()
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):

@@ -13,7 +13,7 @@ import pytest
 from tests.processes import python
 
 from rollbench.compare.cli import COMMANDS, commands
-from rollbench.compare.commands import list as listing
+from rollbench.compare.commands import printed as listing
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 

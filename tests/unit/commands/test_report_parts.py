@@ -6,7 +6,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models import applicability, model_form, modelling
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report import first, report
+from rollbench.compare.report import pages, report
 from rollbench.compare.report.pages import SECTIONS
 
 
@@ -15,7 +15,7 @@ def test_wanted_parts():
     assert [p.name for p in report.wanted_parts([])] == [part.name for part in SECTIONS]
     quick = report.wanted_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
-    assert {p.name for p in quick}.isdisjoint({*first.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
+    assert {p.name for p in quick}.isdisjoint({*pages.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
     with pytest.raises(InputError, match="no-such"):
         report.wanted_parts(["no-such"])
 

@@ -12,7 +12,7 @@ from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.applicability import range_table
+from rollbench.compare.sections.fit import range_table
 
 pytestmark = pytest.mark.xdist_group("u_val")
 

@@ -22,7 +22,7 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.sections.curves import lateral, load_panel, loads
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides

@@ -30,7 +30,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.sections.curves import numbers
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.friction.bearing import SIDES, Solution, TorqueCurve, sweep
 from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, maps
 from rollbench.lowfi.friction.screw.motion import Coupling

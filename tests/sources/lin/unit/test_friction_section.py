@@ -12,7 +12,7 @@ from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_hash
-from rollbench.compare.sections.notes import assumptions
+from rollbench.compare.sections.how_to_read import assumptions
 from rollbench.reports.content import Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)

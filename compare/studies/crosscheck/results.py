@@ -1,4 +1,6 @@
-"""Another program's loads extrapolated to elements of no size and to rigid contact, with its uncertainty.
+"""The 3D reference against stored results of another program: contact by contact, each at its meshes, with both errors.
+
+The other program's loads are extrapolated to elements of no size and to rigid contact, with their uncertainty.
 
 Elements of a deck are h at the contacts and grow by g per distance d from them. With c the length over which the field of
 a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the energy
@@ -22,24 +24,136 @@ Comput. Phys. 262, 2014): coarse meshes help to find the order, fine ones set th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from itertools import combinations, product
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
-from rollbench.compare.studies.crosscheck.data import CrossRun
+from rollbench.compare.errors import InputError
+from rollbench.compare.files import replace_file
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.content import Cell, Quantity
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class BodyMesh:
+    """Mesh of one body: name, nodes, cells, smallest scaled Jacobian."""
+
+    name: str
+    nodes: int
+    cells: int
+    smallest: float
+
+
+@dataclass(frozen=True)
+class CrossRun:
+    """One run: choices of the deck (elements across the short half axis at mean load, growth, pressure per overclosure
+    [Pa/m], weak springs [N/m], large displacements), element size at the contacts [m], digest of the deck, meshes; contact
+    loads ``(n, 4)`` [N]; largest force of a weak spring on a ball [N], largest unbalanced force of a ball beyond it [N];
+    iterations, last correction of the displacements [%], seconds of processor time, date, program; whether only the half at
+    y >= 0 was meshed (meshes count its nodes, loads are of the whole), and whether balls have one mesh."""
+
+    b_over_h: float
+    growth: float
+    stiffness: float
+    spring: float
+    nlgeom: bool
+    fine: float
+    deck: str
+    meshes: tuple[BodyMesh, ...]
+    load: Array
+    weak: float
+    unbalanced: float
+    iterations: int
+    correction: float
+    seconds: float
+    date: str
+    program: str
+    half: bool = False
+    alike: bool = False
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of all bodies."""
+        return sum(m.nodes for m in self.meshes)
+
+
+@dataclass(frozen=True)
+class CrossData:
+    """All runs of one scene; key of the scene's content; version of rollbench and of gmsh that made the meshes."""
+
+    scene: str
+    key: str
+    rollbench: str
+    gmsh: str
+    runs: tuple[CrossRun, ...]
+
+
+def shipped() -> Path:
+    """Folder of the results that come with the package."""
+    return Path(__file__).parent
+
+
+def path_of(folder: Path, scene: str) -> Path:
+    """File of a scene's results."""
+    return folder / f"{scene}.json"
+
+
+def save(folder: Path, data: CrossData) -> Path:
+    """Write a scene's results whole or not at all. Raises InputError where that fails."""
+    plain = asdict(data)
+    for run in plain["runs"]:
+        run["load"] = [[float(f"{x:.7g}") for x in row] for row in run["load"].tolist()]
+    path = path_of(folder, data.scene)
+    replace_file(path, json.dumps(plain, indent=1) + "\n")
+    return path
+
+
+def load(folder: Path, scene: str) -> CrossData | None:
+    """Results of a scene, None where there are none. Raises InputError for a damaged file."""
+    found = "results that rollbench crosscheck wrote", "make them again: `run=True`"
+    return read(path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found)
+
+
+def read(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
+    """What is made of a stored JSON value, None without a file. Raises InputError for a damaged one."""
+    try:
+        return made(json.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(str(path), "file", str(error), allowed, advice) from None
+
+
+def _run(plain: dict[str, Any]) -> CrossRun:
+    load = np.array(plain["load"], dtype=float)
+    if load.ndim != 2 or load.shape[1] != len(SIDES):
+        raise ValueError(f"loads of shape {load.shape}")
+    return CrossRun(**{**plain, "load": load, "meshes": tuple(BodyMesh(**m) for m in plain["meshes"])})
+
 
 #: Orders tried: second-order elements have 4 where the field is smooth and 3 at the rim of a contact, whose pressure falls
 #: like a root; coarse ones may show as little as first-order elements have, 2.
 ORDERS = tuple(np.arange(2.0, 4.01, 0.125).tolist())
+
 #: Lengths tried, over the short half axis: up to the long one of a slender ellipse.
 LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
+
 #: Order and length of the weights.
 WEIGHING = (3.0, 1.7)
+
 #: Misfits of this share of the largest load are none.
 EXACT = 1e-9
+
 #: Standard errors of a limit that its uncertainty covers; share of what is extrapolated beyond the finest mesh that it has
 #: at least.
 COVERED, LEAST = 2.0, 0.1
@@ -171,3 +285,99 @@ def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> 
     error = scatter * np.sqrt((1.0 + middle**2 / wide) / (weight**2).sum(axis=0)) * (mean > 0.0)
     residual = np.sqrt(square.mean(axis=0))
     return _Fit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * e)
+
+
+#: Agreement aimed at, in per cent of the mean load.
+TARGET = 0.5
+
+PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
+
+#: The comparison of a contact: the reference's finest level, the other program extrapolated.
+COMPARED = (
+    Quantity("ours", "reference", "N", ".2f"),
+    Quantity("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
+    Quantity("theirs", "CalculiX", "N", ".2f"),
+    Quantity("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
+    Quantity("difference", "difference", "% of mean", "+.2f"),
+)
+
+COLUMNS = (*PLACE, *COMPARED)
+
+
+@dataclass(frozen=True)
+class ContactRow:
+    """One contact: ball (from 1), side, loads [N] on every mesh of the reference and of the other program by name, the
+    reference's finest and the other's extrapolated, their uncertainties and differences in per cent of the
+    mean load of the reference."""
+
+    ball: int
+    side: str
+    meshes: Mapping[str, float]
+    ours: float
+    ours_percent: float
+    theirs: float
+    theirs_percent: float
+    difference: float
+
+    def cells(self) -> dict[str, Cell]:
+        """The row of a table."""
+        compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
+        return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
+
+
+def series(data: CrossData) -> list[CrossRun]:
+    """The runs with small displacements and the contact stiffness of most, fewest nodes first."""
+    linear = [r for r in data.runs if not r.nlgeom]
+    alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
+    most = linear[int(np.argmax(alike))].stiffness
+    return sorted((r for r in linear if r.stiffness == most), key=lambda r: r.nodes)
+
+
+def deck_label(run: CrossRun) -> str:
+    """Short name of a deck in a series: elements across the short half axis, growth, half or equal balls."""
+    return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
+
+
+def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
+    """Rows of all contacts that either program finds loaded."""
+    limit = limit or extrapolate(data.runs)
+    best, mean, rows = ours.load, ours.mean, []
+    meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in series(data)}
+    for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
+        uncertainty = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
+        rows.append(
+            ContactRow(
+                int(i) + 1,
+                SIDES[s],
+                {name: float(load[i, s]) for name, load in meshes.items()},
+                float(best[i, s]),
+                uncertainty,
+                float(limit.load[i, s]),
+                float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
+                float(error_percent(best[i, s], limit.load[i, s], mean)),
+            )
+        )
+    return rows
+
+
+def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
+    """Columns of the loads on every mesh of both programs."""
+    return [
+        *PLACE,
+        *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
+        *(Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
+    ]
+
+
+def agreement(name: str, rows: Sequence[ContactRow]) -> str:
+    """Sentence on the worst and RMS difference, and on whether they are more than both programs' uncertainties."""
+    worst = max(rows, key=lambda r: abs(r.difference))
+    rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
+    met = "within" if abs(worst.difference) <= TARGET else "NOT within"
+    theirs = max(r.theirs_percent for r in rows)
+    beyond = sum(abs(r.difference) > np.hypot(r.theirs_percent, r.ours_percent) for r in rows)
+    return (
+        f"{name}: the 3D reference differs from CalculiX by at most {worst.difference:+.2f} % of the mean load (ball "
+        f"{worst.ball} {worst.side}; RMS {rms:.2f} %), {met} {TARGET} %; CalculiX's own uncertainty is up to "
+        f"{theirs:.2f} %, and {beyond} of {len(rows)} contacts differ by more than both uncertainties."
+    )

@@ -6,14 +6,18 @@ bore that leaves too thin a wall) that is said at the case.
 
 The source's starts are those of ``lowfi.as_source``: the nominal state; a good guess, the screw moved along its
 axis as if all balls shared the axial load (without an axial load that is the nominal state); ten load steps from there.
+
+Random campaigns are run by ``python -m tests.campaign`` of the repository; here their records are read.
 """
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -37,28 +41,38 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
 from rollbench.meshes.processes import local
 from rollbench.meshes.section import volume_ratio
-from rollbench.reports.content import Cell
+from rollbench.reports.content import Cell, Row
 
 ENERGY = "energy solver"
+
 SOURCE: dict[str, Start] = {
     "source, nominal start": "nominal",
     "source, good guess": "guess",
     "source, load steps": "load steps",
 }
+
 #: Models with elastic bodies by label: the same scenes must be solved with their backends.
 BACKENDS = {m.label: m.name for m in MODELS.values() if m.extremes}
+
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
+
 CONVERGED = "converged"
+
 #: The source's dense Jacobian is not attempted above this many unknowns.
 DENSE_LIMIT = 2000
+
 #: Balls beyond which no elastic bodies are attempted.
 ELASTIC_LIMIT = 250
+
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
 SAME = 1e-4
 
 UNHELD = "not held: {}: no support and no contact resists it, and the loads drive it"
+
 HELIX = UNHELD.format("screw motion along the helix")
+
 ROTATION = UNHELD.format("rotation about the screw's axis")
+
 TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 
@@ -456,4 +470,55 @@ def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
         attempts = [r for r in rows if r.formulation == formulation]
         tried = [r for r in attempts if r.tried]
         out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
+    return out
+
+
+Record = dict[str, Any]
+
+#: How a scene may end, the good ways first.
+RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, proven", "refused, contacts not unique"
+
+WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
+
+MISSTATED = "misstated by the command line"
+
+GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
+
+
+def read(path: Path) -> list[Record]:
+    """Records of a file; none where there is none, or it holds something else."""
+    try:
+        records = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return []
+    good = isinstance(records, list) and all(
+        isinstance(r, dict) and {"command", "scenes", "files", "bad"} <= set(r) for r in records
+    )
+    return records if good else []
+
+
+def shipped_records() -> list[Record]:
+    """Records that come with the package."""
+    return read(Path(__file__).with_name("campaign.json"))
+
+
+def rows(records: Sequence[Record]) -> list[Row]:
+    """Rows of the report's table, a campaign each: its command and version, and how many scenes, damaged files and killed
+    processes ended in which way."""
+    out = []
+    for r in records:
+        bad: Row = {verdict: r["scenes"].get(verdict, 0) for verdict in BAD}
+        files = [row for kind, row in r["files"].items() if kind != "kill"]
+        ended: Row = {
+            "command": r["command"],
+            "version": r.get("version", ""),
+            "right": r["scenes"][RIGHT],
+            "refused with a proven reason": sum(r["scenes"][verdict] for verdict in GOOD[1:]),
+            "wrong or unproven": sum(r["scenes"].get(verdict, 0) for verdict in BAD),
+            "damaged files": sum(sum(row.values()) for row in files),
+            "of these read wrongly": sum(row["bad"] for row in files),
+            "killed processes": sum(r["files"].get("kill", {}).values()),
+            "of these not whole": r["files"].get("kill", {}).get("bad", 0),
+        }
+        out.append(ended | bad)
     return out
