@@ -24,14 +24,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
-from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.compare.reference.store import Run
@@ -43,6 +42,10 @@ from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 from rollbench.meshes.solid import dimensions
+
+if TYPE_CHECKING:
+    from rollbench.compare.models.comparison import Loads
+    from rollbench.compare.reference.store import Run
 
 #: File of the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
@@ -339,7 +342,7 @@ def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
 
 
 #: Scene, result of a model and run of the reference with the loads raised.
-Raised = tuple[Scene, StaticResult, Run]
+Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
 @dataclass(frozen=True)
@@ -373,6 +376,8 @@ def pull(scene: Scene, load: Array, angle: Array) -> float:
 def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
+    from rollbench.compare.models.comparison import from_result, from_run
+
     answer, reference = section(scene, from_result(result)), section(scene, from_run(run, ""))
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:

@@ -48,7 +48,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import nnls
 
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
@@ -176,6 +175,8 @@ def _added(level: int, other: int) -> Array:
 def _variances(columns: Array, shown: Array, fixed: float) -> Array:
     """Variances by part, no less than zero, from those ``shown`` between levels beside a ``fixed`` one, by relative least
     squares; with two levels all is the bodies', which fall slower."""
+    from scipy.optimize import nnls
+
     columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
     variances, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
     for _ in range(ROUNDS):
