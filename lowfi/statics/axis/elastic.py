@@ -365,10 +365,9 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
     cut = max(low, high) / compliance
     notes = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's: cut away",) if cut > 1e-6 else ()
     assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
-    arms = np.concatenate([shaft.arms, np.ones(housings.work.size)])
     return ElasticSets(
         engine=engine,
-        given=BodySystem(bodies, contacts, arms, np.ascontiguousarray(springs)),
+        given=BodySystem(bodies, contacts, np.ascontiguousarray(springs)),
         state=state,
         options=options,
         system=system,
