@@ -21,7 +21,7 @@ from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.statics.contacts import drawn_hertz, nominal_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz, error_free_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -65,7 +65,7 @@ def rigid_axial(scene: Scene) -> tuple[float, float]:
         supports=(Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),),
     )
     force = sum(load.force[2] for load in scene.loads)
-    constants = nominal_hertz(rigid).C
+    constants = error_free_hertz(rigid).C
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
     pair = float(constants[0] + constants[3])

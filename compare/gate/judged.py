@@ -184,7 +184,7 @@ class Whole:
         if self.scene.friction is None or not lent.converged:
             return None
         result = replace(lent, load=load, contact_angle=np.where(np.isfinite(angle), angle, lent.contact_angle))
-        from rollbench.compare.models.answers import torque
+        from rollbench.compare.models.friction_sums import torque
 
         value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
         return None if value is None else 1e-3 * value

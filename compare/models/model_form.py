@@ -33,7 +33,7 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -164,7 +164,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
     touching = load > 0.0
-    size = float(nominal_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
+    size = float(error_free_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
     z, half, radius = layout.z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     across, tilting = carried_across(scene, result)
     return {

@@ -188,11 +188,11 @@ def oversize_for(scene: parts.Scene, force: float) -> float:
     angle. Valid where e is small against the distance of ball and groove centre, so that the angle hardly changes (a
     per cent of the force at 7 um and 0.5 mm).
     """
-    from rollbench.lowfi.statics.contacts import nominal_hertz
+    from rollbench.lowfi.statics.contacts import error_free_hertz
 
     beta, alpha = scene.track.contact_angle, lead_angle(scene.track)
     each = force / (scene.ball_count * sin(beta) * cos(alpha))
-    constants = nominal_hertz(scene).C
+    constants = error_free_hertz(scene).C
     pair = float(constants[0] + constants[3])
     return float(0.5 * pair * each ** (2.0 / 3.0))
 

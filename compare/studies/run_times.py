@@ -125,7 +125,7 @@ import json
 from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.system import cores
+from rollbench.compare.running import cores
 ask = json.loads({ask!r})
 (run,) = compute(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
 contacts = int((run.load > 0.0).sum())

@@ -25,7 +25,7 @@ import numpy as np
 from rollbench.lowfi.rating.life import is_thrust, rating, standard_of
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.rollers import middles, roller_contacts, slice_contacts, tapered
-from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, nominal_hertz, own_hertz
+from rollbench.lowfi.statics.contacts import curvature_changes, error_free_hertz, nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -283,7 +283,7 @@ def contact_rating(scene: Scene) -> float:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
         return float(diameter * np.sqrt(ALLOWED / (PALMGREN * dent.max())))
-    of_one_newton = nominal_hertz(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
+    of_one_newton = error_free_hertz(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
     return float((DENT_PRESSURE / of_one_newton.max()) ** 3)
 
 

@@ -193,7 +193,7 @@ class ElasticBuild(Build):
         springs = spring_rows(problem, pair, options.stiffness)
         return Elastic(
             engine=self.engine,
-            given=BodySystem(flanks.bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.none), shaft.arms, springs),
+            given=BodySystem(flanks.bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.none), springs),
             state=BodyState(np.zeros(v0.shape), np.zeros(k), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))),
             options=options,
             problem=problem,

@@ -220,11 +220,11 @@ class Bodies(NamedTuple):
     #: G [m/N] of the flanks of the first and of the second body (4 N, 4 N), or of both together (2 N, 2 N) and nothing.
     first: Array
     second: Array
-    #: Motions of the flanks (N, d, k) by the free motions.
+    #: Motions of the flanks (N, d, k) by the free motions, which are all in metres: rotations times an arm.
     R: Array
     #: Motions of the flanks (N, d) by loads and prescribed displacements [m].
     v0: Array
-    #: Work of the loads on the free motions (k,) [N, N m].
+    #: Work of the loads on the free motions (k,) [N].
     work: Array
 
 
@@ -272,7 +272,7 @@ class BodyState(NamedTuple):
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
-    #: Free motions (k,) [m, rad].
+    #: Free motions (k,) [m].
     a: Array
     #: Centre [m] and own amplitude of each ball (N, 3).
     inner: Array
@@ -283,7 +283,7 @@ class BodyState(NamedTuple):
 class ForceStep(NamedTuple):
     """Step of Newton's method on the forces."""
 
-    #: Of the forces on the flanks (N, d) [N], of the flanks (N, d) [m], of the free motions (k,) [m, rad].
+    #: Of the forces on the flanks (N, d) [N], of the flanks (N, d) [m], of the free motions (k,) [m].
     dphi: Array
     dv: Array
     da: Array
@@ -292,7 +292,7 @@ class ForceStep(NamedTuple):
 class SearchStart(NamedTuple):
     """Where a line search on the forces begins."""
 
-    #: Forces on the flanks (N, d) [N], free motions (k,) [m, rad].
+    #: Forces on the flanks (N, d) [N], free motions (k,) [m].
     phi: Array
     a: Array
     #: Motions of the flanks by the bodies, G phi, and all motions v (N, d) [m].
@@ -315,8 +315,6 @@ class BodySystem(NamedTuple):
 
     bodies: Bodies
     contacts: BallContacts
-    #: What makes forces of the unbalanced work on the free motions (k,), see `lowfi.statics.shaft`.
-    arms: Array
     #: Linear springs between opposite flanks in place of two contacts, to start with (N, w, d): rows sqrt(stiffness) x
     #: direction, zero where there is none.
     springs: Array

@@ -48,14 +48,13 @@ CHUNK = 512
 class Shaft:
     """Beam of a problem with its supports, and pins where these leave rigid motions.
 
-    motions ``(6, k)``: those rigid motions about node ``pin``; work ``(k,)``: of the loads on them; arms ``(k,)``: what
-    makes a force of their unbalanced work (1 for a shift [m], one over the pitch radius for a rotation [rad]).
+    motions ``(6, k)``: those rigid motions about node ``pin`` by amplitudes in metres, rotations times the pitch radius:
+    the solver adds one stiffness to all of them; work ``(k,)`` [N]: of the loads on them.
     """
 
     problem: Problem
     motions: Array
     work: Array
-    arms: Array
     pin: int
     free: NDArray[np.bool_]
     factor: tuple[Array, Array] = field(repr=False)
@@ -88,9 +87,7 @@ class Shaft:
 
 def unheld(problem: Problem) -> Array:
     """Rigid motions ``(6, k)`` of the node nearest the nut that no support holds."""
-    arm = problem.scene.track.pitch_radius
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    z = problem.nodes
+    scale, z = in_metres(problem), problem.nodes
     origin = z[pin_node(problem)]
     rows = rigid_transport(z - origin)[problem.fixed] * scale
     if rows.size == 0:
@@ -100,6 +97,11 @@ def unheld(problem: Problem) -> Array:
     return np.asarray(scale[:, None] * vt[rank:].T)
 
 
+def in_metres(problem: Problem) -> Array:
+    """Motions ``(6,)`` [m, rad] of a node by one metre of each freedom: rotations over the pitch radius."""
+    return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
+
+
 def pin_node(problem: Problem) -> int:
     """Node nearest to the nut's centre."""
     return int(np.abs(problem.nodes - problem.scene.nut.position).argmin())
@@ -107,13 +109,10 @@ def pin_node(problem: Problem) -> int:
 
 def shaft_of(problem: Problem) -> Shaft:
     """Stiffness of the beam, factored. A rigid screw has no stiffness: its free motions are all there is."""
-    arm = problem.scene.track.pitch_radius
     if problem.basis is not None:
-        loose = np.flatnonzero(~problem.fixed[0])
-        arms = np.where(loose < 3, 1.0, 1.0 / arm)
-        motions = np.eye(6)[:, loose]
+        motions = np.diag(in_metres(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
-        return Shaft(problem, motions, _work(problem, motions, 0), arms, 0, none, (no, no), np.zeros((1, 6)))
+        return Shaft(problem, motions, _work(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6)))
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     lengths = np.diff(problem.nodes)
@@ -127,9 +126,8 @@ def shaft_of(problem: Problem) -> Shaft:
     if motions.shape[1]:
         held[pin, pivots(motions.T)] = True
     free = ~held.ravel()
-    arms = np.ones(motions.shape[1])
     work = _work(problem, motions, pin)
-    return Shaft(problem, motions, work, arms, pin, free, inverse_blocks(_factor(band, free)), band.T.copy())
+    return Shaft(problem, motions, work, pin, free, inverse_blocks(_factor(band, free)), band.T.copy())
 
 
 def _work(problem: Problem, motions: Array, pin: int) -> Array:
@@ -165,9 +163,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
     dof, rows = rows_of(problem, used)
     count = rows.shape[0]
     if problem.basis is not None:
-        flat = rows.reshape(2 * count, -1)
-        loose = np.flatnonzero(~problem.fixed[0])
-        return np.zeros((2 * count, 2 * count)), flat[:, loose]
+        return np.zeros((2 * count, 2 * count)), rows.reshape(2 * count, -1) @ shaft.motions
     size = 6 * problem.nodes.size
     G = np.zeros((2 * count, 2 * count))
     for start in range(0, 2 * count, CHUNK):
@@ -216,9 +212,7 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
     motions."""
     problem = shaft.problem
     if problem.basis is not None:
-        q = np.where(problem.fixed, problem.prescribed, 0.0)
-        q[0, ~problem.fixed[0]] = amplitudes
-        return q
+        return np.asarray(np.where(problem.fixed, problem.prescribed, 0.0) + shaft.motions @ amplitudes)
     moved, bent = shaft.by_loads
     q = bent + shaft.solve(loads[:, None])[:, 0]
     return np.asarray((moved + q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))

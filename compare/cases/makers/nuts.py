@@ -22,7 +22,7 @@ from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
 #: Conformity: middle and ends of what is usual; contact angle [deg]. Neither is printed.
@@ -95,7 +95,7 @@ def of_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, floa
 def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
     """Axial displacement [m] of a nut without preload: equal balls, and the widening of nut and screw as thick tubes."""
     one = one_turn(nut, conformity)
-    constants, slope = nominal_hertz(one).C, slope_of(one)
+    constants, slope = error_free_hertz(one).C, slope_of(one)
     each = load / (filling * nut.touching * nut.turns * slope)
     tubes = (body_compliance(one) or 0.0) / nut.turns if bodies else 0.0
     return float((constants[0] + constants[3]) * np.cbrt(each) ** 2 / slope + tubes * load)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.answers import moves, sums
+from rollbench.compare.models.friction_sums import moves, sums
 from rollbench.compare.quantities import number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import solve_sets, sums
+from rollbench.compare.models.answers import solve_sets
+from rollbench.compare.models.friction_sums import sums
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.quantities import number
 from rollbench.compare.scenes import catalogue

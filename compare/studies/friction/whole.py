@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.models.answers import load_answers, outside, sums
+from rollbench.compare.models.answers import load_answers, outside
+from rollbench.compare.models.friction_sums import sums
 from rollbench.compare.models.loading import preload
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import count_of, number

@@ -206,7 +206,7 @@ def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
     """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
-    from rollbench.compare.models.answers import torque
+    from rollbench.compare.models.friction_sums import torque
 
     return torque(sets, friction, motion, options)
 

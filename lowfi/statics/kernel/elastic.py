@@ -358,10 +358,10 @@ def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyR
 @kernel
 def residual_at(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, scale: float) -> float:
     """Largest difference of assumed and true flank forces, and unbalanced load on a free motion, over ``scale`` [N]."""
-    bodies, arms = given.bodies, given.arms
+    bodies = given.bodies
     worst = float(np.max(np.abs(room.f - state.phi)))
-    for c in range(arms.shape[0]):
-        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * room.f)) * arms[c])
+    for c in range(bodies.work.shape[0]):
+        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * room.f)))
     return worst / scale if scale > 0.0 else worst
 
 
@@ -409,7 +409,7 @@ def least_force(given: BodySystem, state: BodyState, options: Options) -> float:
 @kernel
 def furthest(given: BodySystem, state: BodyState) -> float:
     """Furthest free motion [m]."""
-    return float(np.max(np.abs(state.a) / given.arms)) if state.a.size else 0.0
+    return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
 minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise

@@ -13,7 +13,7 @@ from rollbench.lowfi.rating import contacts
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
 from rollbench.lowfi.statics import validity
-from rollbench.lowfi.statics.contacts import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz, nominal_curvatures
 from rollbench.lowfi.statics.problem import distances
 from rollbench.meshes import errors, helix
 from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
@@ -101,7 +101,7 @@ def test_uneven_loads_and_a_second_pair_shorten_life() -> None:
 def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_thousandth() -> None:
     """ISO 76 says of its 4200 MPa that both surfaces together are lastingly dented by about 1e-4 of the ball's diameter."""
     scene = ring(0.15)
-    force = float((validity.DENT_PRESSURE / nominal_hertz(scene).pressure(np.ones(4))[0]) ** 3)
+    force = float((validity.DENT_PRESSURE / error_free_hertz(scene).pressure(np.ones(4))[0]) ** 3)
     load = loads(scene, force)
     worst = contacts.worst_contact(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
@@ -155,7 +155,7 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
 
 def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     scene = catalogue.scene("lin-case1")
-    h, s = nominal_hertz(scene), slope_of(scene)
+    h, s = error_free_hertz(scene), slope_of(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
     assert contacts_displacement(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
@@ -228,7 +228,7 @@ def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() 
 def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
-    C, s = nominal_hertz(scene).C, slope_of(scene)
+    C, s = error_free_hertz(scene).C, slope_of(scene)
     closure = float(distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):

@@ -14,7 +14,7 @@ from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import value_of
 from rollbench.compare.studies.members.ensemble import of_study
-from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
@@ -35,7 +35,7 @@ def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    constants = nominal_hertz(bare)
+    constants = error_free_hertz(bare)
     out = {}
     for letter, side in (("S", 0), ("N", 3)):
         across, along = principal_curvatures(bare, drawn, side, gamma)[0]

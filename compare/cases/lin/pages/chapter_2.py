@@ -25,7 +25,7 @@ from rollbench.compare.sections.curves import lateral, load_panel, loads
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.lowfi.as_source import best_start
-from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, Errors, Scene
@@ -354,7 +354,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
     ]
     constants: list[Row] = []
     for label, scene in compared:
-        right, faulty = nominal_hertz(scene), printed_sides(scene)
+        right, faulty = error_free_hertz(scene), printed_sides(scene)
         for name, side, printed in zip(("screw", "nut"), (0, 3), faulty, strict=True):
             C = float(right.C[side])
             constants.append(

@@ -48,7 +48,7 @@ from rollbench.compare.reference.store import Run, load, save
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.reference.variants import ends_in_plain_shaft, scaled, solid
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
@@ -428,4 +428,4 @@ def softened(study: Study, readings: Combination) -> float:
         0.5 * float((moved.centreline[:, 3] - still.centreline[:, 3]).mean()) * np.sin(track.contact_angle) * np.cos(lead)
     )
     load = mean_load(still.load)
-    return float(added / (np.mean(nominal_hertz(scene).C[[0, 3]]) * load ** (2.0 / 3.0)))
+    return float(added / (np.mean(error_free_hertz(scene).C[[0, 3]]) * load ** (2.0 / 3.0)))

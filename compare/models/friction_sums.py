@@ -1,0 +1,90 @@
+"""Sums of friction beside static answers, as JSON-ready values."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from rollbench.compare.models.registry import Options
+from rollbench.compare.quantities import number
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, ScrewTorque, will_compile
+from rollbench.lowfi.jit import CONTACT, cached
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.kept import kept
+from rollbench.meshes.parts import Friction, Motion, Scene
+
+
+def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
+    """Torques [N mm] about +z, axial load, efficiencies; null where the scene has none."""
+    screw, ideal = t.translating, t.ratio != 0.0
+    forward, backward = t.efficiency
+    return {
+        "friction_torque_Nmm": number(1e3 * t.friction),
+        "friction_torque_on_screw_Nmm": number(-math.copysign(1e3 * t.friction, t.speed)),
+        "friction_torque_on_nut_Nmm": number(math.copysign(1e3 * t.friction, t.speed)),
+        "drag_torque_Nmm": None if drag is None else number(1e3 * drag),
+        "axial_load_N": number(t.load) if screw or not ideal else 0.0,
+        "driving_torque_on_screw_Nmm": number(1e3 * t.on_screw),
+        "driving_torque_on_nut_Nmm": number(-1e3 * t.on_screw),
+        "load_moves": moves(t),
+        "forward_torque_Nmm": number(1e3 * t.forward) if screw else None,
+        "backward_torque_Nmm": number(1e3 * t.backward) if screw else None,
+        "efficiency_forward_percent": percent(forward),
+        "efficiency_backward_percent": None if t.locking else percent(backward),
+        "self_locking": t.locking if screw else None,
+    }
+
+
+def moves(torque: ScrewTorque) -> str | None:
+    """Whether the scene's motion goes against the axial load or with it."""
+    if not torque.translating:
+        return None
+    return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
+
+
+def percent(share: float) -> float | None:
+    """A share in per cent."""
+    return number(100.0 * share)
+
+
+@kept(ScrewTorque)
+def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
+    """Sums of `lowfi.friction.whole.state.friction_state`, read of a known scene without what computes them.
+
+    Raises ValueError as that does, and where a kernel would have to be compiled first."""
+    if will_compile(scene, friction) and not cached(CONTACT):
+        raise ValueError("kernels are not compiled yet; rollbench friction SCENE does it, once")
+    from rollbench.lowfi.friction.whole.state import friction_state
+
+    return friction_state(scene, result, friction, drive, member).torque
+
+
+def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
+    """Sums of friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do.
+    Kept on disc between commands for equal scenes and loads: loading the machine code takes longer than all else of a
+    solve."""
+    assert scene.friction is not None
+    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
+    try:
+        return sums(_kept_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member), None), ""
+    except ValueError as error:
+        return None, str(error)
+
+
+def torque(
+    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
+) -> float | None:
+    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    from rollbench.lowfi.friction.whole.state import friction_state
+
+    total = 0.0
+    for scene, result in sets:
+        try:
+            state = friction_state(scene, result, friction, motion or ONE_TURN, options.member)
+        except ValueError:
+            return None
+        if not state.settled:
+            return None
+        total += 1e3 * state.torque.friction
+    return total
