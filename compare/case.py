@@ -13,8 +13,8 @@ from importlib import import_module, resources
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare import data
 from rollbench.compare.errors import InputError
+from rollbench.compare.files import place
 
 GROUP = "rollbench.cases"
 
@@ -93,7 +93,7 @@ def every_case() -> tuple[Case, ...]:
 @cache
 def shipped_files(folder: str) -> dict[str, Path]:
     """Shipped TOML files in a folder, ``scenes`` or ``printed``, by name without ending, sorted."""
-    files = {path.stem: path for path in data.place(folder).glob("*.toml")}
+    files = {path.stem: path for path in place(folder).glob("*.toml")}
     for case in CASES:
         files |= case.files(folder)
     return dict(sorted(files.items()))

@@ -44,23 +44,18 @@ COMMANDS = {
         "solve": "solve",
         "friction": "friction",
         "report": "report",
-        "verify": "verify",
+        "verify": "report",
         "doctor": "doctor",
     },
     "How far to trust it": {"compare": "compare", "check": "check", "mesh-study": "mesh_study"},
     "Many scenes": {"sweep": "sweep"},
-    "To and from other programs": {
-        "export": "export",
-        "condense": "condense",
-        "crosscheck": "crosscheck",
-        "schema": "schema",
-    },
+    "To and from other programs": {"export": "export", "condense": "export", "crosscheck": "crosscheck", "schema": "new"},
     "This program and its sources": {
-        "list": "list",
-        "audit": "audit",
+        "list": "printed",
+        "audit": "printed",
         "stability": "stability",
         "bench": "bench",
-        "completion": "completion",
+        "completion": "doctor",
     },
 }
 #: The command that knows all others.

@@ -8,7 +8,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from rollbench.compare import data
+from rollbench.compare import files as data
 from rollbench.compare.case import files_named, shipped_files
 from rollbench.reports.manifest import sha256
 

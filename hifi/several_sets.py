@@ -1,8 +1,8 @@
 """The 3D reference of several sets on one shaft: every set has its own 3D nut and grooved stretch of shaft, beams between.
 
 A set's bodies are those of a scene of one set, in stations of their own that begin at its stretch, so that equal sets share
-them. The contacts of all sets are one problem: stretches and beams are one structure (`hifi.mounting`), a nut is held, or
-rides on a housing that can move.
+them. The contacts of all sets are one problem: stretches and beams are one structure (`hifi.shaft.mounting`), a nut is
+held, or rides on a housing that can move.
 """
 
 from __future__ import annotations

@@ -23,6 +23,7 @@ Kind = Literal[
     "feedback",
     "slip",
     "jam",
+    "balance",
 ]
 
 

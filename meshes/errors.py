@@ -177,6 +177,27 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
     return Specimens(np.stack([one.ball_radius for one in drawn]), np.stack([x.centre for x in places]), places[0].radius)
 
 
+def with_draws(scene: Scene, member: int = 0) -> Scene:
+    """The scene with the errors of specimen number ``member`` (see ``draw``) written into it, and nothing random left."""
+    if not scene.errors.random:
+        return scene
+    drawn, errors = draw(scene, member), scene.errors
+    nominal = scene.balls.radius + errors.balls.oversize
+    listed = tuple((i, float(radius - nominal)) for i, radius in enumerate(drawn.ball_radius, 1))
+    SL, SR, NL, NR = (
+        replace(
+            errors.side(name),
+            pitch=tuple(FourierTerm(*term) for term in drawn.pitch[s]),
+            roundness=tuple(FourierTerm(*term) for term in drawn.roundness[s]),
+            profile=tuple(drawn.profile[s]),
+            profile_sigma=(),
+        )
+        for s, name in enumerate(SIDES)
+    )
+    balls = replace(errors.balls, listed=listed, sigma=0.0)
+    return replace(scene, errors=replace(errors, balls=balls, SL=SL, SR=SR, NL=NL, NR=NR))
+
+
 def without_draws(scene: Scene) -> Scene:
     """The scene without its random errors."""
 

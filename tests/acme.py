@@ -36,7 +36,9 @@ def table_1(sheet, study):
     sheet.number("balls", float(balls))
 ''',
     "page.py": '''
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence import evidence
+from rollbench.compare.sections.verdicts import printed_table
+from rollbench.compare.evidence import evidence
 from rollbench.compare.sections.finding_table import printed_table
 from rollbench.reports.content import Section
 def section(study, step):

@@ -14,8 +14,8 @@ from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.sections.grid_coverage import JUDGES
-from rollbench.compare.studies.survey.draw import SEED, TUBES, scene_text
+from rollbench.compare.sections.u_val import JUDGES
+from rollbench.compare.studies.survey import SEED, TUBES, scene_text
 
 LEVELS = (1, 2, 3)
 #: Screws, those that were chosen before the others, contacts that a screw has at most, and what the others are drawn by.

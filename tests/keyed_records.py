@@ -7,8 +7,12 @@ import typing
 
 import numpy as np
 
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
-from rollbench.compare.scenes.friction_kinds.linear import LinearChainScene, LinearPairScene
+from rollbench.compare.scenes.friction_kinds.bearings import (
+    BearingBallScene,
+    BearingPairScene,
+    LinearChainScene,
+    LinearPairScene,
+)
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes

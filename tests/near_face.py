@@ -9,12 +9,12 @@ from functools import partial
 
 import numpy as np
 
+from rollbench.compare.reference.grid_parts import LIP_FILE
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.near_face import FILE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import nut_response
 from rollbench.hifi.meshing.part_meshes import (
@@ -123,7 +123,7 @@ def main() -> None:
             print(json.dumps(rows[-1]), flush=True)
     assert set(CASES[0][2]) <= set(LEVELS)
     text = ",\n ".join(json.dumps(row) for row in rows)
-    (shipped_store() / FILE).write_text(f"[\n {text}\n]\n", encoding="utf-8")
+    (shipped_store() / LIP_FILE).write_text(f"[\n {text}\n]\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence.screws import scene_name
+from rollbench.compare.cases.external.evidence import scene_name
 from rollbench.compare.cases.external.holding import FILE, ways
 from rollbench.compare.models.model_form import pull
 from rollbench.compare.reference.store import shipped_store

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.printed import load_table
 from rollbench.reports.content import Figure, Section, Table
 from rollbench.reports.figures import draw
 

@@ -18,10 +18,10 @@ import pytest
 from rollbench.compare import __version__
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
+from rollbench.compare.running import machine
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.run_times.kept import SET_UP_COSTS, today
-from rollbench.compare.studies.survey.draw import SEED, scene_text
-from rollbench.compare.system import machine
+from rollbench.compare.studies.run_times import SET_UP_COSTS, today
+from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
 from rollbench.hifi.bodies import patch
 from rollbench.hifi.condensation import condense_side, side_of, turned

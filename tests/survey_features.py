@@ -9,13 +9,13 @@ from rollbench.compare.models.model_form import features
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.studies.survey import run
-from rollbench.compare.studies.survey.draw import scene_text
+from rollbench.compare.studies import survey
+from rollbench.compare.studies.survey import scene_text
 
 
 def main() -> None:
     """Write the record."""
-    found = run.shipped()
+    found = survey.shipped()
     for row in found["scenes"]:
         name = f"survey-{found['seed']}-{row['number']}.toml"
         scene = scene_file.loads(scene_text(found["seed"], row["number"]), name)
@@ -24,7 +24,7 @@ def main() -> None:
         for point in row.get("points", ()):
             result = run_model(scene, point["model"], Options(discretisation=False))
             point["features"] = {name: round(value, 4) for name, value in features(scene, result).items()}
-    (shipped_store() / SURVEY).write_text(run.text(found["seed"], found["scenes"]), encoding="utf-8")
+    (shipped_store() / SURVEY).write_text(survey.text(found["seed"], found["scenes"]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -143,7 +143,7 @@ def ensemble(
     members: how many; model: refined unless given; seed: of the random errors in place of the scene's; workers: parallel
     processes. Raises InputError.
     """
-    from rollbench.compare.studies.members.answer import library
+    from rollbench.compare.studies.members.members import library
 
     return ensemble_of(library(_described(scene), model, members, seed, workers, LOG.info))
 
@@ -244,7 +244,7 @@ def mesh_study(
     that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
     computed. Raises InputError, Refusal where no run converged.
     """
-    from rollbench.compare.studies.mesh_study.study import library
+    from rollbench.compare.studies.mesh_study import library
 
     described = _described(scene)
     found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
@@ -269,7 +269,7 @@ def sweep(
     samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
     computed, all unless given. Raises InputError.
     """
-    from rollbench.compare.studies.sweep.study import library
+    from rollbench.compare.studies.sweep.summary import library
 
     data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_of(data, Path(out))

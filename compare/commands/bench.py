@@ -11,12 +11,11 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
-from rollbench.compare.text.tables import ruled
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.sections.reference_time import TimePoint
-    from rollbench.compare.studies.run_times.timing import Job
+    from rollbench.compare.studies.run_times import Job
 
 #: Scene whose models are timed unless others are named.
 FIRST = "lin-case1"
@@ -49,7 +48,7 @@ def bench(
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
     """Measure. A command that fails says so in its note. Raises InputError for a scene without reference."""
-    from rollbench.compare.studies.run_times.typed import COMMANDS, in_threads, typed
+    from rollbench.compare.studies.run_times import COMMANDS, in_threads, typed
 
     jobs = [*models(names, store, long=long)]
     for command in () if long else COMMANDS:
@@ -66,7 +65,7 @@ def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.sections.reference_time import compared_scenes, measured_now, measuring_run, time_points
-    from rollbench.compare.studies.run_times.kept import save_times
+    from rollbench.compare.studies.run_times import save_times
 
     study = Study(None if store is None else (store, shipped_store()))
     known = compared_scenes(study)
@@ -84,7 +83,7 @@ def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[
 
 def jobs_of(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
     """What was measured of a scene."""
-    from rollbench.compare.studies.run_times.timing import Job
+    from rollbench.compare.studies.run_times import Job
 
     for p in points:
         if p.cold is not None:

@@ -11,8 +11,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
-from rollbench.compare.text.tables import ruled
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.compare.files import write_csv, write_figure
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.registry import is_model
 from rollbench.compare.quantities import quantities
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.compared import OURS, Beside, Compared, answers_of
 from rollbench.compare.results.scene_json import Axial, LoadSums
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.text.printing import cell
-from rollbench.compare.text.tables import plain
-from rollbench.compare.writing import write_csv, write_figure
+from rollbench.compare.text.printing import cell, plain
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import Life
 from rollbench.meshes.loads import mean_load
@@ -112,7 +111,7 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
         if not (reference.load[:, s] > 0.0).any():
             continue
         series = [loads(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
-        series += [loads(b.label, b.answer, s, "line") for b in models if b.label in (*MODELS, OURS)]
+        series += [loads(b.label, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
         panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 

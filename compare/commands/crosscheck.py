@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, app, cache_folder
 from rollbench.compare.errors import InputError
-from rollbench.compare.system import need_gmsh
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
-from rollbench.compare.text.tables import ruled
+from rollbench.compare.running import need_gmsh
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.studies.crosscheck.data import CrossData
-    from rollbench.compare.studies.crosscheck.rows import ContactRow
+    from rollbench.compare.studies.crosscheck.results import ContactRow, CrossData
     from rollbench.meshes.parts import Scene
 
 
@@ -31,8 +29,7 @@ def run_crosscheck(
     Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck import nut
-    from rollbench.compare.studies.crosscheck.data import load, save, shipped
-    from rollbench.compare.studies.crosscheck.rows import agreement, contact_rows
+    from rollbench.compare.studies.crosscheck.results import agreement, contact_rows, load, save, shipped
     from rollbench.compare.studies.crosscheck.study import checked_scene, run_study, scene_key
 
     scene, folder = checked_scene(name), data or shipped()
@@ -56,7 +53,7 @@ def run_crosscheck(
 
 def stored(folder: Path, scene: Scene) -> CrossData:
     """Results of a scene. Raises InputError where there are none, or they belong to another scene of its name."""
-    from rollbench.compare.studies.crosscheck.data import load
+    from rollbench.compare.studies.crosscheck.results import load
     from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
 
     found = load(folder, scene.name)
@@ -86,7 +83,7 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
 
 
 def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
-    from rollbench.compare.studies.crosscheck.rows import COLUMNS
+    from rollbench.compare.studies.crosscheck.results import COLUMNS
 
     heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
     texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)

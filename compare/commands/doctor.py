@@ -1,4 +1,4 @@
-"""``rollbench doctor``: what this machine has, what it lacks, and what that costs."""
+"""The commands ``doctor``, what this machine has, what it lacks and what that costs, and ``completion`` of its shell."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import platform
 import re
 import shutil
+import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib import metadata
@@ -13,21 +14,26 @@ from pathlib import Path
 from typing import Literal
 
 from rollbench.compare import __version__
-from rollbench.compare.commands.terminal import Json, app
-from rollbench.compare.system import available_GB, cores, gmsh_fault, gmsh_remedy
-from rollbench.compare.text.printing import Answer, print_answer
+from rollbench.compare.commands.terminal import Flag, Json, app
+from rollbench.compare.running import available_GB, cores, gmsh_fault, gmsh_remedy
+from rollbench.compare.text.printing import Answer, print_answer, writing
 
 State = Literal["ok", "missing", "optional"]
+
 #: Least version of Python.
 PYTHON = (3, 11)
+
 #: Licences that ask something of who passes the program on with what it imports.
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
+
 LICENCES = (
     "rollbench's own code is under the MIT licence. It imports gmsh, which is under the GNU GPL: who passes the program "
     "on together with it keeps to the GPL. Only the 3D reference imports it."
 )
+
 #: Memory [GB] for one run of the reference on level 1 of a screw of 32 balls, and free disc [GB] for its caches.
 ENOUGH_GB, DISC_GB = 4.0, 2.0
+
 #: Other programs: what they are for, and the Debian package.
 PROGRAMS = {
     "ccx": (("ccx",), "crosscheck --run solves with CalculiX", "calculix-ccx"),
@@ -156,7 +162,7 @@ def _folders(store: Path) -> Iterator[Check]:
 
 def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     from rollbench.compare.errors import InputError
-    from rollbench.compare.writing import need_writable
+    from rollbench.compare.files import need_writable
 
     near = folder
     while not near.exists() and near != near.parent:
@@ -215,3 +221,24 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     """
 
     return print_answer(run_doctor(store), as_json)
+
+
+@app.command
+def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) -> None:
+    """Print what makes a shell complete commands and options, or install it.
+
+    For this session only: eval "$(rollbench completion bash)".
+
+    Parameters
+    ----------
+    shell
+        bash, zsh or fish.
+    install
+        Write it where the shell looks for it in the home folder, and print where that is.
+    """
+    text = app.generate_completion(prog_name="rollbench", shell=shell)
+    if install:
+        print_answer(Answer(parts=[f"{app.install_completion(shell=shell)} written; open a new shell"]))
+    else:
+        with writing():
+            sys.stdout.write(f"{text}\n")

@@ -1,7 +1,8 @@
-"""The command rollbench export: meshes of the 3D reference as files for other programs."""
+"""The commands ``export`` and ``condense``: meshes, decks and condensed bodies of the 3D reference as files."""
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,8 +10,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.system import need_gmsh, need_packages
-from rollbench.compare.text.printing import Answer, print_answer
+from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, out_of_memory
+from rollbench.compare.text.printing import Answer, on_terminal, print_answer
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.tasks import Solvable
@@ -71,7 +72,7 @@ def export(
     if deck:
         if part or format or level != 1 or ball is not None:
             raise ArgumentError("deck", deck, "no `part`, `format`, `level` or `ball` with it", "leave them out")
-        from rollbench.compare.studies.crosscheck.export_deck import write_deck
+        from rollbench.compare.studies.export import write_deck
 
         return print_answer(
             Answer(parts=[write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)])
@@ -183,3 +184,56 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
         off = f"up to {1e6 * files[path]:.2g} um from the exact ones"
         lines.append(f"wrote {path}: flanks of the grooves as surfaces, {off}; lengths in mm")
     return Answer({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)
+
+
+def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
+    """Mesh, condense all four sides and write the file, whole or not at all, for all load cases of the scene that was
+    ``typed``.
+
+    Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
+    """
+    from rollbench.compare.files import need_writable, written
+    from rollbench.compare.reference.levels import LEVELS
+    from rollbench.compare.reference.tasks import settings_of
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import each_case, whole
+
+    if level not in LEVELS:
+        raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
+    described = catalogue.any_scene(typed)
+    scenes = [whole(x, typed) for x in each_case(described, typed)]
+    scene = scenes[0]
+    out = out or Path(f"{described.name}-condensed.npz")
+    need_writable(out)
+    need_reference()
+    from rollbench.hifi.condensed import condensed_bodies
+    from rollbench.hifi.setup import prepare
+    from rollbench.meshes.cache import Cache
+
+    try:
+        setup = prepare(scene, (0, 1, 2, 3), settings_of(scenes, level), on_terminal, cache=Cache(cache), processes=cores())
+    except MemoryError as error:
+        raise out_of_memory(error) from error
+    except ValueError as error:
+        raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
+    with written(out):
+        condensed_bodies(setup, level).save(out)
+    command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
+    return Answer(parts=[f"wrote {out}; use it with: {command}"])
+
+
+@app.command
+def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
+    """Condense the 3D bodies of a scene to the contacts, for: rollbench solve SCENE --condensed FILE.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file. The file serves all loads, supports and errors of the same parts.
+    out
+        File to write, replaced if it exists; <scene>-condensed.npz unless given.
+    level
+        Mesh level, 1 (coarse) to 3.
+    """
+
+    return print_answer(run_condense(scene, out, level, cache=cache_folder()))

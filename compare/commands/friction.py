@@ -10,8 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.text.printing import Answer, print_answer, text_width
-from rollbench.compare.text.tables import listed
+from rollbench.compare.text.printing import Answer, listed, print_answer, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -80,8 +79,8 @@ def run_friction(
     """Solve a shipped scene or a file of any kind; balls, details: see `as_table`. Exit code 1 where it did not converge,
     the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers. Raises InputError."""
     from rollbench.compare.results.base import with_schema
+    from rollbench.compare.running import checked, watched
     from rollbench.compare.studies.friction.solve import as_json, solve_friction
-    from rollbench.compare.watch import checked, watched
 
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         found = solve_friction(name, choices)

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine
-from rollbench.compare.text.printing import Answer, on_terminal, print_answer
-from rollbench.compare.text.tables import aligned
+from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -50,7 +49,7 @@ def mesh_study(
     bodies
         Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
-    from rollbench.compare.commands.rolling import all_rolling, run_rolling_study
+    from rollbench.compare.commands.compare import all_rolling, run_rolling_study
 
     if all_rolling(scenes, bodies, {"spread": spread}):
         answer = run_rolling_study(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
@@ -67,13 +66,12 @@ def run_mesh_study(
     count: as for `levels_of`. Raises InputError for other levels, Refusal for a scene of which no run converged.
     """
     from rollbench.compare.commands.compare import code_of
+    from rollbench.compare.files import no_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
-    from rollbench.compare.sections.mesh_study_figure import study_figure
-    from rollbench.compare.studies.mesh_study.study import compute_study, extremes, levels_of, table_of
-    from rollbench.compare.studies.mesh_study.table import closing, level_rows
-    from rollbench.compare.writing import no_figure, write_csv, write_figure
+    from rollbench.compare.sections.curves import study_figure
+    from rollbench.compare.studies.mesh_study import closing, compute_study, extremes, level_rows, levels_of, table_of
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
     stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)

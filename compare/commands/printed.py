@@ -1,19 +1,20 @@
-"""What is printed: ``rollbench check --printed`` judges it, ``rollbench list --trace`` says what each number rests on."""
+"""``rollbench check --printed`` (also ``audit``) judges what is printed; ``rollbench list`` names what is shipped, and with
+``--trace`` what each printed number rests on."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell
-from rollbench.compare.text.tables import ruled
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
-    from rollbench.compare.evidence.record import Evidence
+    from rollbench.compare.evidence import Evidence
     from rollbench.compare.models.study import Study
 
 
@@ -24,8 +25,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     sources: names of cases, all unless given; only: names of printed tables and entries ("table:key"), all of these cases
     unless given. Raises InputError for an unknown one.
     """
+    from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
-    from rollbench.compare.writing import replace_file
 
     rows = chosen(Study(), sources, only)
     if write is not None:
@@ -38,8 +39,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
 def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """What is computed for the printed entries that are asked for, as `run_printed` takes them, in the order of tables."""
     from rollbench.compare.case import every_case
-    from rollbench.compare.evidence.computations import computations, evidence
-    from rollbench.compare.printed.printed_data import load_table
+    from rollbench.compare.evidence import computations, evidence
+    from rollbench.compare.printed import load_table
 
     cases = [case.name for case in every_case() if case.title]
     _known("source", sources, cases)
@@ -52,7 +53,7 @@ def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) 
 
 
 def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
-    from rollbench.compare.reading import alike, question
+    from rollbench.compare.files import alike, question
 
     for word in given:
         if word not in names:
@@ -62,7 +63,7 @@ def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
 
 def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
     """JSON-ready."""
-    from rollbench.compare.evidence.verdicts import counts, left_out, misprints
+    from rollbench.compare.evidence import counts, left_out, misprints
 
     return {
         "counts": counts(rows),
@@ -75,7 +76,7 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 def entry_json(e: Evidence) -> dict[str, Any]:
     """One entry, JSON-ready."""
-    from rollbench.compare.evidence.verdicts import source
+    from rollbench.compare.evidence import source
 
     p = e.printed
     return {
@@ -101,8 +102,8 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     """The same for the terminal; misprints and what is left out as counts."""
     from rich.table import Table
 
-    from rollbench.compare.evidence.verdicts import APART, counts, left_out, misprints, trust
-    from rollbench.compare.printed.printed_data import VERDICTS
+    from rollbench.compare.evidence import APART, counts, left_out, misprints, trust
+    from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
@@ -123,7 +124,7 @@ def traced(table: str = "") -> Answer:
     (``module:function``), test. Raises InputError for an unknown table."""
     from rich.table import Table
 
-    from rollbench.compare.evidence.computations import traces
+    from rollbench.compare.evidence import traces
 
     entries = list(traces(table))
     shown = Table(title="every printed number: scenes, computation, test", title_justify="left")
@@ -133,3 +134,73 @@ def traced(table: str = "") -> Answer:
         test = t.test.removeprefix("tests/sources/")
         shown.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
     return Answer([asdict(trace) for trace in entries], [shown])
+
+
+@app.command
+def audit(*, only: Names = None, write: Path | None = None, as_json: Json = False) -> int:
+    """Judge every printed entry of the sources: the name that rollbench check --printed had, kept until 1.0.
+
+    Parameters
+    ----------
+    only
+        Names of printed tables or entries; all unless given.
+    write
+        File to write the verdicts to.
+    """
+
+    return print_answer(run_printed((), only or (), write), as_json)
+
+
+def shipped() -> Answer:
+    """Scenes, models and printed tables."""
+    data = _shipped_json()
+    return Answer(data, _lines(data))
+
+
+def _shipped_json() -> dict[str, dict[str, Any]]:
+    """Scenes by kind and models with their titles, printed tables with their number of rows."""
+    from rollbench.compare import printed
+    from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+    from rollbench.compare.models.user_models import installed, origin
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
+
+    titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
+    of_users = {name: origin(name) for name in installed() if name not in MODELS}
+    return {
+        "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
+        "models": {model.name: model.about for model in MODELS.values()},
+        **({"models of other packages": of_users} if of_users else {}),
+        "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
+        "printed_tables": {name: len(printed.load_table(name)) for name in printed.tables()},
+    }
+
+
+def _lines(data: Mapping[str, Any]) -> Iterator[str]:
+    """The same for the terminal."""
+    groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
+    groups |= {group: entries for group, entries in data.items() if group != "scenes"}
+    width = max(len(name) for group in groups.values() for name in group)
+    for group, entries in groups.items():
+        yield group.replace("_", " ")
+        for name, text in entries.items():
+            yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
+
+
+@app.command(name="list")
+def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
+    """List the scenes, the models and the printed tables that are shipped.
+
+    Parameters
+    ----------
+    trace
+        Instead: every printed number and claim with its scenes, or why it has none, the function that computes it and its
+        test.
+    table
+        The same for the numbers of one printed table.
+    """
+
+    if trace or table:
+        print_answer(traced(table), as_json)
+    else:
+        print_answer(shipped(), as_json)

@@ -1,4 +1,4 @@
-"""The command rollbench report."""
+"""The commands ``report`` and ``verify``: pages written, and their hashes computed again."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def report(
         With a scene: your own reference in place of the 3D reference, as for rollbench check.
     """
     if scene is not None:
-        from rollbench.compare.system import need_packages
+        from rollbench.compare.running import need_packages
         from rollbench.meshes.libraries import PAGES
 
         need_packages(*PAGES)  # some of which the next line imports
@@ -80,3 +80,24 @@ def report(
 
     kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
+
+
+@app.command
+def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
+    """Recompute the hashes of a scene's page or of a whole report: its files, scenes, sources, printed data, reference
+    runs; exit 1 where one differs.
+
+    Parameters
+    ----------
+    report
+        The page or folder that rollbench report wrote, with or without a scene.
+    store
+        Folder of the reference's runs, besides those shipped.
+    """
+    from rollbench.compare.running import need_packages
+    from rollbench.meshes.libraries import PAGES
+
+    need_packages(*PAGES)  # some of which the next line imports
+    from rollbench.compare.report.verify import run_verify
+
+    return print_answer(run_verify(report, store))

@@ -1,22 +1,24 @@
-"""``rollbench solve``: one scene, one model; the answers first, tables and files where asked for."""
+"""``rollbench solve``: one scene or many members of it, by one model; answers first, tables and files where asked for."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Word, app
 from rollbench.compare.errors import ArgumentError, one_line
-from rollbench.compare.text.printing import Answer, print_answer
+from rollbench.compare.text.printing import Answer, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis
     from rollbench.compare.models.registry import Options
+    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.studies.members.members import Members
     from rollbench.lowfi.statics.result import StaticResult
     from rollbench.lowfi.statics.tangent import Tangent
     from rollbench.meshes.arrays import Array
@@ -49,10 +51,10 @@ def run_solve(name: str, choices: Choices) -> Answer:
     converge. Raises InputError."""
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.running import checked, watched
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.text.solved import case_table, stiffness_lines
-    from rollbench.compare.watch import checked, watched
 
     described = catalogue.any_scene(name)
     scenes: Sequence[Scene | Assembly] = each_case(described, name)
@@ -75,7 +77,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
         tangent = found.tangents[0]
         lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]
     else:
-        from rollbench.compare.text.cases import cases_table
+        from rollbench.compare.text.solved import cases_table
 
         lines = cases_table(found.cycle, solved, found.together, found.tangents, **shown)
     return Answer(found.to_dict, [*lines, *written], code_of(solved, choices), folded=True)
@@ -93,10 +95,10 @@ def _of_case(choices: Choices, name: str) -> Choices:
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
+    from rollbench.compare.files import write_csv
     from rollbench.compare.gate.given_files import loads_csv
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.quantities import count_of
-    from rollbench.compare.writing import write_csv
 
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
@@ -164,7 +166,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
         raise ArgumentError("curve", str(choices.curve), "a name that ends in .csv", "rename it")
     for path in filter(None, (choices.curve, choices.loads_csv)):
-        from rollbench.compare.writing import need_writable
+        from rollbench.compare.files import need_writable
 
         need_writable(path)
     if not choices.stiffness_at:
@@ -279,17 +281,74 @@ def solve(
     """
 
     if members is not None:
-        from rollbench.compare.commands.members import run as members_of
         from rollbench.compare.reference.jobs import Engine
 
         if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
             named = "stiffness_at, matrix, curve, loads_csv, strict"
             raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
-        return print_answer(members_of(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
+        return print_answer(run(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
     if csv is not None or seed is not None or workers is not None:
         raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
     choices = Choices(
         model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
     )
     return print_answer(run_solve(scene, choices), as_json)
+
+
+def run(
+    name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
+) -> Answer:
+    """Solve, write one CSV row a member as they come (balls: show the bands of every ball too); exit code 1 where none
+    converged. Raises InputError."""
+    from rollbench.compare.results.base import with_schema
+    from rollbench.compare.scenes import catalogue
+
+    described = catalogue.any_scene(name)
+    from rollbench.compare.studies.members.members import solved, whole
+
+    each, cases = solved(described, name, model, count, seed, engine, on_terminal, csv_out)
+    shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
+    data = with_schema(whole(described, each, cases))
+    return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
+
+
+def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+    table = []
+    for key, stats in rows.items():
+        if stats is None:
+            continue
+        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in stats["quantiles"]}
+        first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
+        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
+    heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
+    return ruled(title, heads, table, ("",))
+
+
+def as_table(members: Members, *, balls: bool = False) -> list[Any]:
+    """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
+    from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
+    from rollbench.compare.studies.members.members import as_json
+    from rollbench.meshes.axis import Assembly
+
+    data = as_json(members)
+    several = isinstance(members.scene, Assembly)
+    parts: list[Any] = [
+        f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
+        f"converged, {1e3 * members.seconds / data['members']:.3g} ms a member"
+    ]
+    parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
+    headings = WHOLE if several else KEPT
+    tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
+    tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
+    of_nut = "stiffness at the loads: tangent, by 0.1 % more load, of shaft and nut; solve's rigidity is the nut's alone"
+    stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
+    parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]
+    return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]
+
+
+def _bands(data: dict[str, Any], width: float) -> Any:
+    keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
+    rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
+    headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
+    return ruled(f"bands of the contact loads / N (to {width:.2g} N)", headings, rows)

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.files import need_writable, replace_file, write_csv, write_figure
 from rollbench.compare.models.answers import quick_friction
 from rollbench.compare.models.loading import CurvePoint, curve
 from rollbench.compare.models.registry import Options
-from rollbench.compare.writing import need_writable, replace_file, write_csv, write_figure
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Json, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell, print_answer
-from rollbench.compare.text.tables import aligned, ruled
+from rollbench.compare.text.printing import Answer, aligned, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.compare.studies.extremes.static import Attempt
+    from rollbench.compare.studies.extremes import Attempt
 
 
 def _progress(done: int, total: int, text: str) -> None:
@@ -27,7 +26,7 @@ def _progress(done: int, total: int, text: str) -> None:
 
 def run_stability(*, as_json: bool) -> Answer:
     """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
-    from rollbench.compare.studies.extremes.static import failures, table
+    from rollbench.compare.studies.extremes import failures, table
 
     def progress(done: int, total: int, case: str) -> None:
         _progress(done, total, case)
@@ -42,7 +41,7 @@ def run_stability(*, as_json: bool) -> Answer:
 
 
 def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
-    from rollbench.compare.studies.extremes.static import FORMULATIONS, tally, wide_rows
+    from rollbench.compare.studies.extremes import FORMULATIONS, tally, wide_rows
 
     words = ("case", *FORMULATIONS)
     lines = ([*(str(line[f]) for f in words), cell(line["residual"], ".1e")] for line in wide_rows(rows))
@@ -58,20 +57,20 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
 
     Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
     """
-    from rollbench.compare.studies.survey import run
-    from rollbench.compare.studies.survey.draw import SCENES, SEED
+    from rollbench.compare.files import need_writable, replace_file
+    from rollbench.compare.studies import survey
+    from rollbench.compare.studies.survey import SCENES, SEED
     from rollbench.compare.text.printing import on_terminal
-    from rollbench.compare.writing import need_writable, replace_file
 
     if not 1 <= count <= SCENES:
         raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")
     if keep is not None:
         need_writable(keep)
-    records = run.run_survey(SEED, count, folder, workers, on_terminal, keep)
-    bad = run.unanswered(records)
+    records = survey.run_survey(SEED, count, folder, workers, on_terminal, keep)
+    bad = survey.unanswered(records)
     if keep is not None:
-        replace_file(keep, run.text(SEED, records))
-    found = run.summary(records)
+        replace_file(keep, survey.text(SEED, records))
+    found = survey.summary(records)
     parts: list[Any] = [aligned(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
     parts += [f"scene {r['number']}: {r['status']}" for r in bad]

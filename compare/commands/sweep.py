@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer
-from rollbench.compare.text.tables import ruled
+from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -56,7 +55,7 @@ def sweep(
     out
         Folder of the records and the summary; samples stored there are not solved again.
     """
-    from rollbench.compare.studies.sweep.study import sweep_of
+    from rollbench.compare.studies.sweep.summary import sweep_of
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
     what = sweep_of(scene, vary, samples, method, seed, model, names)
@@ -65,8 +64,8 @@ def sweep(
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
     """Solve what is missing and write the summary; exit code 1 where no sample converged. Raises InputError."""
-    from rollbench.compare.studies.sweep.study import solve_sweep
-    from rollbench.compare.writing import no_figure
+    from rollbench.compare.files import no_figure
+    from rollbench.compare.studies.sweep.summary import solve_sweep
 
     found = solve_sweep(sweep, out, engine, on_terminal)
     written = f"{out}: written: samples.csv, summary.json and {no_figure() or 'figures (SVG)'}"
@@ -75,7 +74,7 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
 
 def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     """The summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
-    from rollbench.compare.studies.sweep.outputs import MAIN, OUTPUTS
+    from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS
 
     parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
     parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
@@ -88,7 +87,7 @@ def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
 
 
 def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
-    from rollbench.compare.studies.sweep.outputs import MAIN
+    from rollbench.compare.studies.sweep.sample import MAIN
 
     indices = found["indices"].get("outputs", {}).get(MAIN)
     why = found["indices"].get("none", "the largest load does not change")

@@ -11,18 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.evidence.computations import by_table, evidence
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence import Evidence, by_table, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, gate_points, known_exceedances
-from rollbench.compare.models.ladder import UNSEEN
+from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.statics.contacts import drawn_hertz, nominal_hertz
+from rollbench.lowfi.statics.contacts import drawn_hertz, error_free_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -66,7 +65,7 @@ def rigid_axial(scene: Scene) -> tuple[float, float]:
         supports=(Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),),
     )
     force = sum(load.force[2] for load in scene.loads)
-    constants = nominal_hertz(rigid).C
+    constants = error_free_hertz(rigid).C
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
     pair = float(constants[0] + constants[3])

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.files import ENCODING, NoText, like_path, text_of
 from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
-from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.files import no_figure, replace_file, write_figure
 from rollbench.compare.gate.given_files import read_table
 from rollbench.compare.gate.verdict import Verdict, of_whom
-from rollbench.compare.writing import no_figure, replace_file, write_figure
 from rollbench.reports.cells import harmless
 
 if TYPE_CHECKING:

@@ -182,11 +182,11 @@ class Verdict:
         return f"{error} - {u} > {limit}" if self.word == "fail" else f"{error} +- {u}, limit {limit}"
 
 
-def word(error: float, uncertainty: float | None, limit: float) -> Word:
+def decide(error: float, uncertainty: float | None, limit: float) -> Word:
     """Pass where error + uncertainty is within the limit, fail where error - uncertainty is beyond it, undecided between,
     and where the uncertainty is not known. All in per cent.
 
-    >>> word(-6.0, 0.5, 7.0), word(6.8, 0.5, 7.0), word(8.0, 0.5, 7.0)
+    >>> decide(-6.0, 0.5, 7.0), decide(6.8, 0.5, 7.0), decide(8.0, 0.5, 7.0)
     ('pass', 'undecided', 'fail')
     """
     if uncertainty is None:
@@ -207,7 +207,7 @@ class At(NamedTuple):
 
 def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
     """The gravest verdict on contacts, and the one that decides: the first to fail, or the one nearest to it."""
-    each = [word(p.error, p.bar, limit) for p in points]
+    each = [decide(p.error, p.bar, limit) for p in points]
     worst = worst_of(each)
     sign = -1.0 if worst == "fail" else 1.0
     gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
@@ -247,7 +247,7 @@ def judge(
     out = [replace(first, of_mean=of_mean, near=_near(load, reference, at))]
     if limits.rms is not None:
         error, bar = of_mean.rms_percent, reference.parts.bar
-        out.append(Verdict(reference.scene, judged, RMS, word(error, bar, limits.rms), error, bar, limits.rms, **shared))
+        out.append(Verdict(reference.scene, judged, RMS, decide(error, bar, limits.rms), error, bar, limits.rms, **shared))
     return out
 
 
@@ -313,6 +313,8 @@ def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Con
     """What a model says of contacts, of the quantities that are given a limit."""
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
     further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
+    if "pressure" in further and answer.pressure is not None:
+        further["pressure"] = answer.pressure
     return Contacts(answer.load, further)
 
 
@@ -371,7 +373,7 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
     detail = "; ".join(filter(None, (whole.words(q), about(ref))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
-    kind = word(error, share, limit)
+    kind = decide(error, share, limit)
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 
 

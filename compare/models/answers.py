@@ -14,8 +14,16 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.models import loading
-from rollbench.compare.models.load_path import LoadPath, loaded_bodies, path_of_set, path_of_sets, path_warnings
-from rollbench.compare.models.loading import LiftOff, Preload, preload
+from rollbench.compare.models.loading import (
+    LiftOff,
+    LoadPath,
+    Preload,
+    loaded_bodies,
+    path_of_set,
+    path_of_sets,
+    path_warnings,
+    preload,
+)
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import (
@@ -157,9 +165,9 @@ class Answers:
         return None if self.at_nut is None else self.at_nut.rigidity("uz")
 
 
-def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0) -> LoadAnswers:
+def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None) -> LoadAnswers:
     """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]; member: which specimen of a scene with
-    random errors carries them."""
+    random errors carries them; pressure: pole pressures ``(n, 4)`` [Pa] in place of Hertz's."""
     drawn = specimen(scene, ball_layout(scene), member)
     words = ""
     rated_life: Life | None = None
@@ -171,7 +179,7 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0) -> Lo
         rated_life = life(scene, load)
     except ValueError as error:
         words = str(error)
-    worst = worst_contact(scene, drawn, load, angle)
+    worst = worst_contact(scene, drawn, load, angle, pressure)
     return LoadAnswers(
         worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
     )
@@ -236,7 +244,7 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
     tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
-    loads = load_answers(scene, result.load, result.contact_angle, result.member)
+    loads = load_answers(scene, result.load, result.contact_angle, result.member, result.pressure)
     path = path_of_set(scene, result, bare)
     return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path)
 

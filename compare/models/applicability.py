@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
@@ -138,7 +138,7 @@ SURVEY = "survey.json"
 def survey() -> tuple[dict[str, Any], ...]:
     """Record of every drawn screw that was compared; none where it is absent or damaged."""
     try:
-        scenes = json.loads(data.text(f"references/{SURVEY}"))["scenes"]
+        scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row.get("points"))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
@@ -156,7 +156,7 @@ PLACES = "places.json"
 
 def save_places(store: Path) -> None:
     """Write the descriptors of `compared` rings and screws."""
-    from rollbench.compare.writing import replace_file
+    from rollbench.compare.files import replace_file
 
     by_kind = {
         kind: {s.name: {d.name: d.of(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}
@@ -169,7 +169,7 @@ def save_places(store: Path) -> None:
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
     """Those that come with the package; none where the file is absent or damaged."""
     try:
-        rows = json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
+        rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
         return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return ()

@@ -16,18 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare import data
-from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare import files
+from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent, gate_scale, load_error
 from rollbench.compare.models.loading import scaled
-from rollbench.compare.models.registry import MODELS, Model, Options, run_model
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.models.registry import MODELS, Model, Options, known_model, run_model
+from rollbench.compare.printed import entry
 from rollbench.compare.reference.convergence import pool
-from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_of, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.measured import here
-from rollbench.compare.reference.store import Run, bodies_path, load, shipped_store
+from rollbench.compare.reference.store import Run, bodies_path, here, load, shipped_store
 from rollbench.compare.reference.tasks import Solvable, balls_of
 from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
@@ -57,10 +55,7 @@ def suited(scene: Scene | Assembly) -> list[Model]:
 
 def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Model]:
     """Models by name. Raises InputError, of the argument that has them, for another name."""
-    for name in names:
-        if name not in MODELS:
-            raise ArgumentError(argument, f'"{name}"', ", ".join(MODELS), "name a low-order model")
-    return [MODELS[name] for name in names]
+    return [known_model(name, argument) for name in names]
 
 
 def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
@@ -120,7 +115,8 @@ RowOf = Callable[..., ComparisonRow]
 @dataclass(frozen=True)
 class Loads:
     """What a model says of a scene: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], centreline (stations [m],
-    motions ``(k, 3)`` [m]), seconds, and what these were measured with: empty where with this version, here."""
+    motions ``(k, 3)`` [m]), seconds, and what these were measured with: empty where with this version, here; pole
+    pressures ``(n, 4)`` [Pa] where the model gives them, in place of Hertz's."""
 
     model: str
     load: Array
@@ -129,12 +125,14 @@ class Loads:
     line: Array
     seconds: float | None
     measured: str = ""
+    pressure: Array | None = None
 
 
 def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
     """The answer of a low-order model that was solved."""
     line = result.centreline[:, :3]
-    return Loads(result.model, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
+    angle = np.degrees(result.contact_angle)
+    return Loads(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
 
 
 def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
@@ -215,7 +213,10 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Centreline at the reference's stations, in per cent of its largest displacement along that axis."""
+    """Centreline at the reference's stations, in per cent of its largest displacement along that axis; none of an answer
+    that has it at the nut's centre only."""
+    if answer.stations.size < 2:
+        return
     line = reference.best.centreline
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
@@ -278,7 +279,7 @@ class Exceedance:
 
 def known_exceedances() -> list[Exceedance]:
     """Named exceedances of the gate, shipped as data."""
-    return [Exceedance(**row) for row in data.table("references/known_exceedances.toml").get("row", [])]
+    return [Exceedance(**row) for row in files.table("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from rollbench.compare.models.answers import (
     play_warnings,
     solve_sets,
 )
-from rollbench.compare.models.load_path import path_warnings
-from rollbench.compare.models.loading import axial_of
+from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase

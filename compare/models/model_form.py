@@ -24,17 +24,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import outside, survey
-from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.reference.store import Run
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -42,6 +41,10 @@ from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 from rollbench.meshes.solid import dimensions
+
+if TYPE_CHECKING:
+    from rollbench.compare.models.comparison import Loads
+    from rollbench.compare.reference.store import Run
 
 #: File of the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
@@ -161,7 +164,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
     touching = load > 0.0
-    size = float(nominal_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
+    size = float(error_free_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
     z, half, radius = layout.z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     across, tilting = carried_across(scene, result)
     return {
@@ -202,7 +205,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 def save_points(store: Path, points: Sequence[Point]) -> None:
     """Write the points of all models."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
-    from rollbench.compare.writing import replace_file
+    from rollbench.compare.files import replace_file
 
     replace_file(store / FILE, text)
 
@@ -210,7 +213,7 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 @cache
 def shipped_points() -> tuple[Point, ...]:
     """The points that come with the package; none of a file that is absent or damaged."""
-    return (*_points(lambda: json.loads(data.text(f"references/{FILE}"))), *surveyed_points())
+    return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
 
 
 @cache
@@ -258,9 +261,11 @@ def bound(known: Array, errors: Array, here: Array, least: float) -> float:
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
-    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
-    and scenes beyond the range of what describes the compared ones.
+    Not covered: models that were not compared (Mei's, those of users), kinds of scenes that were not (rings are compared
+    with rings only), and scenes beyond the range of what describes the compared ones.
     """
+    if result.model not in MODELS:
+        return ModelForm(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
     compared = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
@@ -336,7 +341,7 @@ def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
 
 
 #: Scene, result of a model and run of the reference with the loads raised.
-Raised = tuple[Scene, StaticResult, Run]
+Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
 @dataclass(frozen=True)
@@ -370,6 +375,8 @@ def pull(scene: Scene, load: Array, angle: Array) -> float:
 def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
+    from rollbench.compare.models.comparison import from_result, from_run
+
     answer, reference = section(scene, from_result(result)), section(scene, from_run(run, ""))
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.reading import like_path
+from rollbench.compare.files import like_path
+from rollbench.compare.models import user_models
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 
@@ -71,7 +72,7 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     condensed = read_condensed(scene, options) if name == "condensed" else None
     solve = partial(
         solve_elastic,
-        backend=LADDER.get(name, REFINED),
+        backend=REFINED if condensed is not None else LADDER[name],
         condensed=condensed,
         name=name,
         everything=options.everything,
@@ -288,6 +289,34 @@ def default_model(scene: Scene | Assembly) -> str:
     return "lin" if any(s.carrier in sprung for s in scene.sets) else DEFAULT
 
 
+def is_model(name: str) -> bool:
+    """Whether a model has that name: one of ours, or of an installed package."""
+    return name in MODELS or name in user_models.installed()
+
+
+def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
+    """The model of that name: ours, or that of an installed package, which is loaded now; ours where both have the name.
+
+    Raises ArgumentError for another name and for those it is asked without, with all that are known, and as
+    `user_models.load`.
+    """
+    names = [x for x in (*MODELS, *(x for x in user_models.installed() if x not in MODELS)) if x not in without]
+    if name not in names:
+        import difflib
+
+        near = difflib.get_close_matches(name.lower(), names, n=1)
+        advice = f"did you mean {near[0]}?" if near else "lin is the thesis's model"
+        raise ArgumentError(argument, f'"{name}"', ", ".join(names), advice)
+    if name in MODELS:
+        return MODELS[name]
+    user_models.load(name)
+
+    def run(scene: Scene, options: Options) -> StaticResult:
+        return user_models.run(name, scene, options.member)
+
+    return Model(name, "", name, user_models.WORDS, run, "it is a function of a scene of one set")
+
+
 def random_errors(scene: Scene | Assembly) -> bool:
     """Whether the scene, or any of its sets, has random errors."""
     if isinstance(scene, Scene):
@@ -331,16 +360,12 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
     """The runner of the named model on the scene. Raises InputError where there is none."""
-    model = MODELS.get(name)
     if isinstance(scene, Scene):
-        if model is None:
-            import difflib
-
-            near = difflib.get_close_matches(name.lower(), MODELS, n=1)
-            advice = f"did you mean {near[0]}?" if near else "lin is the thesis's model"
-            raise ArgumentError("model", f'"{name}"', ", ".join(MODELS), advice)
+        model = known_model(name)
         return partial(model.run, model.scene(scene))
-    if model is not None and not isinstance(model.assembly, str):
+    if name in AXIS_MODELS:
+        model = MODELS[name]
+        assert not isinstance(model.assembly, str)
         return partial(model.assembly, model.of_assembly(scene))
-    advice = "choose one of these" if model is None else f"{name} describes one set: {model.assembly}"
+    advice = f"{name} describes one set: {known_model(name).assembly}" if is_model(name) else "choose one of these"
     raise ArgumentError("model", f'"{name}"', ", ".join(AXIS_MODELS), advice, scene.name)

@@ -34,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import load_answers
 from rollbench.compare.models.applicability import outside
@@ -42,12 +43,10 @@ from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, ba
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.convergence import observe
-from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.grid_parts import both_flanks
-from rollbench.compare.reference.grid_summary import uncertainty_percent
 from rollbench.compare.reference.store import Run, load, shipped_store
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.writing import replace_file
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
@@ -369,7 +368,7 @@ class Total:
     is from experience only; modelling choices, the one that dominates, the scene on which they were varied; inputs and the
     one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share;
     stated: of a user's reference what that says, which is all that is known; of the discretisation, what the contact
-    ``at_face`` has by a free face of the nut (`compare.reference.near_face`)."""
+    ``at_face`` has by a free face of the nut (`compare.reference.grid_parts`)."""
 
     discretisation: float
     by_experience: bool = quantity("discretisation_by_experience")

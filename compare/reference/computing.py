@@ -11,8 +11,7 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.measured import here
-from rollbench.compare.reference.store import Run, versions
+from rollbench.compare.reference.store import Run, here, versions
 from rollbench.compare.reference.tasks import (
     SetUp,
     Solvable,
@@ -25,7 +24,7 @@ from rollbench.compare.reference.tasks import (
     stations,
 )
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.system import need_reference, out_of_memory
+from rollbench.compare.running import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies

@@ -26,7 +26,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import f as f_ratio
 
 from rollbench.meshes.arrays import Array
 
@@ -252,6 +251,8 @@ def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
 def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
     """Interval of orders about that of the ``searched`` fit whose squares exceed its own by no more than chance allows (F
     test, ``CONFIDENCE``); all of ``SEARCH`` where the fit has no degree of freedom."""
+    from scipy.stats import f as f_ratio
+
     n, m = y.shape
     freedom = (n - 2) * m - 1
     if freedom < 1 or best.order is None:

@@ -1,4 +1,4 @@
-"""The 3D reference of a scene: loads of its finest stored run, and what the mesh leaves uncertain in them."""
+"""The 3D reference of a scene: loads of its finest stored run, what the mesh leaves uncertain in them, and a summary."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from rollbench.compare.measure import error_percent
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.convergence import representative_size
-from rollbench.compare.reference.grid_parts import GridParts, parts
+from rollbench.compare.reference.grid_parts import GridParts, left_out, parts, too_large
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.near_face import left_out, too_large
 from rollbench.compare.reference.store import Run, load, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -28,7 +28,7 @@ class Reference:
     """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
     [N] by discretisation and by what the finest did not settle by, zero where no level has load; its parts; how many
     contacts the nominal screw loads, zero where that is not known; what of the uncertainty contacts have by a free face
-    of the nut beside them ``(n, 4)`` [N] (`compare.reference.near_face`).
+    of the nut beside them ``(n, 4)`` [N] (`compare.reference.grid_parts`).
 
     Of a user's own reference: label, its file; stated, what that says of itself; further, what it says of contacts besides
     ``(n, 4)`` [SI] by quantity; one run without mesh, displacements or seconds."""
@@ -85,3 +85,8 @@ def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int =
     lips = too_large(scene, best.load, best.level)
     beside = left_out(scene, best.load, best.level) if grid.by_experience else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)
+
+
+def uncertainty_percent(reference: Reference) -> float:
+    """What discretisation leaves uncertain in any contact load of a reference at most, in per cent of its mean load."""
+    return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.bar else 0.0

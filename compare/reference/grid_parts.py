@@ -19,6 +19,23 @@ between two neighbouring levels alone): in 95 % of contacts it holds what a fine
 wrong are displacements, which a contact turns into load by its own stiffness, dF / dx ~ F^(1/3) (Hertz): these two parts
 are shared out among the contacts so. No bar holds what all meshes have in common
 (`compare.models.uncertainty`).
+
+Near a free face of the nut a level leaves a part of a contact's compliance out. A contact's own compliance is that of a
+finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Beside a free face a lip gives way besides,
+as the cells of the level's body have it, which are too stiff: nuts of six balls, solved alone with ever finer bodies,
+say by how much (``near_face.json``, written by ``tests/near_face.py``). In terms of 1 / (E r) the missing compliance is
+the same for balls and leads of all sizes within a quarter, and depends on the distance d from the face over the ball
+radius r: on level 1 it is 0.4 at d = 1.1 r and 0.03 at 2.5 r.
+
+It concerns the flank that is pressed towards the face, and through its ball the screw's opposite flank. At a given approach
+of the bodies a missing compliance dC makes their load F too large by
+
+    dF = F dC / (2/3 (delta_s + delta_n) / F + C_lip),
+
+delta: Hertz's approaches, whose tangent is 2/3 delta / F. Held faces, and balls away from faces, have none. Where one flank
+of the screw carries load, equilibrium holds the sum of loads, and what these contacts have too much the others of their
+side have too little, in proportion to their own stiffness (`left_out`). The changes between a scene's own levels show that,
+and of a ring, all of whose contacts are beside both faces, the rest as well.
 """
 
 from __future__ import annotations
@@ -31,27 +48,36 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import nnls
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
-from rollbench.compare.writing import replace_file
+from rollbench.compare.reference.store import shipped_store
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
 
 FILE = "grid_parts.json"
+
 #: Standard deviations of a bar that holds 95 %, and of one that rests on the change between two neighbouring levels alone:
 #: what this tells of the next change scatters from scene to scene, and 2 held 87 % of one drawn screw's contacts.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
+
 #: Second-order cells.
 ORDER = 2
+
 #: Power of the load by which a contact's stiffness grows.
 STIFFNESS = 1.0 / 3.0
+
 #: Cells of the contact and of the bodies over those of the level before, of a level after the last.
 NEXT = (0.75, 0.87)
+
 #: Shares of contacts that the bar of a single level holds: of all compared scenes, and of every one with one loaded flank
 #: of the screw, and with both, of which there are fewer to learn from.
 SHARE, LEAST = 0.95, (0.93, 0.95)
+
 #: Rounds of weights in a fit of variances, and the least variance [%^2] that is told from none.
 ROUNDS, TINY = 20, 1e-12
 
@@ -149,6 +175,8 @@ def _added(level: int, other: int) -> Array:
 def _variances(columns: Array, shown: Array, fixed: float) -> Array:
     """Variances by part, no less than zero, from those ``shown`` between levels beside a ``fixed`` one, by relative least
     squares; with two levels all is the bodies', which fall slower."""
+    from scipy.optimize import nnls
+
     columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
     variances, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
     for _ in range(ROUNDS):
@@ -160,7 +188,7 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
 def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
     """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own;
     known: by scene, what has a bar of its own on the coarsest level ``(n, 4)`` [% of the mean load]
-    (`compare.reference.near_face`), so that a single level's bar need not hold it.
+    (`compare.reference.grid_parts`), so that a single level's bar need not hold it.
 
     Raises ValueError without a scene of each kind.
     """
@@ -195,3 +223,85 @@ def read(store: Path) -> Experience:
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
     one, both = (float(x) for x in data["single"])
     return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
+
+
+LIP_FILE = "near_face.json"
+
+#: Distance [ball radii] from which on a face is not near: linear to nothing from the last one measured.
+AWAY = 3.0
+
+#: How far it goes on growing before the nearest one measured [ball radii]; no socket finds room nearer to a face.
+CLOSER = 0.25
+
+#: Approach [m] below which there is no load.
+NO_STIFFNESS = 1e-30
+
+#: Flank of the nut that is pressed towards its low face, and towards its high one.
+TOWARDS = (2, 3)
+
+
+@dataclass(frozen=True)
+class Lip:
+    """Distances [ball radii] of contacts from a free face, rising; times Young's modulus and the ball's radius, the
+    compliance of the lip before them, and what of it a level leaves out, by level."""
+
+    radii: Array
+    lip: Array
+    missing: dict[int, Array]
+
+    def at(self, radii: Array, level: int) -> tuple[Array, Array]:
+        """Compliance of the lip and what is missing on a level (beyond the last one measured: as on that)."""
+        missing = self.missing[min(max(level, 1), max(self.missing))]
+        return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
+
+
+@cache
+def read_lip(store: Path) -> Lip:
+    """The record of a store: the scene that is measured on all levels, what is missing there raised by the largest ratio
+    that any other scene has to it; nearer to the face by the two nearest distances, further away down to nothing. Raises
+    OSError, ValueError or KeyError without a whole one."""
+    rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
+    first = [row for row in rows if row["scene"] == rows[0]["scene"]]
+    radii = np.array([row["radii"] for row in first])
+    step = CLOSER / (radii[1] - radii[0])
+
+    def ended(values: list[float]) -> Array:
+        return np.array([values[0] + step * (values[0] - values[1]), *values, 0.0])
+
+    missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
+    spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
+    places = np.array([radii[0] - CLOSER, *radii, AWAY])
+    return Lip(places, ended([row["lip"] for row in first]), {k: spread * ended(values) for k, values in missing.items()})
+
+
+def too_large(scene: Scene, load: Array, level: int) -> Array:
+    """What contact loads ``(n, 4)`` [N] of a level are too large by at most beside free faces of the nut ``(n, 4)`` [N]."""
+    from rollbench.hifi.meshing.settings import hertz_units
+
+    out = np.zeros_like(load)
+    if scene.solid.nut != "elastic" or scene.track.lead == 0.0:
+        return out
+    r, held = scene.balls.radius, dimensions(scene).nut_held
+    z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
+    soft = [2.0 / 3.0 * unit.approach for unit in hertz_units(scene)]
+    known, unit = read_lip(shipped_store()), 1.0 / (scene.nut.material.youngs_modulus * r)
+    for side, face, away in ((TOWARDS[0], "left face", half + z), (TOWARDS[1], "right face", half - z)):
+        if held in (face, "both faces"):
+            continue
+        lip, missing = (unit * x for x in known.at(away / r, level))
+        for flank in (side, 3 - side):
+            force = load[:, flank]
+            springs = (soft[side] + soft[3 - side]) * np.cbrt(force) ** 2  # force times their tangent
+            added = force**2 * missing / np.maximum(springs + lip * force, NO_STIFFNESS)
+            out[:, flank] = np.maximum(out[:, flank], added)
+    return out
+
+
+def left_out(scene: Scene, load: Array, level: int) -> Array:
+    """What contact loads ``(n, 4)`` [N] of a level are wrong by at most, because contacts beside free faces have too much:
+    these, and where equilibrium holds the sum of loads the others of their side ``(n, 4)`` [N]."""
+    excess = too_large(scene, load, level)
+    if both_flanks(load) or not excess.any():
+        return excess
+    stiffness = load**STIFFNESS
+    return np.asarray(excess + excess.sum(axis=0) * stiffness / np.maximum(stiffness.sum(axis=0), NO_STIFFNESS))

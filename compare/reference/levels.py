@@ -1,15 +1,15 @@
-"""Mesh levels of the 3D reference: every numerical choice, refined together."""
+"""Mesh levels of the 3D reference: every numerical choice, refined together; bodies under rolling contacts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rollbench.compare import data
+from rollbench.compare import files
 
 #: Ball radius [m] to which the levels' lengths belong; other scenes in proportion.
 BALL = 2.778e-3
-_TABLES = data.table("reference/levels.toml")
+_TABLES = files.table("reference/levels.toml")
 
 
 def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -38,6 +38,8 @@ STUDIED = (1, 2, 3, 4)
 #: scenes that were solved on three levels or more. From level to level the factors are 1.6, 1.2 and 1.2: what the cut of
 #: the coarse sockets leaves is on all levels the same (tests/unit/models/test_grid_coverage.py).
 ADVISED = (1, 3)
+#: Bodies under rolling contacts.
+HALF_SPACE, FINITE = "half-space", "finite"
 _RATIOS = ("b_over_h", "growth")
 
 

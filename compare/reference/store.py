@@ -1,8 +1,15 @@
-"""Runs of the 3D reference as they are kept: the record of a run, its content key, its sealed file in a store."""
+"""Runs of the 3D reference as they are kept: the record of a run, its content key, its sealed file in a store.
+
+A sealed file is text with a checksum: what was damaged or changed by hand is not used. Times that stand in one table,
+figure or ratio are of one measuring run, by the stamp of what they were measured with.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache, partial
 from importlib import metadata
@@ -11,11 +18,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare import data
-from rollbench.compare.reference.measured import Measured
-from rollbench.compare.reference.sealing import sealed, unsealed
+from rollbench.compare import __version__, files
+from rollbench.compare.files import replace_file
+from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
-from rollbench.compare.writing import replace_file
+from rollbench.compare.running import machine
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -24,20 +31,107 @@ from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Scene
 from rollbench.meshes.solid import dimensions
 
+#: Largest file of a run [bytes], and deepest nesting of its brackets: the largest shipped one has a tenth, and 4.
+LARGEST, DEEPEST = 8_000_000, 8
+
+
+def sealed(data: Mapping[str, Any]) -> str:
+    """Text of a run's file: its data, rows of numbers line by line, with their checksum."""
+    whole = {**data, "checksum": checksum(data)}
+    return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
+
+
+def unsealed(path: Path) -> dict[str, Any]:
+    """Data of a run's file. Raises ValueError for one that is too large, too deep, no run, or does not fit its checksum;
+    OSError where it cannot be read."""
+    data = _parsed(path)
+    if data.pop("checksum", None) != checksum(data):
+        raise ValueError("the checksum does not fit")
+    return data
+
+
+def checksum(data: Mapping[str, Any]) -> str:
+    """Digest of JSON data, whatever the order of its keys and the layout of its text."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()[:32]
+
+
+def _parsed(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise ValueError("no regular file")
+    with open(path, "rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise ValueError(f"more than {LARGEST} bytes")
+    text, depth = content.decode("utf-8"), 0
+    for mark in (c for c in text if c in "[]{}"):
+        depth += 1 if mark in "[{" else -1
+        if depth > DEEPEST:
+            raise ValueError(f"brackets nested more than {DEEPEST} deep")
+    data = json.loads(text)
+    if not isinstance(data, dict):
+        raise ValueError("no table of a run")
+    return data
+
+
+#: Folders whose sources decide how long a solution takes.
+SOLVERS = ("hifi", "lowfi", "meshes")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a time was measured with: version of this program, digest of the solvers' sources, machine; what runs of before
+    0.15 do not say is empty."""
+
+    version: str
+    sources: str = ""
+    machine: str = ""
+
+    def __str__(self) -> str:
+        """In words, after "measured with"."""
+        return f"{self.version or 'an unknown version'}{f' on {self.machine}' if self.machine else ''}"
+
+
+@cache
+def here() -> Measured:
+    """What a time that is measured by this process is measured with."""
+    return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
+
+
+def one_run(times: Iterable[Measured]) -> Measured | None:
+    """What some times were measured with; None of no times. Raises ValueError for times of several measuring runs."""
+    found = set(times)
+    if len(found) > 1:
+        raise ValueError(f"times of several measuring runs: {', '.join(sorted(map(str, found)))}")
+    return next(iter(found), None)
+
+
+def most_of(times: Iterable[Measured]) -> Measured | None:
+    """What most of some times were measured with, those that a table can show beside one another; None of no times."""
+    common = Counter(times).most_common(1)
+    return common[0][0] if common else None
+
+
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 8
+
 #: As `SCHEMA`, for the condensed bodies, and for runs of several sets on one shaft.
 BODIES, SETS = 4, 1
+
 #: As `SCHEMA`, for runs with a load or support inside the 3D stretch of the screw: how a section takes it.
 SECTIONS = "mean of a slice"
+
 #: As `SCHEMA`, for runs with a hollow shaft beyond its 3D stretch: how it shears.
 HOLLOW = "shear of a hollow section"
+
 #: Programs whose results runs depend on.
 PROGRAMS = ("gmsh", "scikit-fem")
+
 #: Pattern of a content key.
 KEY = 16 * "[0-9a-f]"
+
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
+
 #: What of a scene says nothing about static loads (of an ensemble, those of the first member).
 UNSAID: dict[str, Any] = {
     "name": "",
@@ -150,6 +244,7 @@ def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
     """What a mesh depends on beside the scene's own fields."""
+
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
     low, high = dims.ends(scene)
@@ -194,7 +289,7 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 def shipped_store() -> Path:
     """Folder of the runs that come with the package."""
-    return data.place("references")
+    return files.place("references")
 
 
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
@@ -253,6 +348,7 @@ def _mesh_of(path: Path) -> _Mesh | None:
 
 @lru_cache(maxsize=100_000)
 def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
+
     try:
         run = unsealed(path)
         settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])

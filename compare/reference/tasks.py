@@ -14,7 +14,6 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene
@@ -101,7 +100,7 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
 
     Raises InputError for an unknown level, Refusal for sets without 3D bodies, and where no contacts can be expected.
     """
-    from rollbench.hifi.meshing.settings import rounded
+    from rollbench.hifi.meshing.settings import Settings, rounded
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
@@ -144,6 +143,8 @@ def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any
 
 
 def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
+    from rollbench.hifi.meshing.settings import Settings
+
     def others(mesh: Mapping[str, Any]) -> str:
         return canonical(Fields(Settings, {name: mesh[name] for name in wanted.keys() & mesh.keys() - _SIZED}))
 

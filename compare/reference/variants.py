@@ -20,7 +20,7 @@ Change = Callable[[Scene], Scene]
 Kind = Literal["modelling", "numerical", "scene"]
 #: Bound on the axial-torsional coupling of a grooved shaft (twist by an axial force over the geometric mean of both
 #: flexibilities, `hifi.shaft.section.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
-#: tests/unit/meshes/test_solid.py.
+#: tests/unit/hifi/test_helical_section.py.
 COUPLING = 0.02
 
 

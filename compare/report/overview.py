@@ -10,14 +10,13 @@ import numpy as np
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
-from rollbench.compare.models.ladder import UNSEEN, Rung, ladder
-from rollbench.compare.models.ladder import points as compared_points
 from rollbench.compare.models.model_form import Point, surveyed_points
+from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
+from rollbench.compare.models.modelling import points as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
 from rollbench.compare.sections.u_val import rows_of
 from rollbench.meshes.arrays import Array

@@ -1,13 +1,29 @@
-"""The sections of the report, in order, what each needs, and the pages that they stand on."""
+"""The sections of the report, in order, what each needs, and the pages that they stand on.
+
+The first report of a machine says what it leaves out and what brings that back, and recomputes one shipped run.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
 
 from rollbench.compare.case import every_case
-from rollbench.reports.content import Page, Section, Table
+from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.store import load
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.running import cores, gmsh_fault
+from rollbench.compare.scenes import catalogue
+from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version
+from rollbench.meshes.loads import mean_load
+from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
+from rollbench.reports.offscreen import fault as drawing_fault
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.
 PAGES = {
@@ -24,9 +40,12 @@ PAGES = {
     "trust": "Fit for, not fit for",
     "entries": "Every printed entry",
 }
+
 WHOLE = ("entries",)
+
 #: Verdicts that say nothing of a model, and others as a sentence has them.
 APART = {"input": "inputs", "identity": "identities"}
+
 WORDS = {
     "reproduced": "are reproduced",
     "only as printed": "come out only with the source's own fault",
@@ -38,7 +57,8 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Listed:
-    """A section of the report: its name, its page, its module in ``package``; quick: stands in a quick report too; runs:
+    """A section of the report: its name, its page, its module in ``package``, as
+    ``module:function`` where the function is not ``section``; quick: stands in a quick report too; runs:
     shows runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not."""
 
     name: str
@@ -56,7 +76,7 @@ PLACED = (
     Listed("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
     Listed("sheets", "cases", "sections.sheets", quick=True, runs=True),
     Listed("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
-    Listed("cases", "cases", "cases.lin.pages.cases", quick=True, runs=True),
+    Listed("cases", "cases", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
     Listed("reconstruction", "cases", "cases.lin.pages.reconstruction", runs=True),
     Listed("overview", "accuracy", "report.overview", quick=True, runs=True),
     Listed("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
@@ -64,16 +84,16 @@ PLACED = (
     Listed("reference-mesh", "reference", "sections.reference_mesh", quick=True, runs=True),
     Listed("pictures", "reference", "sections.pictures", meshes=True),
     Listed("verification", "reference", "sections.verification", meshes=True),
-    Listed("crosscheck", "reference", "sections.crosscheck", runs=True, meshes=True),
-    Listed("hertz", "reference", "cases.lin.pages.hertz"),
+    Listed("crosscheck", "reference", "sections.verification:crosscheck_section", runs=True, meshes=True),
+    Listed("hertz", "reference", "cases.lin.pages.chapter_2:hertz_section"),
     Listed("stability", "robustness", "report.stability"),
-    Listed("formulations", "robustness", "cases.lin.pages.formulations"),
+    Listed("formulations", "robustness", "cases.lin.pages.chapter_2:formulations_section"),
     Listed("tolerances", "tolerances", "sections.tolerances"),
-    Listed("errors", "tolerances", "cases.lin.pages.errors"),
-    Listed("manufacturing", "tolerances", "cases.lin.pages.manufacturing"),
+    Listed("errors", "tolerances", "cases.lin.pages.chapter_2:errors_section"),
+    Listed("manufacturing", "tolerances", "cases.lin.pages.chapter_2:manufacturing_section"),
     Listed("friction", "friction", "cases.lin.pages.friction"),
     Listed("steering", "friction", "cases.lin.pages.steering"),
-    Listed("friction-screw", "friction", "cases.lin.pages.friction_screw"),
+    Listed("friction-screw", "friction", "cases.lin.pages.friction:screw_section"),
     Listed("rolling", "rolling", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
     Listed("smith", "sources", "cases.smith.page"),
     Listed("liu", "sources", "cases.liu.page"),
@@ -81,9 +101,9 @@ PLACED = (
     Listed("external", "outside", "cases.external.page", runs=True),
     Listed("holding", "outside", "cases.external.holding", runs=True),
     Listed("fit", "trust", "sections.fit", quick=True),
-    Listed("notes", "trust", "sections.notes", quick=True, runs=True),
+    Listed("notes", "trust", "sections.how_to_read:notes_section", quick=True, runs=True),
     Listed("verdicts", "entries", "sections.verdicts", runs=True),
-    Listed("audit", "entries", "sections.audit", runs=True),
+    Listed("audit", "entries", "sections.verdicts:audit_section", runs=True),
 )
 
 
@@ -123,3 +143,92 @@ def conclusion(sections: Sequence[Section]) -> str:
     total, of = sum(judged.values()), f"; another {apart} say nothing of a model" if apart else ""
     words = ", ".join(f"{count} {WORDS.get(verdict, verdict)}" for verdict, count in judged.items())
     return f"Of {total} printed numbers and claims that test something here, {words}{of}."
+
+
+#: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
+COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability"})
+
+#: Scene and level of the shipped run that is recomputed: a quarter of a minute on one core.
+CHECKED, LEVEL = "unseen-four-point", 1
+
+#: Largest difference [% of the mean load] that another processor's round-off explains.
+AGREES = 1e-3
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Sections or files that a report leaves out, why, and the command that brings them back."""
+
+    names: tuple[str, ...]
+    why: str
+    remedy: str
+
+    def __str__(self) -> str:
+        """What, why, and the command."""
+        return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
+
+
+def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tuple[list[Listed], list[LeftOut]]:
+    """Sections that can be made here, and those left out: costly ones unless named or everything is asked for, those that
+    mesh where gmsh cannot be loaded."""
+    left: list[LeftOut] = []
+    out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
+    if out:
+        names = tuple(part.name for part in parts if part.name in out)
+        left.append(LeftOut(names, "they take most of the time", "rollbench report --all makes them too"))
+    meshing = [part for part in parts if (part.meshes or part.meshed) and part.name not in out]
+    fault = gmsh_fault() if meshing else ""
+    if fault:
+        names = tuple(f"{part.name} ({part.meshed})" if part.meshed else part.name for part in meshing)
+        left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
+        out |= {part.name for part in meshing if part.meshes}
+    return [part for part in parts if part.name not in out], left
+
+
+def lacking(sections: Iterable[Section]) -> list[LeftOut]:
+    """What a report leaves out because a package of the extra report is not installed, and the 3D pictures of its sections
+    where this machine cannot draw them."""
+    left = []
+    if version("trimesh") is None:
+        left.append(LeftOut(("the view that can be turned",), "trimesh is not installed", pip("trimesh")))
+    if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
+        why := drawing_fault()
+    ):
+        left.append(LeftOut(("3D pictures",), why, install(PICTURES)))
+    return left
+
+
+@dataclass(frozen=True)
+class LiveCheck:
+    """A shipped run recomputed: scene, level, largest difference of a contact load [% of the mean load], seconds."""
+
+    scene: str
+    level: int
+    percent: float
+    seconds: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is round-off."""
+        return self.percent <= AGREES
+
+    def __str__(self) -> str:
+        """What was computed, and whether it agrees."""
+        verdict = "agrees" if self.agrees else "DOES NOT AGREE"
+        return (
+            f"{self.scene}, level {self.level}, recomputed in {self.seconds:.0f} s, {verdict} with the "
+            f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
+        )
+
+
+def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
+    """Recompute one stored run, without any cache; None where no store has it under this machine's key."""
+    scene = catalogue.scene(CHECKED)
+    stored = load(scene, LEVEL, stores=stores)
+    if stored is None:
+        return None
+    start = perf_counter()
+    (run,) = compute(Task((scene,), LEVEL, processes=cores()), step)
+    mean = mean_load(stored.load)
+    percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
+    return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)

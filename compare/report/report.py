@@ -1,4 +1,4 @@
-"""Regenerates the validation report: runs the models, fills the records, writes the page."""
+"""Writes the validation report (`rollbench.report`): runs the models, fills the records, writes the page."""
 
 from __future__ import annotations
 
@@ -8,21 +8,25 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from rollbench.compare import __version__
+from rollbench.compare.api.calls import LOG
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.files import need_writable
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
-from rollbench.compare.report.first import kept_parts, lacking, live_check
-from rollbench.compare.report.pages import SECTIONS, Listed, pages
+from rollbench.compare.report.pages import SECTIONS, Listed, kept_parts, lacking, live_check, pages
 from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
+from rollbench.compare.results.base import JSON
+from rollbench.compare.results.data import Written
+from rollbench.compare.running import gmsh_fault, libraries, machine, need_packages
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.compare.text.printing import Answer
-from rollbench.compare.writing import need_writable
 from rollbench.meshes.libraries import PAGES
+from rollbench.meshes.processes import held_to_one_thread
 from rollbench.reports.content import Report, Section
 
 Step = Callable[[str], None]
@@ -69,14 +73,13 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
     them."""
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
-    from rollbench.compare.reference.expected import expected
-    from rollbench.compare.reference.jobs import all_variants, ensure, plan, refinements
+    from rollbench.compare.reference.jobs import all_variants, ensure, expected, plan, refinements
     from rollbench.compare.reference.levels import LEVELS, STUDIED
 
     if study.stores is None:
         return
-    from rollbench.compare.cases.liu.evidence.bodies import references as bodies_references
-    from rollbench.compare.models.ladder import DEEP, UNSEEN
+    from rollbench.compare.cases.liu.bodies import references as bodies_references
+    from rollbench.compare.models.modelling import DEEP, UNSEEN
     from rollbench.compare.studies.crosscheck.study import references as checked_references
 
     scenes = [study.scene(name) for name in REFERENCED]
@@ -103,7 +106,7 @@ def keep_experience(stores: Sequence[Path]) -> None:
     from rollbench.compare.models.modelling import VARIED, combined, varied
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference import grid_parts
-    from rollbench.compare.sections.grid_coverage import experience
+    from rollbench.compare.sections.u_val import experience
 
     study = Study(stores)
     known = experience(study)
@@ -126,8 +129,8 @@ def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
     from rollbench.compare.models.applicability import save_places
-    from rollbench.compare.models.ladder import ladder, points
     from rollbench.compare.models.model_form import save_points
+    from rollbench.compare.models.modelling import ladder, points
 
     rungs = study.once(ladder)
     if rungs and study.stores:
@@ -140,7 +143,8 @@ def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: St
     sections: dict[str, Section] = {}
     for part in parts:
         announce(part.name)
-        sections[part.name] = import_module(f"{part.package}.{part.module}").section(study, step)
+        module, _, function = part.module.partition(":")
+        sections[part.name] = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
     if "ladder" in sections:
         save_model_form(study)
     return sections
@@ -224,3 +228,44 @@ def make_report(
         parts += [*moved_tables(before, tables(page.parent))] or ["nothing moved"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
     return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
+
+
+@held_to_one_thread()
+def report(
+    scene: str | Path | None = None,
+    *,
+    only: Sequence[str] = (),
+    out: str | Path = "rollbench-report",
+    store: str | Path = "rollbench-reference",
+    reference: str | Path | None = None,
+    quick: bool = False,
+    stored: bool = False,
+    fresh: bool = False,
+    everything: bool = False,
+) -> Written:
+    """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
+
+    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``);
+    reference: of a page, your own in place of the 3D reference.
+    Raises InputError, Refusal where the scene does not solve.
+    """
+    folder = Path(out)
+    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    given = [name for name, value in choices.items() if value]
+    if scene is not None and given:
+        raise ArgumentError(given[0], "given", "without a scene", "leave it out")
+    index = folder / "index.html"
+    if scene is not None:
+        from rollbench.compare.report.scene_page import make_page
+
+        page = make_page(str(scene), folder, Path(store), None if reference is None else Path(reference))
+        warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
+        data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": page.verdict}
+        return Written(data, "", (*warned, page.verdict), page=index, passed=True, verdict=page.verdict)
+    if reference is not None:
+        raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
+
+    how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    answer = make_report(only, folder, store=Path(store), say=LOG.info, **how)
+    passed = answer.code == 0
+    return Written({"page": str(index), "passed": passed}, "", tuple(map(str, answer.parts)), page=index, passed=passed)

@@ -1,4 +1,7 @@
-"""``rollbench report SCENE``: one page on a scene that may be sent to a customer."""
+"""``rollbench report SCENE``: one page on a scene that may be sent to a customer.
+
+Its section of friction: torque over the turn, losses, effect of coefficient and play.
+"""
 
 from __future__ import annotations
 
@@ -12,42 +15,48 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.files import need_writable, replace_file
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
 from rollbench.compare.models.comparison import from_result
 from rollbench.compare.models.load_cases import solve_one, together
 from rollbench.compare.models.model_form import FILE, ModelForm
-from rollbench.compare.models.registry import DEFAULT, Options
+from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
 from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.quantities import count_of
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.results.scene_json import case_json, cases_json
+from rollbench.compare.running import libraries
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.sections.applicability import range_figure, range_table
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.sections.sketch import sketch_of
-from rollbench.compare.system import libraries
-from rollbench.compare.text.cases import case_rows, together_entries
+from rollbench.compare.sections.fit import range_figure, range_table
+from rollbench.compare.sections.sheets import sketch_of
+from rollbench.compare.studies.friction.answer import lines_of, loss_rows
+from rollbench.compare.studies.friction.run import Run, solve_run
+from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
 from rollbench.compare.text.entries import entries
-from rollbench.compare.writing import need_writable, replace_file
+from rollbench.compare.text.solved import case_rows, together_entries
+from rollbench.lowfi.friction.whole.losses import CAUSES
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.reports.content import Figure, LoadedScrew, Quantity, Row, Section, Table, Text
+from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
+from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
+
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
@@ -124,7 +133,6 @@ def _page_of_scene(
 ) -> ScenePage:
     """The page of one load case of the file or shipped scene of that name."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
-    from rollbench.compare.sections.own_friction import section as friction_section
 
     given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
     options = Options()
@@ -140,7 +148,7 @@ def _page_of_scene(
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(answers, tangent),
-        *filter(None, [friction_section(scene, result, options)]),
+        *filter(None, [section(scene, result, options)]),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
         _notes(result, warnings),
     )
@@ -352,3 +360,97 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None,
     if scene.source:
         out["source"] = scene.source
     return out
+
+
+#: Steps of the run over the turn that the page shows where the scene has none of its own.
+STEPS = 24
+
+#: How much balls are larger in radius than the scene says [m], at the points of the figure.
+PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
+
+
+def section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
+    """Friction of a solved scene that names a coefficient; None for one that does not, or without friction's balance."""
+    if scene.friction is None:
+        return None
+    motion = scene.motion or ONE_TURN
+    bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
+    solved = Solved(scene, DEFAULT, options, scene.friction, motion, bare)
+    try:
+        state = friction_state(scene, result, scene.friction, motion, options.member)
+    except ValueError as error:  # balls that overlap by their random sizes
+        return Section("friction", "Friction", (Text((f"No friction: {error}.",)),))
+    if not state.settled:
+        return Section("friction", "Friction", (Text((f"No friction: {status_of(state)}.",)),))
+    (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
+    lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))
+    panels, notes = [_over_coefficient(solved, result), _over_play(solved)], [f"{label}: {text}." for label, text in lines]
+    try:
+        run = solve_run(replace(scene, time=_turn(scene, motion)), scene.friction, motion, DEFAULT, options.member)
+    except InputError as error:  # circuits that cannot be
+        notes.append(f"No run in time: {error}.")
+    else:
+        panels[:0] = _over_turn(run)
+        notes += [] if run.converged else [f"Run in time: {run.status}."]
+    rows: list[Row] = [
+        {
+            Quantity("contact", "contact", "", "s"): row["contact"],
+            Quantity("loss_W", "loss", "W", ".3g"): row["loss_W"],
+            **{Quantity(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES},
+        }
+        for row in loss_rows(state)
+    ]
+    caption = (
+        "Grooves and neighbours over the angle of the turning part; friction torque over the coefficients "
+        f"of lubricated contacts, {MEASURED[0]:g} to {MEASURED[1]:g}, and over ball radii near the scene's."
+    )
+    return Section(
+        "friction",
+        "Friction",
+        (
+            Text(tuple(notes), bullets=True),
+            Figure("friction", "Friction torque over the turn, the coefficient and the play", tuple(panels), caption, 3),
+            Table.of("losses", "Losses by contact and cause", rows),
+        ),
+    )
+
+
+def _turn(scene: Scene, motion: Motion) -> Time:
+    """The scene's own run, or one turn; a bearing's balls come round again after the angle from one to the next."""
+    angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
+    return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
+
+
+def _over_turn(run: Run) -> list[Panel]:
+    """Torque over the angle, with that of only the grooves; none where the run did not begin."""
+    h = run.history
+    if not h.begun:
+        return []
+    angle = np.degrees(h.turned).tolist()
+    series = (
+        Series("all", angle, (1e3 * h.torque).tolist(), "line", emphasis=True),
+        Series("grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
+    )
+    return [Panel("over the turn", "angle / deg", "friction torque / N mm", series, zero=True)]
+
+
+def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
+    """Torque over the coefficients that are measured, with the scene's own."""
+    given = solved.friction
+    values = np.geomspace(*MEASURED, 7)
+    torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
+    this_scene = Series("this scene", [max(given.screw, given.nut)], [1e3 * solved.torque(result, given)], "markers")
+    series = (Series("equal coefficients", values.tolist(), torques, emphasis=True), this_scene)
+    return Panel("over the coefficient", "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
+
+
+def _over_play(solved: Solved) -> Panel:
+    """Torque with balls larger or smaller than the scene's."""
+    scene, torques = solved.scene, []
+    for play in PLAY:
+        balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)
+        other = replace(scene, errors=replace(scene.errors, balls=balls))
+        found = run_model(other, solved.model, replace(solved.options, discretisation=False))
+        torques.append(1e3 * solved.torque(found, solved.friction, other))
+    series = (Series("this coefficient", [1e6 * play for play in PLAY], torques, emphasis=True),)
+    return Panel("over the play", "balls larger in radius by / um", "friction torque / N mm", series, zero=True)

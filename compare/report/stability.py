@@ -6,14 +6,13 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from rollbench.compare.cases.lin.pages.extremes import table_section_items
+from rollbench.compare.cases.lin.extremes import table_section_items
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.fit import WORDS
-from rollbench.compare.studies.extremes.campaign import rows as campaign_rows
-from rollbench.compare.studies.extremes.campaign import shipped
-from rollbench.compare.studies.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
-from rollbench.compare.studies.survey import run as survey
-from rollbench.compare.studies.survey.record import MODELS
+from rollbench.compare.studies import survey as survey
+from rollbench.compare.studies.extremes import ENERGY, FORMULATIONS, shipped_records, table, tally, wide_rows
+from rollbench.compare.studies.extremes import rows as campaign_rows
+from rollbench.compare.studies.survey import MODELS
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 #: Errors of a scene that the report's table shows.
@@ -106,7 +105,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                     "sets are judged node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped()), shown=None),
+            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_records()), shown=None),
             *survey_items(),
         ),
         conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; the source's "

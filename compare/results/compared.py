@@ -28,11 +28,10 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.compare.models.registry import DEFAULT, MODELS, Model
+from rollbench.compare.models.registry import DEFAULT, Model, is_model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load
 from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json
@@ -77,7 +76,7 @@ def beside(scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.
     error = None if ref is None else load_error(answer.load, ref.load, ref.contacts)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     count = nominal_contacts(scene) if contacts is None else contacts
-    found, force = load_answers(scene, answer.load, angle), float(pull[0] - pull[1])
+    found, force = load_answers(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
     points = [] if ref is None else gate_points(ref.scene, ref, LIMIT, answer.load)
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
     return Beside(answer, error, found, moved - start, force, count, by_gate)
@@ -195,7 +194,7 @@ def verdict(whole: Compared, reference: Reference) -> str:
 
 def others(whole: Compared) -> list[str]:
     """The same sentence of the other low-order models, without what was to be expected."""
-    return [_off(b) for b in whole.models if b is not whole.spoken and b.label in MODELS]
+    return [_off(b) for b in whole.models if b is not whole.spoken and is_model(b.label)]
 
 
 def _off(b: Beside, expected: str = "") -> str:

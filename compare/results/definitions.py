@@ -10,8 +10,7 @@ from typing import NamedTuple
 from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
 from rollbench.compare.models.load_cases import Lives, Together
-from rollbench.compare.models.load_path import LoadPath, Taker
-from rollbench.compare.models.loading import LiftOff, Preload
+from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, Taker
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.uncertainty import Total
 from rollbench.compare.results import scene_json

@@ -28,6 +28,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 if TYPE_CHECKING:
     from rollbench.compare.models.answers import SetAnswers
+    from rollbench.lowfi.bearings.torque import LoadTorque
 
 #: Answers that each set has for itself.
 OF_A_SET = ("sides", "preload", "starting_torque", "clearance")
@@ -282,15 +283,25 @@ def answers_json(one: Solved) -> dict[str, Any]:
     }
 
 
+def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
+    """Load-dependent friction torque of a bearing under a thrust [N] by Palmgren's formula (Smith 2.33 to 2.38), which is
+    for contact angles of about 60 deg."""
+    from rollbench.lowfi.bearings.torque import load_torque, static_rating
+    from rollbench.lowfi.statics.contacts import nominal_curvatures
+
+    ball, track = 2.0 * parts.balls.radius, parts.track
+    across, along = nominal_curvatures(parts)[0]
+    rated = static_rating(1, parts.ball_count, ball, track.contact_angle, float(across), float(along))
+    return load_torque(abs(thrust), 0.0, 2.0 * track.pitch_radius, rated)
+
+
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
     parts, preload = answers.parts, answers.preload
     one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
     if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
         return None
-    from rollbench.compare.scenes.bearing_pairs import starting_torque as formula_torque
-
-    return as_json(formula_torque(parts, preload.axial))
+    return as_json(torque_by_palmgren(parts, preload.axial))
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:

@@ -138,7 +138,7 @@ class Balls:
     angles: Array | None = None
     """Contact angles under load, (n, 4) [rad]; nan without contact."""
     pressure: Array | None = None
-    """Hertz pressures at the poles, by the radii with their errors, (n, 4) [Pa]; zero without contact."""
+    """Pole pressures, of the model or by Hertz and the radii with their errors, (n, 4) [Pa]; zero without contact."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -466,7 +466,9 @@ def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
-    pressure = own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
+    pressure = found.pressure
+    if pressure is None:
+        pressure = own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
     return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
 
 

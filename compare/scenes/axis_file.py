@@ -12,14 +12,20 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.scenes.axis_schema import AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm, refuse
-from rollbench.compare.scenes.from_keys import force_of, friction_of, material_of, scene_of, support_of
+from rollbench.compare.scenes.from_keys import (
+    case_faults,
+    force_of,
+    friction_of,
+    in_cases,
+    material_of,
+    scene_of,
+    support_of,
+)
 from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults
-from rollbench.compare.scenes.load_cases import case_faults, in_cases
-from rollbench.compare.scenes.schema import SceneKeys, ScrewKeys
+from rollbench.compare.scenes.schema import AxisKeys, CaseHousingKeys, HousingKeys, SceneKeys, ScrewKeys, SetKeys, StiffKeys
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing, Joint, RollerRow, RollingSet, Stiffness, diagonal, full
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Scene, Screw
@@ -374,14 +380,30 @@ def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[Rolling
         yield replace(whole, name=name, parts=row, position=at, thrust=way, preload=share)
 
 
+def conformity(parts: Scene, preload: float, rigidity: float) -> float:
+    """Conformity of both grooves of a bearing, of which a pair has an axial rigidity [N/m] under its preload [N]. Raises
+    ValueError where none gives it."""
+    from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
+
+    steel, track = parts.nut.material, parts.track
+    rows = AngleRows(
+        balls=np.array([float(parts.ball_count)]),
+        ball_diameter=np.array([2.0 * parts.balls.radius]),
+        pitch_diameter=np.array([2.0 * track.pitch_radius]),
+        conformity=np.array([USUAL]),
+        free_angle=np.array([track.contact_angle]),
+        young=steel.youngs_modulus,
+        poisson=steel.poissons_ratio,
+    )
+    return float(conformity_of_pair(rows, np.array([preload]), np.array([rigidity]))[0])
+
+
 def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
     """The parts with the conformity of both grooves that a pair's rigidity at its preload implies, where one is given.
     Raises InputError."""
     if one.pair_rigidity is None:
         return parts
     given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
-    from rollbench.compare.scenes.bearing_pairs import conformity
-
     try:
         implied = conformity(parts, one.pair_preload, one.pair_rigidity)
     except ValueError as error:

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
-from rollbench.compare.reading import alike, question
-from rollbench.compare.scenes.names import AXIS, KINDS
+from rollbench.compare.files import alike, question
+from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.duty_cycle import Described
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 Of = TypeVar("Of", bound="KindScene")
 

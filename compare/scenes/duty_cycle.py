@@ -1,4 +1,4 @@
-"""What a scene file describes; load cases of one scene as records, with their shares of the revolutions."""
+"""What a scene file describes: names of the kinds, and load cases of one scene with their shares of the revolutions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
+
 
 #: What a scene file describes.
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
@@ -96,3 +97,13 @@ def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
     """The load cases among what is described, by the names of their scenes."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
     return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
+
+
+#: Whole screws and bearings, which every command solves.
+WHOLE = ("ball screw", "bearing")
+
+#: Several rolling sets on one shaft.
+AXIS = "axis"
+
+#: What only friction solves.
+KINDS = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")

@@ -1,17 +1,28 @@
-"""Faults of a scene file, and one SceneError of all of them: which key is named, what is allowed there, what to do."""
+"""Faults of a scene file, and one SceneError of all of them: which key is named, what is allowed there, what to do.
+
+What pydantic finds in the keys is put in words. With faulty keys a scene is read on with what is sound, so that all its
+faults are listed at once.
+"""
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
+from pydantic import BaseModel, ValidationError
+
+from rollbench.compare import files
 from rollbench.compare.errors import SceneError
+from rollbench.compare.scenes.keys import tidy_schema
 from rollbench.meshes.units import show
 
 #: Lengths that differ by less than this [m] count as equal.
 TOLERANCE = 1e-9
+
 #: Keys that a file may have in place of another one.
 ALIASES = {
     "track.pitch_radius": ("track.pitch_diameter",),
@@ -89,3 +100,180 @@ def _find(raw: Any, path: str) -> Any:
         else:
             return None
     return raw
+
+
+Keys = TypeVar("Keys", bound=BaseModel)
+
+#: Tables and keys on which no body, support or load depends.
+APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate"}
+
+#: What pydantic calls an unknown key of a table, and of a record.
+EXTRA = ("extra_forbidden", "unexpected_keyword_argument")
+
+#: Unknown key, in lower case with underscores, and what it is called in a scene.
+WORDS: dict[str, str] = files.table("words.toml")
+
+
+@dataclass(frozen=True)
+class Broken:
+    """What is wrong with the keys of a file, and the tables (or keys outside tables) that were mended to read on."""
+
+    said: tuple[Said, ...] = ()
+    mended: frozenset[str] = frozenset()
+
+    @property
+    def bodies(self) -> bool:
+        """Whether bodies, supports and loads are as the file says."""
+        return self.mended <= APART
+
+    def leaves(self, keys: Sequence[str]) -> bool:
+        """Whether a fault of these keys is the file's own: no table that was mended has a part in it."""
+        return not any(key.split(".")[0].split("[")[0] in self.mended for key in keys)
+
+
+def sound(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
+    """Keys of a file, each by itself in range. Raises SceneError with all faults."""
+    try:
+        return keys.model_validate(raw)
+    except ValidationError as error:
+        raise refusal(origin, key_faults(keys, error)) from None
+
+
+def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Broken]:
+    """Keys of a file and what is wrong with them; faulty values are replaced by examples, unknown keys left out.
+
+    None where that does not make the file readable, as where a whole table is missing.
+    """
+    try:
+        return keys.model_validate(raw), Broken()
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        said = tuple(key_faults(keys, error))
+    schema, rest, names = tidy_schema(keys), deepcopy(dict(raw)), set()
+    for fault in faults:
+        where = fault["loc"]
+        whole = len(where) == 1 and fault["type"] in EXTRA  # what it stands for is missing, if anything
+        names |= {unknown(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
+        if not where or not _mend(rest, where, fault["type"], node_at(schema, where)):
+            return None, Broken(said, frozenset(names))
+    try:
+        return keys.model_validate(rest), Broken(said, frozenset(names))
+    except ValidationError:
+        return None, Broken(said, frozenset(names))
+
+
+def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
+    """Replace or leave out one value in place; whether that could be done."""
+    for key in where[:-1]:
+        known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
+        if not known:
+            return False
+        raw = raw[key]
+    last: Any = where[-1]
+    examples = node.get("examples", [])
+    if kind not in EXTRA and examples and "properties" not in node and isinstance(raw, list | dict):
+        raw[last] = deepcopy(examples[0])
+        return True
+    if isinstance(raw, dict):
+        raw.pop(last, None)
+        return kind != "missing"
+    return False
+
+
+def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
+    """Faults that pydantic found in ``keys``: unknown keys first, as they explain missing ones; a missing key that an
+    unknown one stands for is told with that."""
+    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in EXTRA)
+    schema, named = tidy_schema(keys), set()
+    out = []
+    for fault in faults:
+        where = fault["loc"]
+        if fault["type"] in EXTRA:
+            words, name = unknown(schema, fault)
+            named.add((*where[:-1], name))
+            out.append(words)
+        elif not (fault["type"] == "missing" and where in named):
+            out.append(_wrong(schema, fault))
+    return out
+
+
+def _path(where: Sequence[int | str]) -> str:
+    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
+
+
+def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
+    """An unknown key in words, and the known key of its table that it is taken for (may be empty)."""
+    where = fault["loc"]
+    known, word = list(node_at(schema, where[:-1]).get("properties", {})), hint(str(where[-1]))
+    near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
+    meant = next((name for name in known if word.startswith((f"{name} ", f"{name}:"))), "")
+    if word:
+        advice = f"unknown key here; a scene says {word}"
+    else:
+        meant = near[0] if near else ""
+        advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it or move it"
+    return Said(_path(where), show(fault["input"]), ", ".join(known), advice), meant
+
+
+def _wrong(schema: dict[str, Any], fault: Any) -> Said:
+    """A missing key, or a value that is not allowed, in words."""
+    where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
+    node = node_at(schema, where)
+    allowed = str(context.get("allowed") or _allowed(node))
+    advice = str(context.get("advice") or _advice(node, str(where[-1]) if where else "", kind, fault["input"]))
+    other = next((o for key, (o, *_) in ALIASES.items() if _path(where) == key and o.endswith("diameter")), "")
+    if kind == "missing" and other:
+        advice += f", or {other.split('.')[-1]}"
+    return Said(_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
+
+
+def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
+    """The part of the JSON Schema that describes the key at ``where`` (empty if there is none)."""
+    node: dict[str, Any] = schema
+    for key in (*where, None):
+        if "$ref" in node:
+            target = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
+            node = target | {k: v for k, v in node.items() if k in ("description", "examples")}
+        if key is None:
+            break
+        if isinstance(key, int):
+            node = node.get("items", {})
+        else:
+            node = node.get("properties", {}).get(key) or node.get("additionalProperties") or {}
+    return node
+
+
+def _allowed(node: Mapping[str, Any]) -> str:
+    if "x-allowed" in node:
+        return f"{node['x-dimension']}, {node['x-allowed']}"
+    if "enum" in node:
+        return ", ".join([*(show(v) for v in node["enum"]), *([node["x-or"]] if "x-or" in node else [])])
+    if node.get("type") == "boolean":
+        return "true, false"
+    if node.get("type") == "integer":
+        return f"a whole number from {node.get('minimum')} to {node.get('maximum')}"
+    if node.get("type") == "string":
+        return f"text of {node.get('minLength', 0)} to {node.get('maxLength')} characters"
+    if node.get("type") == "array":
+        low, high = node.get("minItems", 0), node.get("maxItems")
+        return f"a list of {low}{'' if low == high else f' to {high}'} entries"
+    return f"a table of {', '.join(node.get('properties', {})) or 'numbered entries'}"
+
+
+def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
+    if "enum" in node and isinstance(given, str):
+        near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
+        if near:
+            return f"did you mean {show(near[0])}?"
+    table = "properties" in node
+    examples = node.get("examples", [])
+    if kind == "missing":
+        if table:
+            return f"add a [{name}] table; rollbench new FILE writes a scene with all of them"
+        return f"add {name} = {show(examples[0])}" if examples else f"add {name}"
+    return f"write e.g. {show(examples[0])}" if examples else "see rollbench schema"
+
+
+def hint(name: str) -> str:
+    """What an unknown key is called in a scene, or nothing."""
+    return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

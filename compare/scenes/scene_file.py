@@ -13,10 +13,9 @@ from typing import Any
 
 from rollbench.compare.case import shipped_files
 from rollbench.compare.errors import SceneError
+from rollbench.compare.files import ENCODING, NoText, like_path, text_of
 from rollbench.compare.quantities import count_of
-from rollbench.compare.reading import ENCODING, NoText, like_path, text_of
-from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.names import WHOLE
+from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene

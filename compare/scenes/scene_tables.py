@@ -8,20 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import SceneError, escaped
 from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
-from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.fault import Fault, refusal, refuse, spoken
-from rollbench.compare.scenes.from_keys import preloaded, scene_of
+from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
+from rollbench.compare.scenes.fault import Fault, refusal, refuse, sound, spoken, validated
+from rollbench.compare.scenes.from_keys import case_faults, in_cases, preloaded, scene_of
 from rollbench.compare.scenes.key_checks import choice_faults
-from rollbench.compare.scenes.load_cases import case_faults, in_cases
-from rollbench.compare.scenes.mending import sound, validated
-from rollbench.compare.scenes.names import AXIS, KINDS, WHOLE
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import show
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.axis_schema import AxisKeys
+    from rollbench.compare.scenes.schema import AxisKeys
 
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
@@ -46,7 +43,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
         raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *KINDS))), advice)
-    from rollbench.compare.scenes.kind_table import kind_named
+    from rollbench.compare.scenes.friction_kinds.table import kind_named
 
     of = kind_named(kind)
     keys = sound(raw, of.keys, origin)
@@ -63,7 +60,7 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
 
 
 def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
-    from rollbench.compare.scenes.axis_schema import AxisKeys
+    from rollbench.compare.scenes.schema import AxisKeys
 
     return sound(raw, AxisKeys, origin)
 

@@ -1,4 +1,7 @@
-"""What the models are fit for and what not, from all scenes that were compared with the 3D reference."""
+"""What the models are fit for and what not, from all scenes that were compared with the 3D reference.
+
+What was compared is drawn: a range for each descriptor, the compared scenes in it, and the place of a scene.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,14 @@ import numpy as np
 
 from rollbench.compare.gate import judged
 from rollbench.compare.gate.verdict import LIMIT
+from rollbench.compare.models.applicability import DESCRIPTORS, Descriptor, compared_values, places
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.model_form import Point, shipped_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Quantity, Row, Section, Table, Text
+from rollbench.meshes.parts import Scene
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Names of the errors, and their words in tables.
 NAMES = {
@@ -25,15 +30,18 @@ NAMES = {
     "rigidity_percent": "axial tangent rigidity",
     "pressure_percent": "largest pressure",
 }
+
 WORDS = (
     NAMES
     | {key: f"{NAMES[key]}, of the mean load" for key in ("percent", "rms_percent")}
     | {"gate_percent": "worst contact load, by the gate's rule"}
 )
+
 #: Limits [%] that a use is counted by: the gate's, which judges no error of the mean load.
 LIMITS = {"gate_percent": LIMIT} | {
     f"{q.name}_percent": q.times * LIMIT for q in (judged.DISPLACEMENT, judged.RIGIDITY, judged.PRESSURE)
 }
+
 NOT_FIT = (
     (
         "Less certain: balls within about 1.4 ball radii of a nut face, short nuts held by a flange, and shaft ends "
@@ -119,3 +127,52 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
     )
     table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.row for x in found], note, shown=None)
     return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))
+
+
+def range_table(scene: Scene | None = None) -> Table:
+    """Compared ranges, and the place of a scene where one is given."""
+    rows: list[Row] = []
+    placed = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
+    ring = scene is not None and scene.track.lead == 0.0
+    for d in DESCRIPTORS:
+        values = compared_values(d, ring=ring)
+        row: Row = {
+            Quantity("name", "what describes a scene", "", "s"): d.name,
+            "unit": d.unit or "–",
+            Quantity("low", "compared from", "", "g4"): min(values),
+            Quantity("high", "to", "", "g4"): max(values),
+        }
+        if scene is not None and d.name in placed:
+            place = placed[d.name]
+            inside = place.low <= place.value <= place.high
+            where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
+            row |= {Quantity("own", scene.name): place.value, Quantity("where", "where it lies", "", "s"): where}
+        rows.append(row)
+    kind = "rings" if ring else "screws"
+    note = (
+        f"Of {len(values)} {kind}, shipped or drawn, that were compared with the 3D reference. Beyond a range by less "
+        "than its margin a scene still counts as covered; further out, a result says that its error is not covered."
+    )
+    return Table.of("applicability", "What was compared with the 3D reference", rows, note)
+
+
+def range_figure(scene: Scene | None = None) -> Figure:
+    """Compared scenes by pairs of descriptors, with a scene's own place."""
+    pairs = ((0, 1), (2, 4), (6, 3), (5, 7))
+    ring = scene is not None and scene.track.lead == 0.0
+    panels = []
+    for a, b in (tuple(DESCRIPTORS[k] for k in pair) for pair in pairs):
+        series = [Series("compared", compared_values(a, ring=ring), compared_values(b, ring=ring), "markers")]
+        if scene is not None:
+            series.append(Series(scene.name, [a.of(scene)], [b.of(scene)], "markers", emphasis=True))
+        panels.append(Panel("", _label(a), _label(b), tuple(series)))
+    return Figure("applicability", "What was compared with the 3D reference", tuple(panels))
+
+
+def _label(d: Descriptor) -> str:
+    return f"{d.name} / {d.unit}" if d.unit else d.name
+
+
+def items_of(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
+    """Table and figure without a scene of one's own."""
+    return range_table(), range_figure()

@@ -9,8 +9,8 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from rollbench.compare.models.model_form import SHARE
+from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend

@@ -24,9 +24,8 @@ from rollbench.compare.models.comparison import (
 from rollbench.compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.printed import entry
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load
 from rollbench.compare.sections.curves import lateral, load_panel, loads, numbers

@@ -9,20 +9,17 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.ladder import UNSEEN
-from rollbench.compare.models.modelling import REFINED, VARIED, varied
+from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, varied
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import SHARED, beside_face
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
-from rollbench.compare.reference.measured import Measured, most_of
-from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.store import Measured, Run, load, most_of
 from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
-from rollbench.compare.sections.grid_coverage import MANY, Held, coverage, share_of
-from rollbench.compare.sections.mesh_study_figure import study_figure
+from rollbench.compare.sections.curves import study_figure
 from rollbench.compare.sections.reference import case_studies, modelling
-from rollbench.compare.studies.mesh_study.table import closing, studied, study_table
+from rollbench.compare.sections.u_val import MANY, Held, coverage, share_of
+from rollbench.compare.studies.mesh_study import closing, studied, study_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
 

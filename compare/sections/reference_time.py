@@ -13,16 +13,25 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent, gate_scale, load_error
 from rollbench.compare.models.comparison import REFERENCED, finest_bodies, suited
-from rollbench.compare.models.ladder import UNSEEN, Rung, ladder
+from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
 from rollbench.compare.models.registry import MODELS, Model, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.measured import Measured, here, one_run
-from rollbench.compare.reference.store import Run, load, shipped_store
-from rollbench.compare.studies.run_times.cold import ColdLevel, measure, measure_level
-from rollbench.compare.studies.run_times.kept import Costs, Kept, RunTime, load_costs, load_times, save_times, today
+from rollbench.compare.reference.store import Measured, Run, here, load, one_run, shipped_store
+from rollbench.compare.studies.run_times import (
+    ColdLevel,
+    Costs,
+    Kept,
+    RunTime,
+    load_costs,
+    load_times,
+    measure,
+    measure_level,
+    save_times,
+    today,
+)
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.models.study import Study
-from rollbench.compare.studies.sweep.figures import of_summary
 from rollbench.compare.studies.sweep.keys import Vary, read_vary
-from rollbench.compare.studies.sweep.outputs import MAIN
+from rollbench.compare.studies.sweep.sample import MAIN
+from rollbench.compare.studies.sweep.summary import of_summary
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: The shipped summary: the ``summary.json`` of the command that it names.
@@ -29,7 +29,7 @@ WORDS = {
 @cache
 def stored() -> dict[str, Any]:
     """The shipped summary."""
-    found: dict[str, Any] = json.loads(data.text(TOLERANCES))
+    found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 

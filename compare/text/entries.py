@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
-from rollbench.compare.models.load_path import path_words
+from rollbench.compare.models.loading import path_words
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.quantities import count_of, shown
 from rollbench.compare.results.scene_json import answers_json, set_json, starting_torque, whole_json
@@ -165,8 +165,9 @@ def _axial(data: dict[str, Any], worth: ModelForm | None) -> str:
     d, three = data["axial"], data["rigidities_N_per_um"]
     moved = None if worth is None else worth.displacement_percent
     stiff = None if worth is None else worth.rigidity_percent
-    moves = shown(d["displacement_um"], _share(d["displacement_um"], moved), 3)
-    text = f"{moves} um under {d['force_N']:.5g} N at the nut's centre"
+    um = d["displacement_um"]
+    moves = "displacement not known" if um is None else f"{shown(um, _share(um, moved), 3)} um"
+    text = f"{moves} under {d['force_N']:.5g} N at the nut's centre"
     if three is None:
         return f"{text}; no rigidity without axial load"
     why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""

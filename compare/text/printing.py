@@ -1,16 +1,23 @@
-"""What a command answers, and the one printer of answers: text for people, or one JSON value."""
+"""What a command answers, and the one printer of answers: text and tables as wide as the terminal, or one JSON value."""
 
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import sys
-from collections.abc import Iterable, Iterator
+import textwrap
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import escaped
+
+if TYPE_CHECKING:
+    from rich.table import Column as RichColumn
+    from rich.table import Table
+
 
 #: A column of a table on the terminal: key of the row, heading, format.
 Column = tuple[str, str, str]
@@ -61,7 +68,6 @@ def print_json(value: Any) -> None:
 def _show(parts: Iterable[Any], *, folded: bool) -> None:
     """On a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as they are unless folded, and
     tables without rules, 160 columns wide or as their words need."""
-    from rollbench.compare.text.wrapping import wrapped
 
     terminal = sys.stdout.isatty()
     for part in parts:
@@ -77,8 +83,6 @@ def _show(parts: Iterable[Any], *, folded: bool) -> None:
 def _show_table(table: Any, terminal: bool) -> None:
     """A table of rich, which texts do not load."""
     from rich.console import Console
-
-    from rollbench.compare.text.wrapping import fitted, unbroken
 
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
     tables = fitted(table, text_width()) if terminal else [table]
@@ -113,3 +117,133 @@ def cell(value: Any, form: str) -> str:
         return str(value) if form == "s" else format(value, form)
     sign = form[:1] if form[:1] in "+- " else ""
     return format(value, f"{sign}z{form.removeprefix(sign)}")
+
+
+#: Width below which lines are not wrapped, and that of a column whose words may be broken.
+LEAST, FOLDED = 40, 8
+
+#: A command at the end of a line, to be copied.
+COMMAND = re.compile(
+    r"(?<= )(rollbench (solve .*--condensed|check SCENE --loads) (\S*'.*'|\S+)|(apt-get|pip) install [\w .+-]+)$"
+)
+
+
+def wrapped(text: str, width: int) -> str:
+    """A text whose lines are wrapped at words; what follows stands below the text behind a label, or is indented by two.
+    Paths, and a command at the end, stay whole, so that they can be copied.
+
+    >>> print(wrapped("ok    a sentence that is too long for a terminal of forty", 40))
+    ok    a sentence that is too long for a
+          terminal of forty
+    """
+    return "\n".join(_wrapped(line, max(width, LEAST)) for line in text.split("\n"))
+
+
+def _wrapped(line: str, width: int) -> str:
+    if len(line) <= width:
+        return line
+    label = re.match(r" *\S+  +(?=\S)", line)
+    indent = len(label[0]) if label and len(label[0]) <= width // 2 else len(line) - len(line.lstrip()) + 2
+    command = COMMAND.search(line)
+    words = line if command is None else line[: command.start()]
+    options = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
+    parts = textwrap.wrap(words, width, **options)  # type: ignore[arg-type]
+    return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
+
+
+def fitted(table: Table, width: int) -> list[Table]:
+    """A table of texts as one or several that are no wider than ``width``, no number cut: columns that do not fit go to a
+    further one, with those that tell its rows apart repeated."""
+    limits = [_limits(column, _around(table)) for column in table.columns]
+    if sum(natural for _, natural in limits) + 1 <= width:
+        return [table]
+    rows = list(zip(*([str(cell) for cell in column.cells] for column in table.columns), strict=True))
+    keys = next((k for k in range(1, len(limits)) if len({row[:k] for row in rows}) == len(rows)), 1)
+    room = width - 1 - sum(least for least, _ in limits[:keys])
+    groups: list[list[int]] = [[]]
+    for k in range(keys, len(limits)):
+        if groups[-1] and sum(limits[i][0] for i in groups[-1]) + limits[k][0] > room:
+            groups.append([])
+        groups[-1].append(k)
+    parts = [_part(table, [*range(keys), *group], rows, limits, width) for group in groups]
+    parts[0].title, parts[-1].caption = table.title, table.caption
+    return parts
+
+
+def unbroken(table: Table) -> int:
+    """Width at which no word is broken where ``fitted`` may break it: such columns are no longer wrapped, others at 40."""
+    widths = []
+    for column in table.columns:
+        column.no_wrap = column.no_wrap or column.overflow == "fold"
+        least, natural = _limits(replace(column, overflow="ellipsis"), _around(table))
+        widths.append(max(least, min(natural, LEAST)))
+    return sum(widths)
+
+
+def _around(table: Table) -> int:
+    """What a column takes beside its words: padding and rule."""
+    _, right, _, left = table.padding
+    return int(left) + int(right) + (table.box is not None)
+
+
+def _limits(column: RichColumn, around: int) -> tuple[int, int]:
+    """Width of a column below which its words are cut, and that at which none of its texts is wrapped."""
+    texts = [str(column.header), *map(str, column.cells)]
+    natural = max(map(len, texts))
+    least = natural if column.no_wrap else max((len(word) for text in texts for word in text.split()), default=0)
+    return (min(least, FOLDED) if column.overflow == "fold" else least) + around, natural + around
+
+
+def _part(
+    table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
+) -> Table:
+    """Some columns of a table, each as wide as its words need, the widest texts given what is left of the width."""
+    from rich.table import Table as Made
+
+    wide = [limits[k][0] for k in columns]
+    for _ in range(width - 1 - sum(wide)):
+        at = max(range(len(wide)), key=lambda n: limits[columns[n]][1] - wide[n])
+        wide[at] += limits[columns[at]][1] > wide[at]
+    heads = [replace(table.columns[k].copy(), width=w - _around(table)) for k, w in zip(columns, wide, strict=True)]
+    out = Made(*heads, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
+    for row in rows:
+        out.add_row(*(row[k] for k in columns))
+    return out
+
+
+def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
+    """Texts as a table with a title and rules, flush right but for the columns whose headings are ``left``."""
+    return _filled(headings, rows, left, title=title)
+
+
+def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
+    """Texts as a table without rules, ``apart`` columns from one another, none wrapped; for the rest see `ruled`."""
+    out = _filled(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
+    for column in out.columns:
+        column.no_wrap = True
+    return out
+
+
+def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
+    """Rows as a table without rules, numbers flush right; no column without a value."""
+    kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
+    left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
+    texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
+    return _filled(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
+
+
+def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
+    from rich.table import Table as Made
+
+    out = Made(title_justify="left", **look)
+    for heading in headings:
+        out.add_column(heading, justify="left" if heading in left else "right")
+    for row in rows:
+        out.add_row(*row)
+    return out
+
+
+def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
+    """Rows as a table with a title and rules; columns: key of the row, heading, format."""
+    texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
+    return ruled(title, [heading for _, heading, _ in columns], texts)

@@ -21,9 +21,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky_banded
-from scipy.linalg.lapack import dtbtrs
-from scipy.special import k0e
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
@@ -175,6 +172,8 @@ def with_tail(flank: Flank, waves: Array) -> Array:
 
     Two Gaussian patches of deviation s on a half space answer a wave k along it by exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
     """
+    from scipy.special import k0e
+
     radius, width, last = flank.contact()[0], NARROW * flank.map.ball, len(waves) - 1
     n = np.arange(float(last), int(TAIL * radius / width))
     plane = k0e(0.5 * (n * width / radius) ** 2) * patch_shares(n, width, radius)
@@ -317,6 +316,9 @@ def cut_motions(
 
     fixing: see `Tube`; "bore" and "outer" hold that surface too.
     """
+    from scipy.linalg import cholesky_banded
+    from scipy.linalg.lapack import dtbtrs
+
     columns = grid.shape[1]
     body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)

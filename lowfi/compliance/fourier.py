@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky_banded, solveh_banded
-from scipy.linalg.lapack import dtbtrs
 
 from rollbench.meshes.arrays import Array, Index
 
@@ -177,6 +175,8 @@ def solved(bands: Array, n: int, loads: Array) -> Array:
 
     Raises LinAlgError where these do not hold the body.
     """
+    from scipy.linalg import solveh_banded
+
     K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
@@ -187,6 +187,9 @@ def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array
 
     Raises LinAlgError where these do not hold the body.
     """
+    from scipy.linalg import cholesky_banded
+    from scipy.linalg.lapack import dtbtrs
+
     K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
     L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
     Y = dtbtrs(L, loads, uplo="L")[0]

@@ -25,7 +25,7 @@ import numpy as np
 from rollbench.lowfi.rating.life import is_thrust, rating, standard_of
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.rollers import middles, roller_contacts, slice_contacts, tapered
-from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, nominal_hertz, own_hertz
+from rollbench.lowfi.statics.contacts import curvature_changes, error_free_hertz, nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -129,8 +129,11 @@ class Truncation:
     cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge")
 
 
-def worst_contact(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Contact | None:
-    """The loaded contact of the highest pole pressure, None without load. load ``(n, 4)`` [N], angle ``(n, 4)`` [rad].
+def worst_contact(
+    scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
+) -> Contact | None:
+    """The loaded contact of the highest pole pressure, None without load. load ``(n, 4)`` [N], angle ``(n, 4)`` [rad];
+    pressure ``(n, 4)`` [Pa] in place of Hertz's.
 
     Elliptical Hertz contact (Johnson 1985, 4.2) of the radii of ball and groove that are drawn, whatever constants the
     force law has (ingredient ``hertz``); valid as long as the ellipse is small against ball and groove. Raises ValueError
@@ -139,7 +142,7 @@ def worst_contact(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> C
     if not (load > 0.0).any():
         return None
     h = own_hertz(scene, drawn)
-    pressure = h.pressure(load)
+    pressure = h.pressure(load) if pressure is None else pressure
     i, s = (int(k) for k in np.unravel_index(int(pressure.argmax()), load.shape))
     force, root = float(load[i, s]), float(np.cbrt(load[i, s]))
     return Contact(
@@ -280,7 +283,7 @@ def contact_rating(scene: Scene) -> float:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
         return float(diameter * np.sqrt(ALLOWED / (PALMGREN * dent.max())))
-    of_one_newton = nominal_hertz(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
+    of_one_newton = error_free_hertz(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
     return float((DENT_PRESSURE / of_one_newton.max()) ** 3)
 
 

@@ -38,23 +38,23 @@ Life of a duty cycle by the standards' equivalent loads: ISO 3408-5 for ball scr
 
 Both take the force on the whole part in every case j, with its share n_j of the revolutions, and a mean of order 3,
 
-    F_m = (sum_j n_j F_j^3)^(1/3),  L = (C/F_m)^3 in 10^6 revolutions.                                               (1)
+    F_m = (sum_j n_j F_j^3)^(1/3),  L = (C/F_m)^3 in 10^6 revolutions.                                               (5)
 
 Ball screws, axial forces only. A nut with play carries either direction on another pair of flanks; of two halves that are
 preloaded against each other with F_pr each carries one, and both give way by F^(2/3). So they part at 2^(3/2) F_pr, and up
 to there, as the standard has it, the half that the force loads and the other one carry
 
-    F_1 = F_pr (1 + F/(2^(3/2) F_pr))^(3/2),  F_2 = F_1 - F;  beyond  F_1 = F,  F_2 = 0.                             (2)
+    F_1 = F_pr (1 + F/(2^(3/2) F_pr))^(3/2),  F_2 = F_1 - F;  beyond  F_1 = F,  F_2 = 0.                             (6)
 
-The lives of both, each with its rating, combine to L = (L_1^(-10/9) + L_2^(-10/9))^(-9/10).                         (3)
+The lives of both, each with its rating, combine to L = (L_1^(-10/9) + L_2^(-10/9))^(-9/10).                         (7)
 
 Rings: P = X F_r + Y F_a with the factors of a single row, from 20 deg on (below they follow from C_0 and tabulated factors
 f_0, which are not computed here), above 45 deg with those of thrust bearings,
 X = 1.25 tan(alpha) (1 - 2/3 sin(alpha)), Y = 1 where F_a > 1.25 tan(alpha) F_r. The standards know neither moments nor
 the four-point preload of one nut.
 
-Held against what makers print (``external-equivalent``, with pages): (1) by worked examples of HIWIN and Rexroth; (2) below
-parting and (3) by HIWIN and NBS, who write 3 for 2^(3/2), as THK does after deriving it: their F_1 is up to 4 % lower, and
+Held against what makers print (``external-equivalent``, with pages): (5) by worked examples of HIWIN and Rexroth; (6) below
+parting and (7) by HIWIN and NBS, who write 3 for 2^(3/2), as THK does after deriving it: their F_1 is up to 4 % lower, and
 their F_2 negative before the halves part; e, X, Y at 25, 30 and 40 deg, and 1.25 tan(alpha) and X at 50, 55 and 60 deg by
 NSK. Those at 20, 35 and 45 deg are not printed there; at all of them the two branches of P meet within 0.3 % (X + e Y).
 """
@@ -252,7 +252,7 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 
 @record
 class EquivalentLife:
-    """Life by (1) to (3). revolutions: in 10^6; loads: equivalent loads [N] of the two directions or halves of a screw, the
+    """Life by (5) to (7). revolutions: in 10^6; loads: equivalent loads [N] of the two directions or halves of a screw, the
     first of a force on the nut along +z, or of a ring's one; standard: whose formulas."""
 
     revolutions: float = quantity(
@@ -295,7 +295,7 @@ def equivalent_life(
 
 
 def halves(force: Array, preload: float) -> tuple[Array, Array]:
-    """Forces [N] by (2) of what carries axial forces ``(n,)`` [N] along +z, and of what carries those against it."""
+    """Forces [N] by (6) of what carries axial forces ``(n,)`` [N] along +z, and of what carries those against it."""
     size = np.abs(force)
     if preload > 0.0:
         loaded = np.where(size < PARTING * preload, preload * (1.0 + size / (PARTING * preload)) ** 1.5, size)
@@ -306,7 +306,7 @@ def halves(force: Array, preload: float) -> tuple[Array, Array]:
 
 
 def mean_force(shares: Array, force: Array) -> float:
-    """F_m [N] of (1), of forces no less than zero ``(n,)`` [N] with their shares of the revolutions ``(n,)``."""
+    """F_m [N] of (5), of forces no less than zero ``(n,)`` [N] with their shares of the revolutions ``(n,)``."""
     top = float(force.max(initial=0.0))
     return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
 

@@ -33,7 +33,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import filled_turns
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.problem import distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -95,7 +95,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])
     counts = np.array([half.sum() for half in halves])
-    C = nominal_hertz(scene).C
+    C = error_free_hertz(scene).C
     pair = np.array([C[0] + C[3], C[1] + C[2]])
     s, n = slope_of(scene), scene.ball_count
 
@@ -148,5 +148,5 @@ def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidi
         return None
     alone = contacts_displacement(scene, size)
     body = body_compliance(scene)
-    unequal = None if displacement is None or displacement * force <= 0.0 else force / displacement
+    unequal = force / displacement if displacement is not None and displacement * force > 0.0 else None
     return Rigidities(size / alone, None if body is None else 1.0 / (alone / size + body), unequal)

@@ -75,7 +75,7 @@ NODES, ROUND_OFF = 12, 1e-15
 
 
 @lru_cache(maxsize=64)
-def nominal_hertz(scene: Scene) -> HertzConstants:
+def error_free_hertz(scene: Scene) -> HertzConstants:
     """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle.
 
     Kept for all solutions of a scene: not to be written to.
@@ -96,7 +96,7 @@ def _parts_alone(scene: Scene) -> Scene:
 
 def forget_nominal() -> None:
     """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
-    for kept in (_curvatures_of, _hertz_of, _hertz_at, nominal_hertz):
+    for kept in (_curvatures_of, _hertz_of, _hertz_at, error_free_hertz):
         kept.cache_clear()
 
 
@@ -142,7 +142,7 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
     if drawn.profile.size or not (drawn.radius == groove_radii(scene)).all():
         return drawn_hertz(scene, drawn, ball_radius[:1])
     if ball_radius[0] == scene.balls.radius:
-        return nominal_hertz(scene)
+        return error_free_hertz(scene)
     return _hertz_at(_parts_alone(scene), float(ball_radius[0]))
 
 
@@ -218,7 +218,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
-        return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, radius.shape)
+        return _repeated(_as_printed(scene) if kind == "as printed" else error_free_hertz(scene).C, radius.shape)
     if radius.ndim == 1:
         return _repeated(distinct_hertz(scene, drawn, radius).C, radius.shape)
     from numpy.polynomial.chebyshev import chebinterpolate, chebval

@@ -25,7 +25,7 @@ from rollbench.lowfi.compliance.bodies import (
 from rollbench.lowfi.compliance.bodies import forget as forget_bodies
 from rollbench.lowfi.compliance.parts import Backend, with_balls
 from rollbench.lowfi.hertz import contact_stiffness
-from rollbench.lowfi.statics.contacts import nominal_hertz, oblique_term
+from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
 from rollbench.lowfi.statics.kernel_types import Bodies
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shaft import (
@@ -138,7 +138,7 @@ def normals_of(geometry: Array) -> Array:
 
 def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
     """Semi-axes [m] of a contact under a force [N], across the groove and along it."""
-    constants, grow = nominal_hertz(problem.scene), float(np.cbrt(force))
+    constants, grow = error_free_hertz(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
@@ -217,7 +217,7 @@ def _response(
         ball = of_file
     e, h, slope = np.zeros(4), np.zeros(4), np.zeros(4)
     if backend.ball == "sphere":
-        h[:] = oblique_term(nominal_hertz(scene), scene.balls.radius)
+        h[:] = oblique_term(error_free_hertz(scene), scene.balls.radius)
     assumed, G, squeeze, R = [], [], None, np.zeros((N, 2, 2, shaft.work.size))
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]

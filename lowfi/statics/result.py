@@ -165,7 +165,8 @@ class StaticResult(Solved):
 
     Per ball: azimuth ``(n,)`` [rad], z ``(n,)`` [m]; per ball and side (SL, SR, NL, NR): load ``(n, 4)`` [N], contact angle
     ``(n, 4)`` [rad] (nan without contact), contact point in space ``(n, 4, 3)`` [m], unit force direction on the ball
-    ``(n, 4, 3)``, Hertz constant C ``(n, 4)``; ball centre shift ``(n, 2)`` in the section [m].
+    ``(n, 4, 3)``, Hertz constant C ``(n, 4)``; ball centre shift ``(n, 2)`` in the section [m]; pole pressure ``(n, 4)``
+    [Pa] of a model that gives one, by Hertz from the loads where it is None.
     """
 
     azimuth: Array
@@ -176,6 +177,7 @@ class StaticResult(Solved):
     force_direction: Array
     centre_shift: Array
     hertz_C: Array
+    pressure: Array | None = None
     ANSWERS: ClassVar[tuple[str, ...]] = (
         *Solved.ANSWERS,
         "load",
@@ -183,6 +185,7 @@ class StaticResult(Solved):
         "contact_point",
         "force_direction",
         "centre_shift",
+        "pressure",
     )
 
     def of_balls(self) -> tuple[StaticResult, ...]:

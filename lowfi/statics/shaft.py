@@ -6,7 +6,7 @@ the rest is equilibrium. Held at its low end it has the complementary energy
 
     f . G f / 2 + f . D^T F + F . H F / 2
 
-beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.ends`, Saint-Venant's
+beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.between`, Saint-Venant's
 contraction under tension and bending and the warping under shear among them. The beam has the wrench F = S q from the
 motions q of its nodes. As F is the derivative of the energy by the jump d = D f + H F that the stretch adds at its cut, the
 beam with these jumps answers loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with

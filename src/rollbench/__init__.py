@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from rollbench.compare import __version__
     from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
     from rollbench.compare.errors import InputError
-    from rollbench.compare.report.library import report
+    from rollbench.compare.models.user_models import ModelAnswer
+    from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.verdict import Judgement, Verdict
+    from rollbench.meshes.parts import Scene
 
 __all__ = [
     "Comparison",
@@ -36,7 +38,9 @@ __all__ = [
     "InputError",
     "Judgement",
     "MeshStudy",
+    "ModelAnswer",
     "Result",
+    "Scene",
     "Status",
     "Sweep",
     "Verdict",
@@ -56,7 +60,9 @@ __all__ = [
 _ELSEWHERE = {
     "InputError": "rollbench.compare.errors",
     "Comparison": "rollbench.compare.results.comparison",
-    "report": "rollbench.compare.report.library",
+    "ModelAnswer": "rollbench.compare.models.user_models",
+    "Scene": "rollbench.meshes.parts",
+    "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),

@@ -9,11 +9,11 @@ from itertools import count
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import inferred
-from rollbench.compare.cases.liu.evidence import case as liu
+from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import with_balls
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.members.ensemble import run_ensemble
 from rollbench.compare.studies.members.members import run_members
 from rollbench.compare.studies.rolling.cases import case_of

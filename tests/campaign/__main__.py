@@ -1,6 +1,6 @@
 """Random extreme scenes, mutated files and killed processes, each outcome judged by a check of its own:
 
-    python -m tests.campaign --random 2000 --seed 7 --keep compare/studies/extremes/campaign.json
+    python -m tests.campaign --random 2000 --seed 7 --keep compare/studies/campaign.json
     python -m tests.campaign --axes 300 --seed 7
 
 It prints the counts and every bad outcome, and ends with 1 where there is one. With --keep the counts go to the file that
@@ -24,8 +24,8 @@ from tests.campaign.scenes import Campaign, Part
 
 from rollbench.compare.cli import commands
 from rollbench.compare.errors import InputError
+from rollbench.compare.files import replace_file
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-from rollbench.compare.writing import replace_file
 
 
 def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:

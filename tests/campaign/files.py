@@ -19,7 +19,7 @@ from tests.campaign.draw import scene_text
 from tests.campaign.scenes import placed
 
 from rollbench.compare.errors import SceneError
-from rollbench.compare.reference.sealing import sealed, unsealed
+from rollbench.compare.reference.store import sealed, unsealed
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.condensed import CondensedBodies, load_condensed
 from rollbench.meshes.leftovers import temporary
@@ -46,7 +46,7 @@ VALUES = (
 WRITER = """
 import sys
 from pathlib import Path
-from rollbench.compare.writing import replace_file
+from rollbench.compare.files import replace_file
 k = 0
 print("ready", flush=True)
 while True:

@@ -12,7 +12,7 @@ from tests.campaign.scenes import Campaign, Part, Progress
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import one_line
-from rollbench.compare.studies.extremes.campaign import Record, read
+from rollbench.compare.studies.extremes import Record, read
 
 
 def run_campaign(what: Campaign, progress: Progress = lambda *_: None, kept: Part | None = None) -> Record:

@@ -22,7 +22,7 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.studies.extremes.campaign import (
+from rollbench.compare.studies.extremes import (
     BAD,
     CRASHED,
     GOOD,
@@ -35,7 +35,7 @@ from rollbench.compare.studies.extremes.campaign import (
     UNPROVEN,
     WRONG,
 )
-from rollbench.compare.studies.sweep.store import packed, unpacked
+from rollbench.compare.studies.sweep.sample import packed, unpacked
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene

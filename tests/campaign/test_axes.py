@@ -12,7 +12,7 @@ from tests.campaign.draw_axes import axis_text
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.studies.extremes import static
+from rollbench.compare.studies import extremes
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 
@@ -83,7 +83,7 @@ def test_the_judge_sees_what_is_off_at_mounting():
 def test_a_scene_is_an_assembly_of_one_set():
     """All extremes of the shipped table that an assembly can describe: nodes at the contacts, a beam."""
     compared = 0
-    for case in static.cases():
+    for case in extremes.cases():
         scene = case.scene
         if scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
             continue

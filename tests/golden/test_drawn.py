@@ -27,8 +27,8 @@ from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, gather_axis
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.names import KINDS
-from rollbench.compare.studies.survey import draw as survey
+from rollbench.compare.scenes.duty_cycle import KINDS
+from rollbench.compare.studies import survey
 from rollbench.meshes.axis import Assembly
 
 RECORD = Path(__file__).parent / "drawn_scenes.json"

@@ -20,9 +20,9 @@ from rollbench.compare.models import applicability, loading, model_form, modelli
 from rollbench.compare.models.comparison import REFERENCED, from_result
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study, with_balls, with_groove
-from rollbench.compare.reference import convergence, levels, near_face, tasks, variants
+from rollbench.compare.reference import convergence, grid_parts, levels, tasks, variants
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.mesh_study import table as mesh_study
+from rollbench.compare.studies import mesh_study
 
 RECORD = Path(__file__).parent / "studies.json"
 STUDY = cache(Study)
@@ -107,7 +107,7 @@ def uncertainties():
 
 def faces():
     return [
-        [near_face.too_large(scene, load, 1), near_face.left_out(scene, load, 1)]
+        [grid_parts.too_large(scene, load, 1), grid_parts.left_out(scene, load, 1)]
         for scene in (STUDY().scene("unseen-flange"), STUDY().scene("lin-case1"))
         for load in [STUDY().reference(scene.name).load]
     ]

@@ -66,7 +66,7 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) ->
 @of_report
 def test_report_s_tables_are_what_the_models_give_now() -> None:
     from rollbench.compare.cases.lin.evidence.chapter_2 import choices
-    from rollbench.compare.cases.lin.pages.cases import choice_rows
+    from rollbench.compare.cases.lin.pages.chapter_2 import choice_rows
     from rollbench.compare.models.study import Study
     from rollbench.compare.sections.reference import case_studies, error_table
     from rollbench.reports.content import Table

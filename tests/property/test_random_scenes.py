@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extremes.static import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
+from rollbench.compare.studies.extremes import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")

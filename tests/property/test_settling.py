@@ -12,7 +12,7 @@ import pytest
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.computing import compute
-from rollbench.compare.reference.measured import here
+from rollbench.compare.reference.store import here
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
 from rollbench.hifi import reference

@@ -11,10 +11,9 @@ from rollbench.compare.commands.stability import run_drawn
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.studies.survey import run
-from rollbench.compare.studies.survey.draw import SCENES, SEED, scene_text
-from rollbench.compare.studies.survey.record import described, surveyed
-from rollbench.compare.studies.sweep import store
+from rollbench.compare.studies import survey
+from rollbench.compare.studies.survey import SCENES, SEED, described, scene_text, surveyed
+from rollbench.compare.studies.sweep import sample
 from rollbench.hifi.meshing.part_meshes import socket_size
 from rollbench.hifi.meshing.settings import expected_contacts
 from rollbench.meshes.groove_map import GrooveMap
@@ -65,21 +64,21 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
         done.append(number)
         return {"number": number, "status": "converged" if number else "refused", "seconds": 1.0}
 
-    monkeypatch.setattr(run, "surveyed", fake)
+    monkeypatch.setattr(survey, "surveyed", fake)
     said: list[str] = []
     with pytest.raises(KeyboardInterrupt):
-        run.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
-    with next((tmp_path / "out" / store.RECORDS).glob("*.lines")).open("ab") as file:
+        survey.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
+    with next((tmp_path / "out" / sample.RECORDS).glob("*.lines")).open("ab") as file:
         file.write(b"12345678 torn")
     done.clear()
-    records = run.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
+    records = survey.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
     assert done == [0, 2]  # what had no answer is tried again
     assert [r["number"] for r in records] == [0, 1, 2]
-    assert [r["number"] for r in run.unanswered(records)] == [0]
+    assert [r["number"] for r in survey.unanswered(records)] == [0]
     assert "[1/3] scene 0: refused, 1 s" in said
-    assert json.loads(run.text(SEED, records))["scenes"] == records
+    assert json.loads(survey.text(SEED, records))["scenes"] == records
     with pytest.raises(InputError, match="another sweep"):
-        run.run_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
+        survey.run_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
 
 
 def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -87,17 +86,17 @@ def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.M
 
     def fake(_: int, number: int, __: Path) -> dict[str, object]:
         done.append(number)
-        return {"number": number, "version": run.__version__, "status": "converged", "seconds": 1.0}
+        return {"number": number, "version": survey.__version__, "status": "converged", "seconds": 1.0}
 
-    monkeypatch.setattr(run, "surveyed", fake)
+    monkeypatch.setattr(survey, "surveyed", fake)
     kept = tmp_path / "survey.json"
-    rows = [{"number": k, "version": run.__version__, "status": s} for k, s in enumerate(("converged", "refused"))]
-    kept.write_text(run.text(SEED, rows))
-    records = run.run_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
+    rows = [{"number": k, "version": survey.__version__, "status": s} for k, s in enumerate(("converged", "refused"))]
+    kept.write_text(survey.text(SEED, rows))
+    records = survey.run_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
     assert done == [1, 2]
     assert records[0] == rows[0]
-    kept.write_text(run.text(SEED, rows).replace(f'"version": "{run.__version__}"', '"version": "0.1"'))
-    run.run_survey(SEED, 3, tmp_path / "other", 1, lambda _: None, kept)
+    kept.write_text(survey.text(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"'))
+    survey.run_survey(SEED, 3, tmp_path / "other", 1, lambda _: None, kept)
     assert done == [1, 2, 0, 1, 2]
 
 
@@ -105,7 +104,7 @@ def test_the_summary_counts_sizes_of_errors_with_an_answer() -> None:
     def row(status: str, error: float) -> dict[str, object]:
         return {"number": 0, "status": status, "models": {"refined": {"largest_percent": error, "rigidity_percent": None}}}
 
-    (found,) = run.summary([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
+    (found,) = survey.summary([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
     assert (found["model"], found["error"], found["scenes"], found["median"]) == ("refined", "largest_percent", 2, 2.0)
     assert (found["p95"], found["largest"]) == (pytest.approx(2.9), 3.0)
     assert len(found) == 6
@@ -115,7 +114,7 @@ def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     records = [{"number": 0, "status": "converged"}, {"number": 1, "status": "not settled: 1 N"}]
-    monkeypatch.setattr(run, "run_survey", lambda *_: records)
+    monkeypatch.setattr(survey, "run_survey", lambda *_: records)
     keep = tmp_path / "survey.json"
     found = run_drawn(2, tmp_path, 1, keep)
     assert found.code == 1

@@ -2,9 +2,8 @@
 
 from tests.evidence_study import STUDY
 
-from rollbench.compare.evidence.computations import evidence
-from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.printed.printed_data import Printed, load_table, tables
+from rollbench.compare.evidence import Evidence, evidence
+from rollbench.compare.printed import Printed, load_table, tables
 
 
 def of_source(source: str) -> list[str]:

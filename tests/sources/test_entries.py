@@ -8,8 +8,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
-from rollbench.compare.evidence.computations import by_table, evidence
-from rollbench.compare.evidence.verdicts import misprints
+from rollbench.compare.evidence import by_table, evidence, misprints
 from rollbench.compare.gate.gate import evidence_row
 
 pytestmark = pytest.mark.xdist_group(GROUP)

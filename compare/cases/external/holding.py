@@ -11,16 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence.screws import scene_name
+from rollbench.compare.cases.external.evidence import scene_name
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.model_form import FLANGE, estimate, surveyed_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.printed import entry
 from rollbench.compare.reference import grid_parts
-from rollbench.compare.reference.near_face import left_out
+from rollbench.compare.reference.grid_parts import left_out
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.scenes.like import RIM, THICK
+from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.meshes.arrays import Array

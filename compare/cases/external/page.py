@@ -7,18 +7,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence import bearings, screws
-from rollbench.compare.cases.external.evidence.case import PREFIX, assumptions
-from rollbench.compare.evidence.computations import by_table, evidence
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.cases.external import evidence as external
+from rollbench.compare.cases.external.evidence import PREFIX, assumptions
+from rollbench.compare.evidence import Evidence, by_table, evidence
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.ladder import UNSEEN
 from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
+from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
@@ -97,12 +96,12 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
     """Catalogue sizes: name, axial load [N], rigidities [N/um] by what they count, the catalogue's among them."""
     out: list[tuple[str, float, dict[str, float | None]]] = []
-    for size in (*screws.THK, *screws.HIWIN):
-        name = screws.scene_name(size)
+    for size in (*external.THK, *external.HIWIN):
+        name = external.scene_name(size)
         scene = study.scene(name)
         force = scene.loads[0].force[2]
-        alone, bodies = screws.stages(scene, force)
-        solved = screws.unequal(study, name, DEFAULT)
+        alone, bodies = external.stages(scene, force)
+        solved = external.unequal(study, name, DEFAULT)
         printed = entry("external-thk", f"rigidity_{size}").value
         unequal = 1e-6 * solved if solved else None
         stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
@@ -190,7 +189,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     found = evidence(study, *tables)
     step("three rigidities of ball nuts")
     rigid = stages_table(study, catalogue_rows(study), UNSEEN)
-    inferred = float(np.round(bearings.gmn_rms_percent(), 2))
+    inferred = float(np.round(external.gmn_rms_percent(), 2))
     text = (
         (
             "Values from neither this project nor the sources of its models: other programs, makers' "

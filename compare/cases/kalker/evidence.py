@@ -8,13 +8,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence.contacts import EXAMPLE_CELLS, example
-from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, example
+from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry, value_of
+from rollbench.compare.printed import entry, value_of
 from rollbench.compare.scenes.catalogue import case
-from rollbench.compare.scenes.kinds import KindScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import case_of
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification

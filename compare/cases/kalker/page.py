@@ -14,18 +14,29 @@ from numpy.typing import NDArray
 from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.body_names import FINITE
-from rollbench.compare.reference.measured import most_of
-from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.reference.levels import FINITE
+from rollbench.compare.reference.store import most_of, shipped_store
+from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.kinds import KindScene
-from rollbench.compare.studies.rolling.body_sizes import NAMES, KeptSizes
-from rollbench.compare.studies.rolling.body_sizes import sizes as body_sizes
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import case_of
-from rollbench.compare.studies.rolling.changes import GAP, Change, Series, changes, from_rest
-from rollbench.compare.studies.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
-from rollbench.compare.studies.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
-from rollbench.compare.system import gmsh_fault
+from rollbench.compare.studies.rolling.rows import (
+    GAP,
+    KNOWN,
+    LIMIT,
+    PAIRS,
+    RINGS,
+    Change,
+    RollingRow,
+    Series,
+    changes,
+    from_rest,
+    load_state,
+    stored_rows,
+    within,
+)
+from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load
+from rollbench.compare.studies.rolling.runs import sizes as body_sizes
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array

@@ -1,9 +1,15 @@
-"""Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases."""
+"""Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
+
+Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases. Every case is
+solved here from the solver's own start and from random ones; it must converge, balance power in and dissipation, and give
+the same answer each time. The source's method is a root of the force balance under its sigmoid from random starts: for one
+ball at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from math import radians
 
@@ -23,24 +29,33 @@ from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
 from rollbench.lowfi.friction.screw.run import Pair, solve_pair
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Quantity, Row
+from rollbench.reports.content import Cell, Quantity, Row, Table, Text
 
 #: Sharpness of the source's sigmoid, Lin's k_S, in its own formulation; 100 where it is not what is varied.
 SHARPNESSES = (100.0, 1e3, 1e4)
+
 #: Random starts of one ball and of chains, besides the solver's own; how far they are off the solution, relative.
 STARTS, CHAIN_STARTS, NEAR_START, FAR_START = 12, 3, 0.01, 0.5
+
 #: Power [W] and, over the friction bound, ball-to-ball force below which random starts and balances are not scaled.
 NO_POWER, NO_FORCE = 1e-13, 0.01
+
 ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (1e-3, 0.1, 10.0, 1e3, 1e5)
+
 RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
+
 #: Small axial loads [N] of pairs of a screw with clearance.
 SMALL = (1e-3, 1e-2, 0.1, 0.3)
+
 #: Sizes of the chains, of a linear bearing and of a ball screw.
 BALLS = (2, 5, 10, 20, 50, 100, 200)
+
 #: Largest chain that the source's method is tried on, in the groups of chains over friction.
 SOURCE_BALLS = 20
+
 #: Fraction of the contacts without load in the chains that lack some.
 UNLOADED = 0.25
+
 #: Difference of ball-to-ball force over the friction bound from which a root of the source's is another answer.
 OTHER = 1e-3
 
@@ -514,3 +529,60 @@ def root_rows() -> list[Row]:
         ours = Quantity("ours", "least dissipation, starts within 50 %", "", "s")
         rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
     return rows
+
+
+def rows() -> list[Record]:
+    """The whole table."""
+    return [*ball_rows(), *chain_rows()]
+
+
+COLUMNS = (
+    Quantity("group", "what is varied", "", "s"),
+    Quantity("model", "model", "", "s"),
+    Quantity("cases", "cases", "", "s"),
+    Quantity("ours", "solved here from all starts", "", "s"),
+    Quantity("energy", "relative excess of power in over dissipation", "", "g2"),
+    Quantity("spread", "spread over the starts", "", "g2"),
+    Quantity("source", "source's root finding, solved", "", "s"),
+    Quantity("note", "note", "", "s"),
+)
+
+
+def by_model(tried: Sequence[Record]) -> str:
+    """How many starts the source's root finding solves, model by model, the worst first."""
+    counts: dict[str, tuple[int, int]] = {}
+    for r in tried:
+        solved, tries = counts.get(r.model, (0, 0))
+        counts[r.model] = solved + (r.source or 0), tries + (r.source_tries or 0)
+    worst_first = sorted(counts.items(), key=lambda item: item[1][0] / max(item[1][1], 1))
+    return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
+
+
+def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
+    """The table and what it says, for a section of the report; ``found``: rows made before."""
+    found = rows() if found is None else found
+    cells = list[dict[str, Cell]]()
+    for r in found:
+        theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"
+        cells.append(asdict(r) | {"ours": f"{r.ours} of {r.tries}", "source": theirs})
+    shown = [{c.key: row[c.key] for c in COLUMNS} for row in cells]
+    tried = [r for r in found if r.source is not None]
+    text = (
+        f"Solved here: {sum(r.ours for r in found)} of {sum(r.tries for r in found)}; the source's root finding "
+        f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. Model by model, the worst "
+        f"first: {by_model(tried)}. It decides which balls touch from their motions without contact (Lin 3.31, 3.77), so "
+        "that roots of longer chains may let balls overlap; these do not count as solved.",
+    )
+    note = (
+        "Each case is solved from the solver's own start and from random ones. Spread: of the loss of one ball, or of "
+        "ball-to-ball forces over the largest friction bound. The source's method: a root of the force balance under its "
+        "sigmoid, k_S = 100 unless varied, by MINPACK's hybrid method with a short first step, which finds more roots "
+        f"than its default; one ball: {STARTS} starts within {FAR_START:.0%} of the solution unless said otherwise; pairs "
+        f"and chains: rolling and {CHAIN_STARTS} starts within {FAR_START:.0%} ({NEAR_START:.0%} for chains of a screw). A "
+        "chain of a screw that Newton does not reach from a random start is restarted from the solver's own. Where "
+        "friction between balls leaves more than one state (jammed or apart), the branch reached by continuation from zero "
+        "friction is reported; "
+        "a ball of a screw that carries almost no load in clearance may also float or be wedged by its own friction, and "
+        "where the search begins decides: there the restarts keep the loads that were found."
+    )
+    return (Text(text), Table("friction-extremes", "Friction and ball motion: extreme cases", COLUMNS, shown, note))

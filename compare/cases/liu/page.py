@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.cases.liu.evidence import bodies, case
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.cases.liu import bodies
+from rollbench.compare.cases.liu import evidence as liu
+from rollbench.compare.evidence import evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.meshes.arrays import Array
@@ -34,7 +35,7 @@ ABOUT = (
         "compared with drawn screws: each number has its percentile, the sampling error of it, and the "
         "probability of a value as extreme."
     ),
-    *(f"Assumed: {text}" for text in case.ASSUMED),
+    *(f"Assumed: {text}" for text in liu.ASSUMED),
     "The source's readings agree with its implicit contact angle, not with a constant or the exact angle.",
     "The measured displacements appear in a figure only, so no number of the experiment can be compared.",
 )
@@ -42,28 +43,28 @@ _LOADS = np.array([50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000
 
 
 def _median(quantity: Spread, half_range: int, unit: float) -> Series:
-    loads = list(case.LOADS[half_range])
-    values = [float(np.median(case.sample(half_range, quantity, f))) / unit for f in loads]
+    loads = list(liu.LOADS[half_range])
+    values = [float(np.median(liu.drawn_sample(half_range, quantity, f))) / unit for f in loads]
     return Series(f"±{half_range} µm, median", loads, values, "line")
 
 
 def _band(quantity: Spread, half_range: int, unit: float) -> list[Series]:
-    loads, found = list(case.LOADS[half_range]), []
-    for level in (case.UNLIKELY, 1.0 - case.UNLIKELY):
-        values = [float(np.quantile(case.sample(half_range, quantity, f), level)) / unit for f in loads]
+    loads, found = list(liu.LOADS[half_range]), []
+    for level in (liu.UNLIKELY, 1.0 - liu.UNLIKELY):
+        values = [float(np.quantile(liu.drawn_sample(half_range, quantity, f), level)) / unit for f in loads]
         found.append(Series(f"±{half_range} µm, {100.0 * level:g} %", loads, values, "line"))
     return found
 
 
 def _printed(keys: Sequence[str], found: dict[str, float], *, loaded: bool = False) -> Series:
-    values = [case.balls() - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
+    values = [liu.balls() - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
     return Series(
         "printed", [float(k.removesuffix("_again").split("_")[2]) for k in keys], values, "markers", emphasis=True
     )
 
 
 def _without(chain_quantity: Callable[[Array, float], float]) -> Series:
-    zero = np.zeros(case.balls())
+    zero = np.zeros(liu.balls())
     return Series("no errors", [float(f) for f in _LOADS], [chain_quantity(zero, float(f)) for f in _LOADS], "line")
 
 
@@ -71,7 +72,7 @@ def figure(found: dict[str, float]) -> Figure:
     """Loaded balls and stiffness over the load, with the printed numbers."""
     counts = [k for k in found if k.startswith(("loaded", "unloaded_2_1000", "unloaded_3_1000"))]
     balls = [_median("loaded", h, 1.0) for h in (1, 2, 3)] + _band("loaded", 2, 1.0)
-    stiff = [_without(lambda e, f: 1e-8 * solve_chain(case.screw(), e, f).stiffness)]
+    stiff = [_without(lambda e, f: 1e-8 * solve_chain(liu.screw(), e, f).stiffness)]
     stiff += [_median("stiffness", h, 1e8) for h in (1, 2, 3)] + _band("stiffness", 2, 1e8)
     panels = (
         Panel("loaded balls", "axial load / N", "loaded balls", (*balls, _printed(counts, found, loaded=True)), zero=True),
@@ -83,7 +84,7 @@ def figure(found: dict[str, float]) -> Figure:
             zero=True,
         ),
     )
-    caption = f"{case.MEMBERS} drawn screws a range. Left: {counts_in_words(found)}. Right: {stiffness_in_words(found)}."
+    caption = f"{liu.MEMBERS} drawn screws a range. Left: {counts_in_words(found)}. Right: {stiffness_in_words(found)}."
     return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
 
 
@@ -95,12 +96,12 @@ def counts_in_words(found: dict[str, float]) -> str:
         if parts is None:
             continue
         half_range, load = int(parts[2]), float(parts[3])
-        count = case.balls() - value if parts[1] else value
-        low, high = np.quantile(case.sample(half_range, "loaded", load), [case.UNLIKELY, 1.0 - case.UNLIKELY])
+        count = liu.balls() - value if parts[1] else value
+        low, high = np.quantile(liu.drawn_sample(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY])
         total += 1
         if not low <= count <= high:
             out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
-    span = f"what {100.0 * (1.0 - 2.0 * case.UNLIKELY):g} % of the draws span"
+    span = f"what {100.0 * (1.0 - 2.0 * liu.UNLIKELY):g} % of the draws span"
     beyond = f"; beyond it: {', '.join(dict.fromkeys(out))}" if out else ""
     return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
 
@@ -111,8 +112,8 @@ def stiffness_in_words(found: dict[str, float]) -> str:
     for key, value in found.items():
         parts = re.fullmatch(r"K_(\d)_(\d+)", key)
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
-        if load in case.LOADS.get(half_range, ()) and np.median(case.sample(half_range, "loaded", load)) == case.balls():
-            off.append(error_percent(1e8 * value, float(np.median(case.sample(half_range, "stiffness", load)))))
+        if load in liu.LOADS.get(half_range, ()) and np.median(liu.drawn_sample(half_range, "loaded", load)) == liu.balls():
+            off.append(error_percent(1e8 * value, float(np.median(liu.drawn_sample(half_range, "stiffness", load)))))
     if not off:
         return "no printed stiffness stands at a load that all balls of most draws carry"
     return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"

@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.cases.makers import outside
-from rollbench.compare.cases.makers.laws import bearings, nuts, programs, torque
+from rollbench.compare.cases.makers import bearings, nuts, outside
 from rollbench.compare.cases.makers.tables import tables
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
@@ -26,8 +25,8 @@ LAWS = (
     nuts.nut_ratings,
     nuts.nut_rigidity,
     nuts.preloaded_nuts,
-    torque.printed_torques,
-    torque.measured,
+    nuts.printed_torques,
+    nuts.measured,
 )
 
 
@@ -37,7 +36,7 @@ def outside_values(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def _computed(study: Study) -> tuple[outside.Outside, ...]:
-    found = [*programs.printed_elsewhere(study), *programs.calculix(study), *(x for law in LAWS for x in law())]
+    found = [*outside.printed_elsewhere(study), *outside.calculix(study), *(x for law in LAWS for x in law())]
     rank = {name: k for k, name in enumerate(ORDER)}
     return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
 
@@ -141,14 +140,14 @@ def balls_counted(found: Sequence[outside.Outside]) -> str:
 
 def drag(found: Sequence[outside.Outside]) -> str:
     """Which of the makers' formulas agrees with sliding balls, and the measured screws."""
-    rows = torque.sweep()
+    rows = nuts.sweep()
     leads = [r.lead for r in rows]
-    sliding = [torque.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
-    theirs = [torque.order([r.formulas[k] for r in rows], leads) for k in range(len(torque.FORMULAS))]
-    named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(torque.FORMULAS, theirs, strict=True))
-    shares = [torque.SHARE, 2.0 * torque.SHARE]
+    sliding = [nuts.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
+    theirs = [nuts.order([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
+    named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
+    shares = [nuts.SHARE, 2.0 * nuts.SHARE]
     over = [
-        torque.order([torque.torque_of_ball(torque.size(0.01), x, torque.DEFAULT, double=d) for x in shares], shares)
+        nuts.order([nuts.torque_of_ball(nuts.size(0.01), x, nuts.DEFAULT, double=d) for x in shares], shares)
         for d in (False, True)
     ]
     least = [float(np.median([r.least[k] / getattr(r, key) for r in rows])) for k, key in enumerate(("single", "double"))]
@@ -160,9 +159,9 @@ def drag(found: Sequence[outside.Outside]) -> str:
         f"pressed on four flanks) and {sliding[1]:.2f} (double nut); by the makers' formulas {named}. None of "
         "the formulas is right: Rexroth's is nearest for single nuts, THK's for double nuts, and a K_p that "
         "is constant over the lead is far from both. With the preload, sliding gives powers of "
-        f"{over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {torque.LEAST:g} gives "
+        f"{over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {nuts.LEAST:g} gives "
         f"{least[0]:.2f} and {least[1]:.3f} of these torques. For two measured screws (N m: {words}) the "
-        f"result is {one.computed.value:.2f} at the default coefficient of {torque.DEFAULT:g}, band "
+        f"result is {one.computed.value:.2f} at the default coefficient of {nuts.DEFAULT:g}, band "
         f"{one.computed.low:.2f} to {one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of "
         "nut. Which screw and nut they are is not printed, so they stay open, and worn screws have lost an "
         "unprinted part of their preload. Other measurements (a ratio of friction to load of 0.00055 by "
@@ -173,19 +172,19 @@ def drag(found: Sequence[outside.Outside]) -> str:
 def sweep_table() -> Table:
     """Drag torque over preload times nominal diameter, over the lead."""
     rows: list[dict[Quantity | str, Cell]] = []
-    for one in torque.sweep():
+    for one in nuts.sweep():
         row: dict[Quantity | str, Cell] = {
             Quantity("lead", "lead", "mm", "g3"): 1e3 * one.lead,
             Quantity("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
             Quantity("double", "double nut", "1e-3", ".1f"): 1e3 * one.double,
-            Quantity("least", f"single nut, coefficient {torque.LEAST:g}", "1e-3", ".2f"): 1e3 * one.least[0],
-            Quantity("least_double", f"double nut, coefficient {torque.LEAST:g}", "1e-3", ".3f"): 1e3 * one.least[1],
+            Quantity("least", f"single nut, coefficient {nuts.LEAST:g}", "1e-3", ".2f"): 1e3 * one.least[0],
+            Quantity("least_double", f"double nut, coefficient {nuts.LEAST:g}", "1e-3", ".3f"): 1e3 * one.least[1],
         }
-        for (name, _), value in zip(torque.FORMULAS, one.formulas, strict=True):
+        for (name, _), value in zip(nuts.FORMULAS, one.formulas, strict=True):
             row[Quantity(name, name, "1e-3", ".1f")] = 1e3 * value
         rows.append(row)
-    at = f"Nominal diameter {torque.SWEPT[0]:g} mm, balls of {torque.BALL:g} mm, {torque.SHARE:g} N each"
-    note = f"{at}; coefficient {torque.DEFAULT:g}, or as named."
+    at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
+    note = f"{at}; coefficient {nuts.DEFAULT:g}, or as named."
     return Table.of("outside-drag", "Drag torque over preload times nominal diameter", rows, note)
 
 

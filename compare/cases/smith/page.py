@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.cases.smith.evidence import ball, case, layouts, screw, taper
-from rollbench.compare.evidence.computations import evidence
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.cases.smith.evidence import axis, bearings
+from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.lowfi.bearings.axis import axis_stiffness
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -35,8 +34,8 @@ ABOUT = (
         "The formulas of the axis are closed and linear; they are a baseline for scenes with beams and rolling "
         "sets, not a substitute."
     ),
-    *(f"Assumed: {text}" for text in case.ASSUMED),
-    f"As printed, identified from printed results, which confirm none of it: {case.IDENTIFIED}.",
+    *(f"Assumed: {text}" for text in bearings.ASSUMED),
+    f"As printed, identified from printed results, which confirm none of it: {bearings.IDENTIFIED}.",
 )
 
 
@@ -45,13 +44,15 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
     loads = np.linspace(100.0, 3000.0, 30)
     tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
-    ours = [float(ball.state(x * case.POUND).stiffness) / case.POUND_PER_INCH / 1e6 for x in loads]
+    ours = [float(bearings.state(x * bearings.POUND).stiffness) / bearings.POUND_PER_INCH / 1e6 for x in loads]
     series = (
         Series("ball, right", [float(x) for x in loads], ours, "line", emphasis=True),
-        Series("ball, sheet", [float(x) for x in loads], [ball.sheet_tangent(float(x)) / 1e6 for x in loads], "line"),
+        Series("ball, sheet", [float(x) for x in loads], [bearings.sheet_tangent(float(x)) / 1e6 for x in loads], "line"),
         Series("ball, tested", at, [1e-6 * (f.printed.value or 0.0) for f in tested], "markers"),
-        Series("taper, right", [float(x) for x in loads], [taper.tangent(float(x)) / 1e6 for x in loads], "line"),
-        Series("taper, sheet", [float(x) for x in loads], [taper.sheet_tangent(float(x)) / 1e6 for x in loads], "line"),
+        Series("taper, right", [float(x) for x in loads], [bearings.tangent(float(x)) / 1e6 for x in loads], "line"),
+        Series(
+            "taper, sheet", [float(x) for x in loads], [bearings.taper_sheet_tangent(float(x)) / 1e6 for x in loads], "line"
+        ),
     )
     return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, zero=True)
 
@@ -60,13 +61,13 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
     """Stiffness of the axis over the nut's position: fixed-fixed and fixed-supported, and the sum in series."""
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
-    unit = 1e6 * case.POUND_PER_INCH
+    unit = 1e6 * bearings.POUND_PER_INCH
     series = []
-    for kind in screw.KINDS:
-        k = screw.end_state(kind, "left", "stretch").stiffness
+    for kind in axis.KINDS:
+        k = axis.end_state(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
-            a = case.axis(k, right)
-            values = axis_stiffness(a, a.length * places, case.NUT) / unit
+            a = bearings.axis(k, right)
+            values = axis_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
@@ -75,7 +76,7 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
 
 def figure(found: Sequence[Evidence]) -> Figure:
     """Stiffness of bearings and axis."""
-    sums = [f for kind in screw.KINDS for f in found if f.printed.key == f"total_{kind}"]
+    sums = [f for kind in axis.KINDS for f in found if f.printed.key == f"total_{kind}"]
     stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
         "Left: the measured curve of the ball bearing is flatter than any Hertz contact; the tapered "
@@ -98,20 +99,20 @@ LAYOUT_NOTE = (
 
 def layout_table(study: Study) -> Table:
     """Layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
-    unit = 1e6 * case.POUND_PER_INCH
+    unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
-    for layout, place, scene, closed in layouts.every_place(study):
+    for layout, place, scene, closed in axis.every_place(study):
         study.uses((layout.scene,))
         difference = float(error_percent(scene.stiffness, closed.stiffness))
-        series = layouts.in_series(layout) / unit
+        series = axis.in_series(layout) / unit
         rows.append(
             {
                 "layout": layout.words,
                 Quantity("place", "nut's position / L", "", ".1f"): place,
-                Quantity("left_scene", "left end, scene", "lbf", ".0f"): scene.left / case.POUND,
-                Quantity("left_formula", "left end, formulas", "lbf", ".0f"): closed.left / case.POUND,
-                Quantity("right_scene", "right end, scene", "lbf", ".0f"): scene.right / case.POUND,
-                Quantity("right_formula", "right end, formulas", "lbf", ".0f"): closed.right / case.POUND,
+                Quantity("left_scene", "left end, scene", "lbf", ".0f"): scene.left / bearings.POUND,
+                Quantity("left_formula", "left end, formulas", "lbf", ".0f"): closed.left / bearings.POUND,
+                Quantity("right_scene", "right end, scene", "lbf", ".0f"): scene.right / bearings.POUND,
+                Quantity("right_formula", "right end, formulas", "lbf", ".0f"): closed.right / bearings.POUND,
                 Quantity("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"): scene.stiffness / unit,
                 Quantity("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.stiffness / unit,
                 Quantity("difference", "scene against formulas", "%", ".2f"): difference,

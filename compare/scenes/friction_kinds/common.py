@@ -1,31 +1,80 @@
-"""What the kinds of friction scenes share: keys, records, and faults of grooves, material and path."""
+"""What the kinds of scenes share that only friction solves: keys, records, and faults of grooves, material and path."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Literal, Protocol
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 
+from rollbench.compare.errors import escaped
 from rollbench.compare.scenes.fault import Fault, mm
 from rollbench.compare.scenes.key_checks import groove_choice_faults
 from rollbench.compare.scenes.keys import (
+    MATERIAL,
     BallSizeKeys,
     CoulombKeys,
     GrooveKeys,
+    HeadKeys,
     MaterialKeys,
     OversizeKeys,
     PathKeys,
     Table,
     key,
 )
-from rollbench.compare.scenes.kinds import KindKeys
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 from rollbench.meshes.ranges import Coefficient, Quantity
+from rollbench.meshes.scene_text import to_toml
+
+
+class KindKeys(HeadKeys):
+    """What every kind has."""
+
+    kind: str = key("what the scene describes")
+    material: MaterialKeys = key("material of all parts", example=MATERIAL)
+
+
+@dataclass(frozen=True)
+class KindScene:
+    """What the scene of every kind has. ``assumed``: statements about what the source leaves open."""
+
+    kind: ClassVar[str]
+    name: str
+    title: str
+    source: str
+    assumed: tuple[str, ...]
+
+    def to_toml(self) -> str:
+        """Text of a scene file that is read as this scene."""
+        from rollbench.compare.scenes.friction_kinds.table import tables
+
+        return to_toml(tables(self))
+
+
+Head = tuple[str, str, str, tuple[str, ...]]
+
+
+def head_of(keys: KindKeys, name: str) -> Head:
+    """The first fields of a record: name, title, source, assumptions."""
+    return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
+
+    keys: type[KindKeys]
+    faults: Callable[[Any], Iterator[Fault]]
+    record: Callable[[Any, str], KindScene]
+
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
+
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]
+
 Gap = Annotated[float, Quantity("length", "0 mm", "1 m", "0.5 mm")]
+
 Theta = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
 
 

@@ -12,9 +12,9 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault, mm
 from rollbench.compare.scenes.friction_kinds import common
+from rollbench.compare.scenes.friction_kinds.common import KindScene, head_of
 from rollbench.compare.scenes.key_checks import time_faults
 from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
-from rollbench.compare.scenes.kinds import KindScene, head_of
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run

@@ -15,10 +15,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.studies.crosscheck.calculix import run_calculix
-from rollbench.compare.studies.crosscheck.data import read
+from rollbench.compare.files import replace_file
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
-from rollbench.compare.writing import replace_file
+from rollbench.compare.studies.crosscheck.results import read
+from rollbench.compare.studies.crosscheck.study import run_calculix
 from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import factor

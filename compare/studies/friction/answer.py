@@ -1,7 +1,8 @@
-"""An answer of ``rollbench friction``: JSON-ready values, tables and lines, what is left out, looks on the terminal."""
+"""An answer of ``rollbench friction``: rows, JSON values, tables and lines, what is left out, looks on the terminal."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -9,17 +10,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
+from rollbench.compare.models.friction_sums import moves, sums
 from rollbench.compare.quantities import number
 from rollbench.compare.text.printing import Column
-from rollbench.lowfi.warned import above
+from rollbench.lowfi.friction.whole.feedback import JAMMED
+from rollbench.lowfi.friction.whole.losses import CAUSES, WIDE
+from rollbench.lowfi.friction.whole.state import FrictionState
+from rollbench.lowfi.friction.whole.torque import ScrewTorque
+from rollbench.lowfi.rating.overall_friction import overall_warnings
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.validity import contact_warnings
+from rollbench.lowfi.warned import Warned, above
 from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
+
 
 LUBRICANT = "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature"
+
 HYSTERESIS = "rolling hysteresis of the materials"
+
 PARTS = "cage or spacers, return tube or deflectors, wipers and seals"
+
 INERTIA = "gyroscopic moments and centrifugal forces of the balls"
 
 #: What a whole screw or bearing leaves out at its instant.
@@ -33,6 +47,7 @@ WHOLE = (
     "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
     "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
 )
+
 #: What an instant leaves out besides, by whether friction feeds back and whether neighbours push.
 BESIDES = {
     (False, False): ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
@@ -57,16 +72,22 @@ _KINDS = (
     "yielding: contacts are elastic at every pressure",
     "elastic bodies: screw, shaft, nut and rings are rigid but for Hertz's contacts",
 )
+
 _LOADS_GIVEN = "friction in the balance of loads: the contacts carry what they carry without it"
+
 _FEW = "the other balls of the track, and how all of them share the load"
+
 _INSTANT = "time: one instant, whose ball motions are steady"
+
 _JAMMED = "a second, jammed state of a ball, which may exist at high coefficients of friction"
+
 #: What a screw leaves out besides, by the word of its coupling.
 _COUPLING = {
     "none": (_LOADS_GIVEN,),
     "ball": ("friction in the balance of loads on the screw: it moves the balls only",),
     "ball and screw": (),
 }
+
 _OF_KIND = {
     "bearing ball": (_LOADS_GIVEN, _FEW, _INSTANT, "tilt of the rings"),
     "bearing pair": (
@@ -97,10 +118,13 @@ def left_out_of_kind(kind: str, coupling: str | None = None) -> list[str]:
 
 #: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6
+
 #: An entry of the block of answers: its label and what it says.
 Line = tuple[str, str]
+
 #: Labels of lines that say what lies behind the answers.
 BEHIND = ("solver", "law")
+
 #: Part of a loss by which two computations of it differ without a cause.
 ROUND_OFF = 1e-9
 
@@ -230,3 +254,221 @@ def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
     if left == 0.0 or loss == 0.0:
         return "energy", f"{loss:.{digits}g} W are put in and lost"
     return "energy", f"{power:.{digits}g} W are put in and {loss:.{digits}g} W lost, {left:+.1e} W out of balance"
+
+
+def left_out(friction: Friction) -> list[str]:
+    """Effects that the result for one instant leaves out."""
+    return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
+
+
+def jam_words(state: FrictionState) -> str:
+    """Sentence on second, jammed states of balls at a high coefficient of friction."""
+    start = "at this coefficient of friction a ball may have a second, jammed state"
+    if state.second is None:
+        along = "without lead friction runs along the grooves and moves no ball across them"
+        why = along if state.torque.ratio == 0.0 else "it takes friction that moves balls in grooves, feedback = true"
+        return f"{start}; none was searched for: {why}"
+    if not state.second:
+        return f"{start}; none was found from four displaced starts of every ball"
+    numbers = ", ".join(str(k + 1) for k in state.second[:8])
+    what = "1 ball has" if len(state.second) == 1 else f"{len(state.second)} balls have"
+    return f"{what} a second, jammed state: {numbers}; this is the one that rolls on"
+
+
+def slip_warnings(share: float) -> list[Warned]:
+    """Warning where Heathcote slip, which is left out, would add much to the losses."""
+    return [Warned("slip", f"the contacts are so wide that {slip_words(share)}")] if share > WIDE else []
+
+
+def slip_words(share: float) -> str:
+    """Clause on the losses that Heathcote slip, which is left out, would add."""
+    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
+
+
+def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
+    """Forces between balls that touch, and what they do to the friction torque; None where neighbours do not push."""
+    n, t = state.neighbours, state.torque
+    if n is None:
+        return None
+    return {
+        "pairs": n.touching,
+        "smallest_gap_um": number(1e6 * n.least),
+        "force_on_next_N": [number(f) for f in n.force],
+        "loss_W": number(n.power),
+        "friction_torque_change_percent": increase(t.power, state.bare.power, 0.0),
+    }
+
+
+def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
+    """One row per ball, named as in a static result; the x and z of a contact lie across and along its groove."""
+    at, f, q = state.at, state.balls, state.balls.q
+    return [
+        {"index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i])}
+        | load_row(SIDES, at.force[i], at.angle[i])
+        | motion_row(q[i])
+        | {"closing_mm_s": number(1e3 * state.closing[i])}
+        | rubbing_row(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
+        | {"status": f.status[i]}
+        for i in range(at.force.shape[0])
+    ]
+
+
+def flat_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows of the balls for the terminal."""
+    out = []
+    for row in rows:
+        flat = {k: row[k] for k in ("index", "azimuth_deg", "orbit_rad_s", "closing_mm_s")}
+        flat |= {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+        for side in SIDES:
+            held = row["load_N"][side] > 0.0
+            flat |= {f"{side} N": row["load_N"][side] if held else None}
+            flat |= {f"{side} mW": row["loss_mW"][side] if held else None}
+        out.append(flat)
+    return out
+
+
+BALL_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    ("azimuth_deg", "azimuth deg", ".2f"),
+    ("orbit_rad_s", "orbit rad/s", ".6g"),
+    *((f"omega {n}", f"omega_{n}", ".5g") for n in "xyz"),
+    ("closing_mm_s", "closing mm/s", ".3g"),
+    *((f"{s} N", f"{s} N", ".2f") for s in SIDES),
+    *((f"{s} mW", f"{s} mW", ".4g") for s in SIDES),
+)
+
+LOSS_COLUMNS: tuple[Column, ...] = (
+    ("contact", "contact", "s"),
+    ("loss_W", "loss W", ".5g"),
+    *((name, f"{name.replace('_', ' ')} W", ".4g") for name in CAUSES),
+)
+
+
+def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
+    """Losses [W] of all balls by contact and cause, the sum last."""
+    table = state.balls.loss.sum(axis=0)
+    named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
+    return [
+        {"contact": name, "loss_W": number(row.sum())} | {c: number(v) for c, v in zip(CAUSES, row, strict=True)}
+        for name, row in named
+    ]
+
+
+def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
+    """The sums for one pair of coefficients."""
+    found = sums(state.torque, drag)
+    names = (
+        "friction_torque_Nmm",
+        "drag_torque_Nmm",
+        "forward_torque_Nmm",
+        "backward_torque_Nmm",
+        "efficiency_forward_percent",
+        "efficiency_backward_percent",
+        "self_locking",
+    )
+    return {"screw": friction.screw, "nut": friction.nut} | {name: found[name] for name in names}
+
+
+def mu_columns(kind: str) -> tuple[Column, ...]:
+    """Columns over the coefficient of friction."""
+    first: tuple[Column, ...] = (
+        ("screw", "coefficient", ".4g"),
+        ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+        ("drag_torque_Nmm", "drag torque N mm", ".5g"),
+    )
+    if kind == "bearing":
+        return first
+    return (
+        *first,
+        ("forward_torque_Nmm", "forward N mm", ".6g"),
+        ("backward_torque_Nmm", "backward N mm", ".6g"),
+        ("efficiency_forward_percent", "efficiency forward %", ".2f"),
+        ("efficiency_backward_percent", "backward %", ".2f"),
+        ("self_locking", "self-locking", "s"),
+    )
+
+
+def static_only(warnings: Sequence[Warned]) -> list[Warned]:
+    """Warnings without those of pressure and size, which are made again: friction changes the loads."""
+    return [w for w in warnings if w.kind not in ("pressure", "size")]
+
+
+def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
+    """Where the result leaves the range in which it holds."""
+    at = state.at
+    loaded = at.force > 0.0
+    notes = static_only(static)
+    notes += overall_warnings(scene.track, friction)
+    notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
+    if max(friction.screw, friction.nut) >= JAMMED:
+        notes.append(Warned("jam", jam_words(state)))
+    two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
+    if two.any() and state.torque.ratio != 0.0 and not state.coupled:
+        text = (
+            f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
+            f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without feedback the "
+            "friction torque may be too small by a factor of two or more"
+        )
+        notes.append(Warned("feedback", text))
+    unsure = state.balls.status.count("regularised")
+    if unsure:
+        text = f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only"
+        notes.append(Warned("slip", text))
+    return notes
+
+
+def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
+    """The torque that a motor, or a brake, must give."""
+    needed = 1e3 * t.on_screw * np.sign(t.speed)
+    role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
+    moving = f", which moves {moves(t)}" if t.translating else ""
+    return "torque", f"{three(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
+
+
+def _load_line(t: ScrewTorque) -> Line:
+    """The torques against the axial load and with it, and the efficiencies."""
+    if not t.translating:
+        return "load", "no axial load: no efficiency"
+    forward, backward = t.efficiency
+    against = (
+        f"{t.load:.4g} N along the screw; {three(1e3 * t.forward)} N mm against it, efficiency {100.0 * forward:.3g} %"
+    )
+    if t.locking:
+        return "load", f"{against}; self-locking: to go with it, {three(-1e3 * t.backward)} N mm are needed too"
+    held = f"{three(1e3 * t.backward)} N mm hold it back where it drives, efficiency {100.0 * backward:.3g} %"
+    return "load", f"{against}; {held}"
+
+
+def residual_line(residual: float, left: float) -> Line:
+    """How far loads and friction are from balance."""
+    return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
+
+
+def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
+    """The results in a few lines, the driving torque first; what a coefficient decides, which is hardly known to one digit,
+    has three."""
+    t, ring = state.torque, state.torque.ratio == 0.0
+    inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
+    without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+    lines = [
+        _driving_line(t, motion, inner if motion.turns == "screw" else outer),
+        ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
+        *(() if ring else (_load_line(t),)),
+        energy_line(balance(t.input_power, t.power), 3),
+    ]
+    bare = f"{three(1e3 * state.bare.friction)} N mm"
+    if state.neighbours is not None:
+        n = state.neighbours
+        text = (
+            f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.3g} N; between balls "
+            f"{n.power:.3g} W are lost; without them the friction torque is {bare}"
+        )
+        lines.append(("balls", text))
+    elif not ring and t.friction != 0.0:
+        how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
+        text = (
+            f"{how}: it pulls the screw along its axis with {t.pull:.3g} N and a ball across its path with up to "
+            f"{t.tilt:.3g} of its largest load" + f"; without this feedback the friction torque is {bare}" * state.coupled
+        )
+        lines.append(("feedback", text))
+    return lines

@@ -8,7 +8,7 @@ import numpy as np
 
 from rollbench.compare.errors import Refusal
 from rollbench.compare.quantities import number
-from rollbench.compare.scenes.friction_kinds.linear import LinearScene
+from rollbench.compare.scenes.friction_kinds.bearings import LinearScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, balanced_loads, diagonal_loads, directions, elastic_loads

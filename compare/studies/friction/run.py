@@ -11,8 +11,8 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.quantities import number
+from rollbench.compare.running import bar
 from rollbench.compare.studies.friction.answer import Line
-from rollbench.compare.watch import bar
 from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, resolved
 from rollbench.lowfi.friction.whole.circuit import balls_of
 from rollbench.lowfi.friction.whole.run import AGAIN, Setting, in_motion

@@ -1,16 +1,34 @@
-"""``rollbench friction``: whole screws and bearings, several sets on one shaft, and the kinds that only friction solves."""
+"""``rollbench friction``: whole screws and bearings, several sets on one shaft, and the kinds that only friction solves.
+
+Of a shaft with several sets: the friction of each, and the torque of the shaft. Load cases of a duty cycle are separate
+scenes, with the mean torque over all revolutions.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-from rollbench.compare.errors import ArgumentError
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.models.answers import solve_sets
+from rollbench.compare.models.friction_sums import sums
+from rollbench.compare.models.registry import run_model
+from rollbench.compare.quantities import number
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.studies.friction.answer import FrictionAnswer
-from rollbench.compare.studies.friction.whole import Choices, solve_scene
+from rollbench.compare.scenes.scene_file import kind_of
+from rollbench.compare.studies.friction import answer
+from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
+from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, solve_scene, status_of
+from rollbench.compare.text.printing import Column
+from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.friction.whole.torque import ONE_TURN
+from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Friction, Motion, Scene
 
 
 def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
@@ -24,18 +42,14 @@ def solve_any(scene: Described, choices: Choices, origin: str) -> FrictionAnswer
     if isinstance(scene, Scene):
         return solve_scene(scene, choices)
     if isinstance(scene, DutyCycle):
-        from rollbench.compare.studies.friction.cases import solve_cycle
-
         return solve_cycle(scene, choices)
     if isinstance(scene, Assembly):
-        from rollbench.compare.studies.friction.axis import solve_axis
-
         return solve_axis(scene, choices)
     if choices != Choices():
         advice = "leave them out: such a scene holds its own loads and coefficients"
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "with the scene of a whole screw or bearing", advice)
-    from rollbench.compare.studies.friction.kind_solvers import solve_kind
+    from rollbench.compare.studies.friction.kinds import solve_kind
 
     return solve_kind(scene)
 
@@ -48,3 +62,220 @@ def library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, An
 def as_json(found: FrictionAnswer) -> dict[str, Any]:
     """JSON-ready answer, with what stands above it."""
     return found.data | {"warning": found.warning or None}
+
+
+#: What the friction of a shaft does not hold besides that of its sets.
+ROLLERS = "friction of tapered rollers: races, ribs and cage (Smith 3.29 needs the maker's factor)"
+
+SET_COLUMNS: tuple[Column, ...] = (
+    ("set", "set", "s"),
+    ("name", "name", "s"),
+    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("drag_torque_Nmm", "drag torque N mm", ".5g"),
+    ("axial_load_N", "axial load N", ".5g"),
+    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
+    ("loss_W", "loss W", ".5g"),
+)
+
+Solved = list[tuple[int, SetResult, FrictionState]]
+
+
+def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
+    """Loads by the chosen model, then friction of every set of balls. Raises InputError for choices that do not fit."""
+    if choices.condensed is not None or choices.member or len(choices.mu) > 1:
+        given = "condensed, member, mu"
+        raise ArgumentError(given, f"with {assembly.name}", "one set on the shaft, or one `mu` alone", "leave them out")
+    friction = _coefficient(assembly, choices.mu)
+    motion = assembly.motion or ONE_TURN
+    if motion.turns != "screw":
+        raise InputError(
+            assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
+        )
+    result, _ = solve_sets(assembly, choices.model)
+    head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
+    if not result.converged:
+        remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
+        return FrictionAnswer(
+            head | {"status": f"contact loads: {result.status}", "converged": False} | remarks, [], [], False
+        )
+    solved = _states(result, friction, motion)
+    drag = _drag(assembly, result.model, friction, motion)
+    return _answer(head, assembly, result, (friction, motion, solved, drag))
+
+
+def _coefficient(assembly: Assembly, mu: Sequence[float]) -> Friction:
+    """The coefficient of the command line, or the scene's."""
+    first = next((s.parts for s in assembly.sets if isinstance(s.parts, Scene)), None)
+    if first is None:
+        advice = "give the shaft a set of balls: rollers have none"
+        raise InputError(assembly.name, "sets", "rollers only", "a set of balls", advice)
+    return coefficients(replace(first, name=assembly.name, friction=assembly.friction), mu)[0]
+
+
+def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
+    """Friction of every set of balls, with its number."""
+    out: Solved = []
+    for i, s in enumerate(result.sets):
+        if s.balls is None or not isinstance(s.of.parts, Scene):
+            continue
+        out.append((i, s, friction_state(s.of.parts, s.balls, friction, motion)))
+    return out
+
+
+def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) -> dict[int, float]:
+    """Friction torque [N m] of each set without the loads on shaft and housings, where it is known."""
+    idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
+    result = run_model(replace(assembly, loads=(), housings=idle), model)
+    if not result.converged:
+        return {}
+    return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if state.settled}
+
+
+def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
+    return {"set": i + 1, "name": s.of.name} | sums(state.torque, drag) | {"loss_W": number(state.torque.power)}
+
+
+def _answer(
+    head: dict[str, str], assembly: Assembly, result: AxisResult, found: tuple[Friction, Motion, Solved, dict[int, float]]
+) -> FrictionAnswer:
+    friction, motion, solved, drag = found
+    rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
+    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]
+    losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.loss_rows(state)]
+    good = all(state.settled for _, _, state in solved)
+    failed = next((x for x in solved if not x[2].settled), None)
+    torque, power = _sum(solved, drag), _energy(solved)
+    without = any(s.balls is None for s in result.sets)
+    of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
+    warnings = [w for w in result.warnings if w.startswith(of_rollers)]
+    warnings += answer.static_only([w for w in result.warnings if not w.startswith(of_rollers)])
+    for _, s, state in solved:
+        if isinstance(s.of.parts, Scene):
+            warnings += [w.of(s.of.name) for w in answer.warnings_of(s.of.parts, friction, state, ())]
+    data = head | {
+        "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
+        "converged": good,
+        "law": "coulomb",
+        "friction": {"screw": friction.screw, "nut": friction.nut},
+        "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
+        "sets": rows,
+        "balls": balls,
+        "torque": torque,
+        "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
+        "energy": power,
+        "assumed": [
+            *friction.assumed,
+            *(() if assembly.motion else (NO_SPEED,)),
+            *assembly.assumed,
+            *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
+        ],
+        "left_out": [*answer.left_out(friction), *((ROLLERS,) if without else ())],
+        "warnings": warnings,
+    }
+    flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.flat_rows(balls), strict=True)]
+    every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
+    lines = [
+        (
+            "torque",
+            f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s; "
+            f"friction torque of all sets {three(torque['friction_torque_Nmm'])} N mm",
+        ),
+        _energy_line(power),
+        answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)),
+    ]
+    return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
+
+
+def _energy(solved: Solved) -> dict[str, Any]:
+    """Powers [W] of all sets together: what the contacts take and lose, what the shaft's torque and the axial loads of the
+    sets put in; efficiency where one of these two drives the other."""
+    torques = [x.torque for _, _, x in solved]
+    turning = float(np.sum([t.on_screw * t.speed for t in torques]))
+    along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
+    taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
+    driving, driven = max(turning, along), min(turning, along)
+    return balance(taken, lost) | {
+        "axial_load_power_W": number(along),
+        "torque_power_W": number(turning),
+        "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+    }
+
+
+def _energy_line(values: dict[str, Any]) -> Line:
+    """The powers in words."""
+    efficiency = values["efficiency_percent"]
+    by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
+    worth = "no power leaves the shaft" if efficiency is None else f"{by} drives with an efficiency of {efficiency:.3g} %"
+    label, text = energy_line(values, 3)
+    return label, f"{text}; {worth}"
+
+
+def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
+    """Torques [N mm] of all sets together."""
+    known = len(drag) == len(solved)
+    return {
+        "friction_torque_Nmm": number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
+        "drag_torque_Nmm": number(1e3 * sum(drag.values())) if known else None,
+        "driving_torque_on_screw_Nmm": number(1e3 * float(np.sum([x.torque.on_screw for _, _, x in solved]))),
+    }
+
+
+COLUMNS = (
+    ("case", "case", "s"),
+    ("share", "share", ".4g"),
+    ("axial_load_N", "axial load N", ".5g"),
+    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("drag_torque_Nmm", "drag N mm", ".4g"),
+    ("efficiency_forward_percent", "efficiency %", ".4g"),
+)
+
+
+def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
+    """Friction of every case in order; the mean torque is that of the whole work of friction over the revolutions.
+
+    A case that does not converge leaves the others as they are, and the cycle without a mean. Raises InputError as
+    `solve_scene` and `solve_axis`.
+    """
+    each = [
+        (case, solve_axis(scene, choices) if isinstance(scene := case.scene, Assembly) else solve_scene(scene, choices))
+        for case in cycle.cases
+    ]
+    rows: list[dict[str, Any]] = []
+    for case, one in each:
+        torque = one.data.get("torque") or {}
+        rows.append({"case": case.name, "share": case.share} | {name: torque.get(name) for name, *_ in COLUMNS[2:]})
+    failed = [case.name for case, one in each if not one.converged]
+    known = [row for row in rows if row["friction_torque_Nmm"] is not None]
+    worst = max(known, key=lambda row: abs(row["friction_torque_Nmm"]), default=None)
+    needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
+    mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
+    words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
+    largest = "none" if worst is None else f"{three(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
+    known_mean = words if mean is None else f"{three(mean)} N mm"
+    lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
+    for case, one in each:
+        lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
+
+    def every(key: str) -> list[Any]:
+        return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))
+
+    data: dict[str, Any] = {
+        "scene": cycle.name,
+        "title": cycle.title,
+        "kind": kind_of(cycle),
+        "status": "; ".join(f"case {c.name}: {one.data['status']}" for c, one in each if not one.converged) or "converged",
+        "converged": not failed,
+        "summary": {
+            "largest_friction_torque_Nmm": worst and worst["friction_torque_Nmm"],
+            "largest_friction_torque_case": worst and worst["case"],
+            "mean_friction_torque_Nmm": None if mean is None else number(mean),
+            "mean_words": words or None,
+        },
+        "cases": [{"case": c.name, "share": c.share} | one.data | {"scene": cycle.name} for c, one in each],
+        "assumed": every("assumed"),
+        "left_out": every("left_out"),
+        "warnings": [w.of(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
+    }
+    tables = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.tables]
+    balls = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.ball_tables]
+    return FrictionAnswer(data, [("load cases", COLUMNS, rows), *tables], lines, not failed, balls)

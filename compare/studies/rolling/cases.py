@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.compare.errors import Refusal
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene
-from rollbench.compare.scenes.friction_kinds.linear import LinearScene
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.compare.scenes.kinds import KindScene
 from rollbench.hifi.rolling.balls import Choices, without_meetings
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.scenes import (

@@ -1,10 +1,15 @@
-"""Low-order against 3D against printed, with the 3D model's own uncertainty, for scenes of rolling balls; their gate."""
+"""Low-order against 3D against printed, with the 3D model's own uncertainty, for scenes of rolling balls; their gate.
+
+Also how far ball-to-ball forces move when a numerical choice changes, and how they come about from rest.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -12,17 +17,80 @@ import numpy as np
 from rollbench.compare.gate.gate import GateRow
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry
-from rollbench.compare.reference.body_names import HALF_SPACE
+from rollbench.compare.printed import entry
+from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as shipped_case
-from rollbench.compare.scenes.kinds import KindScene
-from rollbench.compare.studies.rolling.body_sizes import choices_share
-from rollbench.compare.studies.rolling.low_order import low_order
-from rollbench.compare.studies.rolling.runs import LEVELS, RollingRun, load
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearPairScene, LinearScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.compare.studies.friction.linear_kinds import linear_loads
+from rollbench.compare.studies.rolling.cases import case_of
+from rollbench.compare.studies.rolling.runs import (
+    LEVELS,
+    LINEAR,
+    SCENES,
+    SHAPE,
+    RollingRun,
+    Variant,
+    choices_share,
+    load,
+    variants,
+)
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, run_from_rest, solve_rolling
+from rollbench.hifi.rolling.friction import PATH
+from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.lowfi.friction.bearing import SIDES, solve_ball
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.screw.run import solve_pair
+
+
+def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
+    """Values by name, seconds of a second solve, and "converged" or why not; kinds as in
+    `compare.studies.rolling.cases.case_of`."""
+    kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
+    kinds = {LinearScene: _linear, ScrewPairScene: _screw, BearingBallScene: _ring}
+    solver = next(solver for kind, solver in kinds.items() if isinstance(scene, kind))
+    solver(scene)
+    begin = perf_counter()
+    values, status = solver(scene)
+    return values, perf_counter() - begin, status
+
+
+def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
+    angles, force, _ = linear_loads(scene)
+    apart, near = (
+        solve_linear_chain(prepare(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
+    )
+    out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
+    out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.deviation)}
+    out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
+    out |= {"drive apart N": apart.drive, "drive touching N": near.drive}
+    out["increase %"] = 100.0 * (near.loss / apart.loss - 1.0)
+    return out, next((r.status for r in (apart, near) if r.status != "converged"), "converged")
+
+
+def _screw(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
+    found = solve_pair(scene.pair)
+    apart, near = found.free.motion, found.touching.motion
+    out = {"force 1-2 N": found.force}
+    out |= {f"orbit {k + 1} apart rad/s": float(q[0]) for k, q in enumerate(apart.q)}
+    out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
+    out["increase %"] = 100.0 * found.friction_increase
+    return out, "converged" if found.converged else "loads and friction do not agree"
+
+
+def _ring(scene: BearingBallScene) -> tuple[dict[str, float], str]:
+    found = solve_ball(scene.bearing, scene.force, scene.displacement)
+    q, loss = found.motion.q, found.motion.friction.loss
+    out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
+    out |= {f"loss {n} mW": 1e3 * float(v) for n, v, f in zip(SIDES, loss, found.load.force, strict=True) if f > 0.0}
+    return out | {"torque N mm": 1e3 * found.torque}, "converged" if found.motion.status != "failed" else "failed"
+
 
 #: Factor on the scatter of the grids, as grid convergence indices have it for three grids.
 SAFETY = 1.25
+
 #: Printed numbers of both sides by scene: (table, low-order entry, ANSYS entry) of the ball-to-ball force.
 PRINTED = {
     "lin-pair-a": ("lin-3.5", "a_force_numerical", "a_force_ansys"),
@@ -32,15 +100,21 @@ PRINTED = {
     "lin-screw-pair-b": ("lin-3.7", "force_b", "ansys_b"),
     "lin-screw-pair-b-inferred": ("lin-3.7", "force_b", "ansys_b"),
 }
+
 #: Scenes of the report and the gate: those of Tables 3.5 and 3.7, and the rotary ball of 3.2.2.
 PAIRS = tuple(PRINTED)
+
 RINGS = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
+
 #: Limit [%] of the low-order model against 3D where the load state is the same.
 LIMIT = 2.0
+
 #: Value of either model, in the unit of its name, below which it is round-off.
 ROUND_OFF = 1e-6
+
 #: Quantities that are gated, and where the low-order model is beyond the limit, and why.
 GATED = ("force 1-2", "torque")
+
 KNOWN = {
     ("lin-rotary-1", "torque"): "two contacts only: the one that rigid bodies let stick creeps by its elasticity, and "
     "both share the ball's spin"
@@ -195,3 +269,106 @@ def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
             text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
             out.append(GateRow(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
     return out
+
+
+#: Time [s], gap at the start [m] and steps (Lin 3.3.5 has ten).
+DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
+
+
+@dataclass(frozen=True)
+class Series:
+    """A run: steps, their ends [s], force [N], speeds of the balls [m/s], the steady force on the same grid [N], processor
+    seconds, status."""
+
+    steps: int
+    time: tuple[float, ...]
+    force: tuple[float, ...]
+    speed: tuple[tuple[float, ...], ...]
+    steady: float
+    seconds: float
+    status: str
+
+
+@lru_cache(maxsize=1)
+def from_rest() -> tuple[Series, ...]:
+    """Runs with each number of steps of ``STEPS``."""
+    choices = Choices(SHAPE)
+    scene = case_of(shipped_case("lin-pair-a", LinearPairScene), choices).touching
+    steady = float(solve_rolling(scene, choices).force[0])
+    out = []
+    for count in STEPS:
+        run = run_from_rest(scene, DURATION, count, GAP, choices)
+        force = tuple(map(float, run.force[:, 0]))
+        speed = tuple(tuple(map(float, row)) for row in run.speed)
+        out.append(Series(count, tuple(map(float, run.time)), force, speed, steady, run.seconds, run.status))
+    return tuple(out)
+
+
+# --- how far ball-to-ball forces move when a numerical choice changes, beside their stated uncertainty: a grid finer than
+
+
+#: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
+BEYOND = (30, 44)
+
+PATHS = {"by threes": tuple(3.0**-k for k in range(14)), "two steps": (PATH[0], PATH[-1])}
+
+FORCE = "force 1-2"
+
+
+@dataclass(frozen=True)
+class Change:
+    """Scene, choice, what was tried, largest change of the force and its stated uncertainty [%]."""
+
+    scene: str
+    choice: str
+    tried: str
+    change: float
+    uncertainty: float
+
+    @property
+    def within(self) -> bool:
+        """Whether the answer stays within its uncertainty."""
+        return self.change <= self.uncertainty
+
+
+def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> tuple[Change, ...]:
+    """Changes of the scenes of `studies.rolling.runs.SCENES` that have stored runs; series: runs of the linear
+    one from rest; sizes: variants of finite bodies (none: left out)."""
+    return tuple(one for name in SCENES for one in _changes(name, stores, series, sizes))
+
+
+def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> Iterator[Change]:
+    scene = shipped_case(name, KindScene)
+    half, finite = (_uncertainty(name, stores, *bodies) for bodies in ((), (FINITE,)))
+    run = load(scene, max(LEVELS), stores)
+    if run is None or half is None:
+        return
+    key, case = f"{FORCE} N", case_of(scene, Choices(SHAPE)).touching
+    near, elastic = (_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
+    grid = _largest([run.limit[key] + elastic - near], run.values[key])
+    yield Change(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
+    values = [v.values[key] for v in sizes if variants()[v.choice][0] == name and variants()[v.choice][1] is not None]
+    if values and finite is not None:
+        tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
+        yield Change(name, "finite bodies", tried, _largest(values[1:], values[0]), finite)
+    if name == LINEAR:
+        tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
+        ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
+        yield Change(name, "time step", tried, _largest(ends, 1.0), half)
+    first, *others = (_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
+    yield Change(name, "path of regularisation", ", ".join(PATHS), _largest(others, first), half)
+
+
+def _force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
+    """Force of the first two balls [N]; NaN, which is within nothing, of a search that ends without a solution."""
+    found = solve_rolling(scene, choices, path=path)
+    return float(found.force[0]) if found.converged else np.nan
+
+
+def _largest(values: Sequence[float], reference: float) -> float:
+    return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
+
+
+def _uncertainty(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
+    """Stated uncertainty of the force [%]; None without stored runs."""
+    return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)

@@ -10,15 +10,14 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.models import user_models
+from rollbench.compare.models.registry import AXIS_MODELS, MODELS, known_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
 from rollbench.compare.scenes import scene_file, scene_tables
-from rollbench.compare.studies.sweep import store
-from rollbench.compare.studies.sweep.design import Method, points, values
-from rollbench.compare.studies.sweep.keys import Vary, changed, displaced
-from rollbench.compare.studies.sweep.outputs import MAIN, OUTPUTS
-from rollbench.compare.studies.sweep.sample import attempt, reason, solve_batch
+from rollbench.compare.studies.sweep import sample
+from rollbench.compare.studies.sweep.keys import Method, Vary, changed, displaced, points, values
+from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, attempt, reason, solve_batch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -61,7 +60,9 @@ class Sweep:
         """All that the records depend on."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
-        some = {"outputs_kept": list(self.wanted)} if self.outputs else {}
+        some: dict[str, Any] = {"outputs_kept": list(self.wanted)} if self.outputs else {}
+        if self.model not in MODELS:
+            some["model_of"] = user_models.origin(self.model)
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
@@ -71,34 +72,35 @@ class Sweep:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "names with commas between")
         raw = scene_file.read_toml(self.text, self.origin)
         scene = scene_tables.read_tables(raw, self.origin)
-        known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
-        if self.model not in known:
-            raise ArgumentError("model", self.model, ", ".join(known), "choose one of these")
+        if not isinstance(scene, Assembly):
+            known_model(self.model, without=("condensed",))
+        elif self.model not in AXIS_MODELS:
+            raise ArgumentError("model", self.model, ", ".join(AXIS_MODELS), "choose one of these")
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
                 scene_tables.keys_of(changed(raw, [vary], [value]), self.origin)
 
 
-def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, store.Record]:
+def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
     """Records of all samples by number; what the folder holds already is not solved again.
 
     Raises InputError for what cannot be swept, a folder that holds something else, and workers that are lost.
     """
     sweep.check()
     places = sweep.places()
-    if not store.load(folder):
+    if not sample.load(folder):
         _try_first(sweep, places)
     for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
         step(f"{path} takes the place of the scene's {other}")
-    store.open_folder(folder, sweep.header())
-    with store.taken_over(folder) as token:
-        have = store.load(folder)
+    sample.open_folder(folder, sweep.header())
+    with sample.taken_over(folder) as token:
+        have = sample.load(folder)
         left = [n for n in range(len(places)) if n not in have]
         step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
         if left:
             _solve_missing(sweep, folder, engine, step, (token, places, left))
-            have = store.load(folder)
+            have = sample.load(folder)
     return have
 
 
@@ -130,7 +132,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         (solve_batch, (str(folder.resolve()), token, what, [(n, values(sweep.keys, places[n])) for n in batch]))
         for batch in batches
     ]
-    writer = store.Writer(folder, token)
+    writer = sample.Writer(folder, token)
     start = reported = perf_counter()
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):

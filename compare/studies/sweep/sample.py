@@ -1,27 +1,350 @@
-"""One sample of a sweep: the scene with other values, solved, and the few numbers that are kept."""
+"""Samples of a sweep: the scene with other values, solved, the few numbers that are kept, and the folder that keeps them.
+
+The folder says what is swept, and has one line a sample, appended when its batch is solved and never touched again.
+Every process writes lines to a file of its own, those of a batch in one call and each with a checksum, so that whatever
+moment a process is killed at, every finished batch is there and a torn line is told from a whole one. A process that
+outlives the run it belonged to stops after its batch: the run's token is no longer the folder's. A new run waits, by a lock
+that each process holds while it solves, until such processes have stopped; only then it reads what there is, so that no
+sample is solved twice.
+"""
 
 from __future__ import annotations
 
+import json
+import os
+import platform
 import re
-from collections.abc import Collection, Sequence
-from contextlib import nullcontext
-from functools import lru_cache
+import zlib
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, nullcontext
+from functools import cache, lru_cache
 from pathlib import Path
+from time import monotonic
 from typing import Any
+from uuid import uuid4
 
-from rollbench.compare.errors import InputError
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.files import replace_file
+from rollbench.compare.models.answers import unloaded_place
+from rollbench.compare.models.load_cases import cycle_life, loads_of
+from rollbench.compare.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.studies.sweep import store
 from rollbench.compare.studies.sweep.keys import Vary, changed
-from rollbench.compare.studies.sweep.outputs import OUTPUTS, axis_outputs, cycle_outputs, outputs
+from rollbench.lowfi.rating.life import life
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
+
+#: What is kept of a solved sample: key and heading.
+OUTPUTS = {
+    "largest_load_N": "largest contact load / N",
+    "mean_load_N": "mean contact load / N",
+    "loaded_contacts": "loaded contacts",
+    "idle_balls": "balls without load",
+    "displacement_um": "displacement at the load / um",
+    "largest_approach_um": "largest approach of a contact / um",
+    "rigidity_N_per_um": "axial rigidity / (N/um)",
+    "preload_N": "axial preload / N",
+    "torque_Nmm": "friction torque / (N mm)",
+    "life_million_revolutions": "life L10 / 10^6 revolutions",
+}
+
+
+#: The output that worst cases, effects and plots are about; always kept, with its place ``at``.
+MAIN = "largest_load_N"
+
+#: How outputs are computed, by name, called for those that are wanted alone.
+Makers = dict[str, Callable[[], Any]]
+
+
+def outputs(
+    scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
+) -> dict[str, Any]:
+    """Numbers of a converged result: those of `OUTPUTS` that are wanted, and ``at``, the ball and side of the largest load.
+
+    Rigidity (secant, from the place without loads) and preload take the solution without loads, which is solved for them
+    alone; the torque takes [friction] of the scene. None where there is no such answer.
+    """
+
+    @cache
+    def bare() -> StaticResult:
+        return solve_scaled(scene, 0.0, model, options)
+
+    def rigidity() -> float | None:
+        moved = axial_displacement(scene, result) - unloaded_place(scene, bare())
+        return _rigidity(axial_force(result), moved)
+
+    makers: Makers = {
+        "displacement_um": lambda: _displacement(scene, result),
+        "rigidity_N_per_um": rigidity,
+        "preload_N": lambda: axial_preload(scene, bare()) if bare().converged else None,
+    }
+    return _of_sets([("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene))
+
+
+def cycle_outputs(
+    cycle: DutyCycle,
+    results: Sequence[StaticResult | AxisResult],
+    each: Sequence[dict[str, Any]],
+    *,
+    wanted: Collection[str] = tuple(OUTPUTS),
+) -> dict[str, Any]:
+    """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
+    duty cycle, of the set that lives shortest, and the mean torque over its revolutions. results, each: of every case its
+    result and outputs."""
+    case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1][MAIN]))
+    found = worst | {"at": f"case {case.name}: {worst['at']}"}
+    if "torque_Nmm" in wanted:
+        torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
+        known = all(torque is not None for _, torque in torques)
+        found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
+    if "life_million_revolutions" in wanted:
+        lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
+        rated = [x.revolutions for x in lives if x is not None]
+        found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
+    return found
+
+
+def axis_outputs(
+    assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
+) -> dict[str, Any]:
+    """`OUTPUTS` of several sets together, those that are wanted; loads are of contacts of balls and of rollers; ``at``
+    begins with the name of the set; displacement: along the axis, of what the scene asks about, from the unloaded place of
+    the parts; approaches, life and torque are those of balls, life of the set that lives shortest; preload: the largest
+    axial force of a set without loads.
+    """
+    sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
+    force, moved = axial_load(assembly), along_axis(assembly, result)
+
+    @cache
+    def bare() -> AxisResult:
+        without = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
+        assert isinstance(without, AxisResult)
+        return without
+
+    def preload() -> float | None:
+        return max((abs(float(s.force[2])) for s in bare().sets), default=0.0) if bare().converged else None
+
+    makers: Makers = {
+        "displacement_um": lambda: 1e6 * moved if force else None,
+        "rigidity_N_per_um": lambda: _rigidity(force, moved - along_axis(assembly, bare())) if bare().converged else None,
+        "preload_N": preload,
+    }
+    rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
+    return _of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
+
+
+def _of_sets(
+    sets: list[tuple[str, Scene, StaticResult]],
+    scene: Scene | Assembly,
+    whole: Makers,
+    options: Options,
+    wanted: Collection[str],
+    contacts: Callable[[], int],
+    rollers: Sequence[tuple[str, Array]] = (),
+) -> dict[str, Any]:
+    """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: makers of
+    displacement [um], rigidity [N/um] and preload [N]; contacts: see `mean_load`; rollers: loads [N] of each row."""
+    solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
+    named = [*((name, x.load) for name, _, x in sets), *rollers]
+    every = np.concatenate([np.zeros(0), *(load[load > 0.0] for _, load in named)])
+    at = ""
+    if every.size:
+        name, load = max(named, key=lambda one: float(one[1].max(initial=0.0)))
+        one, *side = np.unravel_index(int(load.argmax()), load.shape)
+        at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
+    makers: Makers = {
+        MAIN: lambda: float(every.max(initial=0.0)),
+        "mean_load_N": lambda: mean_load(every, contacts()),
+        "loaded_contacts": lambda: int(every.size),
+        "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
+        "largest_approach_um": lambda: max((_approach(balls) for _, balls in solved), default=None),
+        "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
+        "life_million_revolutions": lambda: _life([(parts, balls.load) for parts, balls in solved]),
+        **whole,
+    }
+    return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted} | {"at": at}
+
+
+def _displacement(scene: Scene, result: StaticResult) -> float | None:
+    """Displacement of the loaded stations along the forces there [um], weighted by the forces; None without a force."""
+    work = total = 0.0
+    for x in scene.loads:
+        motion = result.centreline[int(np.abs(result.centreline_z - x.at).argmin())]
+        work += float(np.dot(x.force, motion[:3]))
+        total += float(np.linalg.norm(x.force))
+    return 1e6 * work / total if total > 0.0 else None
+
+
+def _approach(balls: StaticResult) -> float:
+    return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
+
+
+def _rigidity(force: float, moved: float) -> float | None:
+    """Axial force [N] over displacement [m] in N/um; None without a force, or with a displacement against it."""
+    return 1e-6 * force / moved if force * moved > 0.0 else None
+
+
+def _life(sets: list[tuple[Scene, Array]]) -> float | None:
+    """Shortest life of the sets [10^6 revolutions]; None without load, or where no rating takes them."""
+    try:
+        found = [life(scene, load) for scene, load in sets]
+    except ValueError:
+        return None
+    return min((one.revolutions for one in found if one is not None), default=None)
+
+
+def _friction_torque(
+    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
+) -> float | None:
+    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    from rollbench.compare.models.friction_sums import torque
+
+    return torque(sets, friction, motion, options)
+
+
+HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
+
+#: Longest wait for processes of an earlier run [s].
+PATIENCE = 600.0
+
+Record = dict[str, Any]
+
+
+def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
+    """Make the folder that of this sweep. Raises InputError where it is another's, or cannot be written to."""
+    path = folder / HEADER
+    text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
+    advice = "choose another folder for another sweep"
+    if path.exists():
+        if path.read_text(encoding="utf-8") != text:
+            raise ArgumentError(
+                "out", "the folder of another sweep", "a new one, or that of this sweep", advice, str(folder)
+            )
+    else:
+        if folder.exists() and any(folder.iterdir()):
+            raise ArgumentError("out", "a folder with other files", "a new one, or that of this sweep", advice, str(folder))
+        replace_file(path, text)
+    (folder / RECORDS).mkdir(exist_ok=True)
+    (folder / LOCKS).mkdir(exist_ok=True)
+
+
+@contextmanager
+def taken_over(folder: Path) -> Iterator[str]:
+    """Take the folder for a run: its token, once no process of an earlier run writes any more.
+
+    Raises InputError where another run is at work in it.
+    """
+    from filelock import FileLock, Timeout
+
+    with ExitStack() as held:
+        try:
+            held.enter_context(FileLock(folder / "run", timeout=0))
+        except Timeout:
+            advice = "wait for it, or end it"
+            raise ArgumentError("out", "a sweep under way", "one run at a time", advice, str(folder)) from None
+        token = uuid4().hex
+        replace_file(folder / TOKEN, token)
+        _wait_for_others(folder)
+        yield token
+
+
+def _wait_for_others(folder: Path) -> None:
+    """Wait for the processes of earlier runs, and remove their locks."""
+    from filelock import FileLock, Timeout
+
+    until = monotonic() + PATIENCE
+    for path in (folder / LOCKS).iterdir():
+        try:
+            with FileLock(path, timeout=max(until - monotonic(), 0.0), poll_interval=0.02):
+                path.unlink(missing_ok=True)
+        except Timeout:
+            advice = "end the processes of the earlier run"
+            raise ArgumentError("out", "processes of an earlier run", "none", advice, str(folder)) from None
+
+
+@contextmanager
+def working(folder: Path) -> Iterator[None]:
+    """Keep a new run waiting while this process solves samples."""
+    from filelock import FileLock
+
+    with FileLock(folder / LOCKS / _process()):
+        yield
+
+
+def _process() -> str:
+    """This process on this machine, as part of a file's name."""
+    return f"{platform.node()}-{os.getpid()}"
+
+
+def current(folder: Path, token: str) -> bool:
+    """Whether the folder is here and belongs to the run of ``token``."""
+    try:
+        return (folder / TOKEN).read_text(encoding="utf-8") == token
+    except OSError:
+        return False
+
+
+class Writer:
+    """Appends records to a file of this process's own."""
+
+    def __init__(self, folder: Path, token: str) -> None:
+        """Open the file when the first record comes."""
+        self._path = folder / RECORDS / f"{token[:8]}-{_process()}.lines"
+
+    def append(self, records: Sequence[Record]) -> None:
+        """Append records in one call. Raises OSError where the disk does not take them."""
+        lines = b"".join(map(packed, records))
+        handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
+        try:
+            if os.write(handle, lines) != len(lines):
+                raise OSError(28, "records were not written whole", str(self._path))
+        finally:
+            os.close(handle)
+
+
+def packed(record: Record) -> bytes:
+    """A record as a line with its checksum."""
+    body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    return b"%08x %s\n" % (zlib.crc32(body), body)
+
+
+def unpacked(line: bytes) -> Record | None:
+    """The record of a line; None for one that is torn or damaged."""
+    checksum, _, body = line.rstrip(b"\n").partition(b" ")
+    if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
+        return None
+    found: Record = json.loads(body)
+    return found
+
+
+def read(folder: Path) -> Iterator[Record]:
+    """All whole records of a folder, file by file."""
+    for path in sorted((folder / RECORDS).glob("*.lines")):
+        with path.open("rb") as file:
+            for line in file:
+                record = unpacked(line)
+                if record is not None:
+                    yield record
+
+
+def load(folder: Path) -> dict[int, Record]:
+    """Records by the sample's number from 0."""
+    return {int(record["sample"]): record for record in read(folder)}
+
 
 CONVERGED = "converged"
+
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
+
 #: Balls on one shaft from which a sample by plain Python takes seconds.
 AXIS_COMPILED = 40
 
@@ -97,7 +420,7 @@ def solve_batch(
     token: str,
     sweep: tuple[str, str, tuple[Vary, ...], str, str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
-) -> tuple[list[store.Record], bool]:
+) -> tuple[list[Record], bool]:
     """Records of the samples (number, values) of a batch, and whether they were appended to the folder here, together.
 
     A worker that does not see the run's folder, or whose run is over, does not write there and sends them back.
@@ -105,14 +428,14 @@ def solve_batch(
     """
     run_folder = Path(folder)
     text, origin, keys, model, engine, wanted = sweep
-    here = store.current(run_folder, token)
-    found: list[store.Record] = []
-    with store.working(run_folder) if here else nullcontext():
+    here = current(run_folder, token)
+    found: list[Record] = []
+    with working(run_folder) if here else nullcontext():
         try:
             for number, values in batch:
                 solved = solve_sample(text, origin, keys, values, model, engine, wanted)
                 found.append({"sample": number, "values": values, **solved})
         finally:  # of an interrupted batch too
             if here and found:
-                store.Writer(run_folder, token).append(found)
+                Writer(run_folder, token).append(found)
     return found, here

@@ -26,18 +26,21 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_factor
-from rollbench.lowfi.friction.linear import bearing as analytic
 from rollbench.lowfi.friction.linear.bearing import (
     MOVING,
     LinearBearing,
     Loads,
     balanced_loads,
+    ball_force,
+    ball_loss,
     deviations,
     diagonal_loads,
     directions,
     elastic_loads,
     second_kind,
     semi_axes,
+    spin_loss,
+    velocity_deviation,
 )
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
 from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainPoint, Work
@@ -377,8 +380,8 @@ def pair_formulas(
     """epsilon_1 - epsilon_2, force [N] and ratio of losses by (3.43), (3.51), (3.53) at the loads before (3.54)."""
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
     turn = deviations(np.array([theta, theta]), mated=mated)
-    epsilon = analytic.velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     difference = float(epsilon[0] - epsilon[1])
-    force = analytic.ball_force(bearing, loads[:, :2], np.array(difference), k_f)
-    baseline = float(analytic.spin_loss(bearing, loads).sum())
-    return difference, float(force), 1.0 + float(analytic.ball_loss(bearing, force)) / baseline
+    force = ball_force(bearing, loads[:, :2], np.array(difference), k_f)
+    baseline = float(spin_loss(bearing, loads).sum())
+    return difference, float(force), 1.0 + float(ball_loss(bearing, force)) / baseline

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.fields import keyed, usual
@@ -199,7 +199,7 @@ class ScrewGroove(Grooved):
             Balls(self.ball_radius, steel, (0.0,)),
         )
         if self.hertz == "right":
-            h = nominal_hertz(scene)
+            h = error_free_hertz(scene)
             return Constants(h.C, h.C_a, h.C_b)
         drawn = specimen(scene, ball_layout(scene))
         modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)

@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.losses import BallPath, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Drawn, draw_ball_radii
 from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
@@ -150,7 +150,7 @@ class SceneGrooves(BallPath, Grooved):
 
 def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
     """Nominal grooves of a scene whose screw or nut turns."""
-    path, h = ball_path(scene, drive, scene.balls.radius), nominal_hertz(scene)
+    path, h = ball_path(scene, drive, scene.balls.radius), error_free_hertz(scene)
     return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=Constants(h.C, h.C_a, h.C_b))
 
 

@@ -13,8 +13,8 @@ from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.contacts import (
     actual_hertz,
     distinct_hertz,
+    error_free_hertz,
     nominal_curvatures,
-    nominal_hertz,
     relative_curvatures,
 )
 from rollbench.lowfi.statics.nominal import ContactLoads
@@ -146,7 +146,7 @@ def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array
     if kind == "actual":
         h, curvature = actual_hertz(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
     else:
-        h = nominal_hertz(scene) if kind == "error-free" else distinct_hertz(scene, drawn, drawn.ball_radius)
+        h = error_free_hertz(scene) if kind == "error-free" else distinct_hertz(scene, drawn, drawn.ball_radius)
         curvature = nominal_curvatures(scene)
     # curvatures come in ascending order: that of the groove's profile tells which one lies across
     profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / groove_radii(scene)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact.rings import settle_each
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
@@ -145,6 +144,8 @@ def feed_back(
             contacts, place, active, still[active] + guess[active], shift[active], at, fast
         )
     for ball in active:
+        from scipy.optimize import root  # few states come here
+
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:

@@ -34,7 +34,7 @@ from rollbench.lowfi.statics.axis.system import (
     widened,
     with_arms,
 )
-from rollbench.lowfi.statics.contacts import nominal_hertz, oblique_term
+from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, RowState
 from rollbench.lowfi.statics.problem import Problem
@@ -258,7 +258,7 @@ def own_bodies(
     N, layout = problem.layout.z.size, problem.layout
     axes, size = typical_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
-    oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
+    oblique = oblique_term(error_free_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
     e, h, blocks, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     for screw in (True, False):
         sides = (0, 1) if screw else (2, 3)

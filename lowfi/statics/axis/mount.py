@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.rollers import tapered
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array
@@ -142,7 +142,7 @@ def closing(rolling: RollingSet) -> float:
         bearing = tapered(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))
         return float(bearing.law().approach(rolling.preload / (bearing.rollers * bearing.length * sin))) / sin
-    sin, C = float(np.sin(rolling.parts.track.contact_angle)), nominal_hertz(rolling.parts).C
+    sin, C = float(np.sin(rolling.parts.track.contact_angle)), error_free_hertz(rolling.parts).C
     return float(contact_approach(rolling.preload / (rolling.parts.ball_count * sin), C[0] + C[3])) / sin
 
 

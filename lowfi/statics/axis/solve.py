@@ -37,7 +37,7 @@ from rollbench.lowfi.statics.axis.system import (
     set_flanks,
     with_arms,
 )
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.kernel_types import AxisSystem, RowState, Slopes
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.result import AxisResult, Status
@@ -79,7 +79,7 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     if held:
         return float(held[0])
     sin = np.array([np.sin(scene.track.contact_angle) for _, scene in sets])
-    C = np.array([nominal_hertz(scene).C for _, scene in sets])
+    C = np.array([error_free_hertz(scene).C for _, scene in sets])
     share, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
     offset = np.array([s.offset for s, _ in sets])
 

@@ -5,9 +5,9 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
+from rollbench.compare.results.scene_json import torque_by_palmgren
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_set
-from rollbench.compare.scenes.bearing_pairs import starting_torque as torque
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
 from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
@@ -91,7 +91,7 @@ def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
 
 def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> None:
     parts = read(SET).sets[0].parts
-    one, two = (torque(parts, thrust) for thrust in (1000.0, -2000.0))
+    one, two = (torque_by_palmgren(parts, thrust) for thrust in (1000.0, -2000.0))
     assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
     assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
     assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.rating))

@@ -9,30 +9,30 @@ from rollbench.compare.commands import bench
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.sections import reference_time
-from rollbench.compare.studies.run_times import timing, typed
-from rollbench.compare.studies.run_times.kept import load_times
+from rollbench.compare.studies import run_times
+from rollbench.compare.studies.run_times import load_times
 
 
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
-    seconds, done = timing.launch(["-c", code], {"OWN": "x"})
+    seconds, done = run_times.launch(["-c", code], {"OWN": "x"})
     assert seconds > 0.0
     assert done.stdout == "None x\n"
 
 
 def test_a_command_is_timed_from_an_empty_home_and_again():
-    found = typed.typed("schema --help")
+    found = run_times.typed("schema --help")
     assert found.job == "schema --help, from an empty home"
     assert found.seconds > 0.0
     assert "again: " in found.note
-    failed = typed.typed("solve no-such-scene")
+    failed = run_times.typed("solve no-such-scene")
     assert failed.seconds is None
     assert failed.note.startswith("not measured: rollbench: ")
 
 
 def test_threads_are_compared_with_one():
-    one, two = typed.in_threads(20, 1)
+    one, two = run_times.in_threads(20, 1)
     assert one.ratio == 1.0
     assert two.ratio == pytest.approx(one.seconds / two.seconds)
 
@@ -40,8 +40,8 @@ def test_threads_are_compared_with_one():
 def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_path, command):
     kept = load_times((shipped_store(),))
     monkeypatch.setattr(reference_time, "measured_now", lambda *_, **__: kept)
-    monkeypatch.setattr(typed, "COMMANDS", ())
-    monkeypatch.setattr(typed, "in_threads", list)
+    monkeypatch.setattr(run_times, "COMMANDS", ())
+    monkeypatch.setattr(run_times, "in_threads", list)
     rows = {row["job"]: row for row in command.answer("bench", "lin-case1")}
     study = Study()
     study.computed[reference_time.measuring_run, print] = kept

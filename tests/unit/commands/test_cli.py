@@ -13,9 +13,9 @@ import pytest
 from tests.processes import python
 
 from rollbench.compare.cli import COMMANDS, commands
-from rollbench.compare.commands import list as listing
+from rollbench.compare.commands import printed as listing
 from rollbench.compare.scenes.catalogue import scene_text
-from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
+from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]

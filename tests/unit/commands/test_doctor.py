@@ -6,7 +6,7 @@ import tomllib
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare import system
+from rollbench.compare import running
 from rollbench.compare.commands import doctor as doctor
 from rollbench.meshes import libraries
 from rollbench.reports import offscreen
@@ -62,9 +62,9 @@ def test_every_requirement_of_the_package_is_looked_at() -> None:
 def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None:
     proc = tmp_path / "meminfo"
     proc.write_text("MemTotal: 9 kB\nMemAvailable:    2000000 kB\n")
-    assert system.available_GB(proc, tmp_path) == pytest.approx(2.048)
+    assert running.available_GB(proc, tmp_path) == pytest.approx(2.048)
     (tmp_path / "memory.current").write_text("400000000\n")
     for limit, free in (("1000000000", 0.6), ("max", 2.048)):
         (tmp_path / "memory.max").write_text(f"{limit}\n")
-        assert system.available_GB(proc, tmp_path) == pytest.approx(free)
-    assert system.available_GB(tmp_path / "nothing", tmp_path / "nothing") is None
+        assert running.available_GB(proc, tmp_path) == pytest.approx(free)
+    assert running.available_GB(tmp_path / "nothing", tmp_path / "nothing") is None

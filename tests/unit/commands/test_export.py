@@ -21,7 +21,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export as export_command
-from rollbench.compare.studies.crosscheck.calculix import run_calculix
+from rollbench.compare.studies.crosscheck.study import run_calculix
 from rollbench.compare.studies.export import parts_of
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms

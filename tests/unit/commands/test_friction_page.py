@@ -7,7 +7,7 @@ from tests.friction_runs import MU, TURN
 from tests.helpers import small_screw
 
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.sections import own_friction as page
+from rollbench.compare.report import scene_page as page
 from rollbench.compare.studies.friction import run, whole
 from rollbench.meshes.parts import Time
 

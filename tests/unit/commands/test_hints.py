@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.reading import like_path
+from rollbench.compare.files import like_path
 from rollbench.compare.scenes import catalogue, scene_file
 
 

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.sealing import DEEPEST, sealed, unsealed
+from rollbench.compare.reference.store import DEEPEST, sealed, unsealed
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes import condensed
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed

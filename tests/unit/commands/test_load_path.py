@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.compare.scenes import catalogue, like
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import template as like
 from rollbench.compare.scenes.template import template
 
 FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'

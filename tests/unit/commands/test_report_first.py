@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from rollbench.compare.reference.store import load, shipped_store
-from rollbench.compare.report import first as report_first
+from rollbench.compare.report import pages as report_first
 from rollbench.compare.report import report
-from rollbench.compare.report.first import CHECKED, LEVEL, LiveCheck, live_check
+from rollbench.compare.report.pages import CHECKED, LEVEL, LiveCheck, live_check
 from rollbench.compare.scenes import catalogue
 
 

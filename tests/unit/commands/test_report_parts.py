@@ -3,10 +3,10 @@
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models import applicability, ladder, model_form
+from rollbench.compare.models import applicability, model_form, modelling
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report import first, report
+from rollbench.compare.report import pages, report
 from rollbench.compare.report.pages import SECTIONS
 
 
@@ -15,7 +15,7 @@ def test_wanted_parts():
     assert [p.name for p in report.wanted_parts([])] == [part.name for part in SECTIONS]
     quick = report.wanted_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
-    assert {p.name for p in quick}.isdisjoint({*first.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
+    assert {p.name for p in quick}.isdisjoint({*pages.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
     with pytest.raises(InputError, match="no-such"):
         report.wanted_parts(["no-such"])
 
@@ -23,8 +23,8 @@ def test_wanted_parts():
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: pytest.MonkeyPatch):
     study = Study((tmp_path, shipped_store()))
     found = study.reference("lin-case1")
-    rungs = ladder.climb(study.scene("lin-case1"), found, None)[:2]
-    monkeypatch.setattr(ladder, "ladder", lambda _: rungs)
+    rungs = modelling.climb(study.scene("lin-case1"), found, None)[:2]
+    monkeypatch.setattr(modelling, "ladder", lambda _: rungs)
     report.save_model_form(study)
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2

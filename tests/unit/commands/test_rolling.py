@@ -4,8 +4,8 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.compare.commands import rolling as rolling
-from rollbench.compare.commands import rolling as rolling_choices
+from rollbench.compare.commands import compare as rolling
+from rollbench.compare.commands import compare as rolling_choices
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue

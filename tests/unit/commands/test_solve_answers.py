@@ -22,7 +22,7 @@ from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compared
 from rollbench.compare.results.scene_json import answers_json
-from rollbench.compare.scenes import catalogue, like
+from rollbench.compare.scenes import catalogue, template
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics import elastic, settle
 from rollbench.meshes.parts import BallErrors, Errors
@@ -179,7 +179,7 @@ def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command
 
 
 def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
-    text = like.scene_like("40x10")
+    text = template.scene_like("40x10")
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from tests.processes import COMMAND, python, ran
 
-from rollbench.compare import cli, errors, writing
+from rollbench.compare import cli, errors, files
 from rollbench.compare.report import scene_page, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
@@ -77,7 +77,7 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
     (folder / "x").write_text("half")
     for other in (mine, left, tmp_path / ".a.json.notes.tmp"):
         other.write_text("half")
-    writing.replace_file(path, "whole")
+    files.replace_file(path, "whole")
     temporary(path, "new")
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
 
@@ -88,7 +88,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     code = (
         "import sys, runpy; from rollbench.reports import offscreen\ntry: "
         "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
-        "print(error)\nfrom rollbench.compare.studies.run_times.timing import launch\nprint(launch(['-c', 'import "
+        "print(error)\nfrom rollbench.compare.studies.run_times import launch\nprint(launch(['-c', 'import "
         "numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
     root = str(Path(__file__).parents[3] / "src")
@@ -116,8 +116,8 @@ def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monk
     (tmp_path / "file").write_text("")
     for bad in (tmp_path, tmp_path / "file" / "x.npz"):
         with pytest.raises(errors.InputError):
-            writing.need_writable(bad)
-    writing.need_writable(tmp_path / "new" / "x.npz")
+            files.need_writable(bad)
+    files.need_writable(tmp_path / "new" / "x.npz")
     assert list((tmp_path / "new").iterdir()) == []
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):

@@ -2,7 +2,7 @@ import pytest
 from tests.copies import ROOT
 from tests.processes import COMMAND, ran
 
-from rollbench.compare import watch
+from rollbench.compare import running
 
 
 @pytest.mark.parametrize(
@@ -23,9 +23,9 @@ def test_a_limit_that_is_not_reached_changes_nothing(command):
 
 def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, capsys):
     for terminal in (False, True):
-        monkeypatch.setattr(watch.sys.stderr, "isatty", lambda shown=terminal: shown)
-        monkeypatch.setattr(watch, "FIRST", 0.0)
-        with watch.bar("my.toml") as progress:
+        monkeypatch.setattr(running.sys.stderr, "isatty", lambda shown=terminal: shown)
+        monkeypatch.setattr(running, "FIRST", 0.0)
+        with running.bar("my.toml") as progress:
             for k in range(3):
                 progress("50 steps", 0.5 * k)
         shown = capsys.readouterr().err

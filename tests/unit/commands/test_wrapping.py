@@ -7,8 +7,7 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rollbench.compare.text.tables import aligned
-from rollbench.compare.text.wrapping import fitted, wrapped
+from rollbench.compare.text.printing import aligned, fitted, wrapped
 
 
 def balls(*, ruled: bool) -> Table:

@@ -8,7 +8,7 @@ import pytest
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.compare.studies.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space

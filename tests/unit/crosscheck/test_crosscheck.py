@@ -9,14 +9,34 @@ import pytest
 
 from rollbench.compare import errors
 from rollbench.compare.reference import estimate, grid_parts
-from rollbench.compare.sections import crosscheck as crosscheck
 from rollbench.compare.studies.crosscheck import study as crosscheck_study
-from rollbench.compare.studies.crosscheck.calculix import Outcome, digest, read_cvg, read_dat
-from rollbench.compare.studies.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
 from rollbench.compare.studies.crosscheck.deck import DeckOptions
-from rollbench.compare.studies.crosscheck.fit import LENGTHS, element_error, extrapolate
-from rollbench.compare.studies.crosscheck.rows import agreement, contact_rows, series
-from rollbench.compare.studies.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
+from rollbench.compare.studies.crosscheck.results import (
+    LENGTHS,
+    BodyMesh,
+    CrossData,
+    CrossRun,
+    agreement,
+    contact_rows,
+    element_error,
+    extrapolate,
+    load,
+    path_of,
+    save,
+    series,
+    shipped,
+)
+from rollbench.compare.studies.crosscheck.study import (
+    STUDIES,
+    Outcome,
+    checked_scene,
+    digest,
+    label,
+    read_cvg,
+    read_dat,
+    run_study,
+    scene_key,
+)
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01

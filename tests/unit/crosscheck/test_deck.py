@@ -12,7 +12,8 @@ from tests.fe_meshes import cube
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.crosscheck import calculix, export_deck
+from rollbench.compare.studies import export
+from rollbench.compare.studies.crosscheck import study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
 from rollbench.compare.studies.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes import helix, parts
@@ -122,22 +123,22 @@ def test_units_and_names():
 @pytest.mark.parametrize("unit", ["mm", "m"])
 def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit, tmp_path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
-    found = calculix.run_calculix(write(stack(), unit), tmp_path)
+    found = study.run_calculix(write(stack(), unit), tmp_path)
     assert list(found.forces) == ["HIGH_FACE"]
     assert found.forces["HIGH_FACE"] == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
     ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
     assert re.fullmatch(r"\d+\.\d+", found.version)
-    again = calculix.run_calculix(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
+    again = study.run_calculix(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
     assert again == found  # read, not run again
     with pytest.raises(ValueError, match="CalculiX failed"):
-        calculix.run_calculix(write(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
+        study.run_calculix(write(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
 
 
 @CCX
 def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_path):
-    options, scene = DeckOptions(b_over_h=0.5, growth=0.9), export_deck.cut_scene(catalogue.scene("lin-case1"), 16, 16)
+    options, scene = DeckOptions(b_over_h=0.5, growth=0.9), export.cut_scene(catalogue.scene("lin-case1"), 16, 16)
     found = check_nut(scene, tmp_path, options)
     assert np.ravel(found.theirs) == pytest.approx(3.3e-9, rel=0.2)  # m/N, one ball
     assert found.difference < 0.1
@@ -154,7 +155,7 @@ def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_
 def test_calculix_missing_is_told(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(InputError, match="apt-get install calculix-ccx"):
-        calculix.find_ccx()
+        study.find_ccx()
 
 
 @pytest.fixture(scope="module")
@@ -223,7 +224,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
         ({"out": tmp_path / "a.txt"}, "out: got"),
     ):
         with pytest.raises(InputError, match=key):
-            export_deck.run(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
+            export.write_deck(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
     assert not list(tmp_path.iterdir())
 
 
@@ -239,19 +240,19 @@ def test_the_real_grooves_are_larger_by_their_error():
 
 def test_a_cut_keeps_its_balls_where_they_were():
     scene = catalogue.scene("lin-case1")
-    cut = export_deck.cut_scene(scene, 15, 17)
+    cut = export.cut_scene(scene, 15, 17)
     whole, kept = helix.ball_layout(scene), helix.ball_layout(cut)
     np.testing.assert_allclose(kept.centre, whole.centre[14:17], atol=1e-12)
     assert cut.loads[0].force[2] == pytest.approx(5000.0 * 3 / 32)
     assert cut.loads[0].at == cut.supports[0].at == pytest.approx(cut.nut.position - cut.nut.length / 2.0 - 3.0 * 2.778e-3)
-    assert export_deck.parse_balls("15:17", scene) == (15, 17)
+    assert export.parse_balls("15:17", scene) == (15, 17)
     for bad, key in (
         (catalogue.scene("bearing-9"), "track.lead"),
         (catalogue.scene("lin-random"), "errors"),
         (catalogue.scene("lin-case3-offset"), "supports"),
     ):
         with pytest.raises(InputError, match=key):
-            export_deck.cut_scene(bad, 1, 2)
+            export.cut_scene(bad, 1, 2)
 
 
 def test_the_command_writes_a_deck(tmp_path, command):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from tests.axes import ROLLERS, fixed_axis, solved
 
-from rollbench.compare.studies.friction.axis import solve_axis
+from rollbench.compare.studies.friction.solve import solve_axis
 from rollbench.compare.studies.friction.whole import Choices
 from rollbench.meshes.axis import RollingSet
 

@@ -10,14 +10,18 @@ from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatc
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import contacts, dissipation
-from rollbench.lowfi.friction.linear import bearing
 from rollbench.lowfi.friction.linear.bearing import (
     balanced_loads,
+    ball_force,
+    ball_loss,
     deviations,
     diagonal_loads,
     directions,
     elastic_loads,
     mated_top,
+    sliding_speed,
+    spin_loss,
+    velocity_deviation,
 )
 from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
@@ -100,7 +104,7 @@ def test_velocity_formula_against_brute_force(nominal):
     exact = 2.0 * x[0] - 1.0
     shift = shifts(bearing, turn, loads, k_f=1.4)
     assert deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
-    assert bearing.velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
+    assert velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
     assert mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
     rows, right = no_slip_matrix(angles)
     sliding, spin = rows @ x - right, directions(angles) @ x[1:]
@@ -134,11 +138,11 @@ def test_force_formula_against_brute_force(nominal):
 
     roll = 0.5 / np.cos(bearing.contact_angle)
     exact = fsolve(balance, np.array([0.5, roll, 1e-5, roll, 1e-5, 1e-3]), xtol=1e-13)[5]
-    epsilon = bearing.velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     assert exact > 0.0
-    force = bearing.ball_force(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
+    force = ball_force(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
     assert force == pytest.approx(exact, rel=3e-3)
-    assert bearing.ball_force(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
+    assert ball_force(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
 
 
 def test_rubbing_speed_and_loss():
@@ -147,14 +151,14 @@ def test_rubbing_speed_and_loss():
     omega = np.array([0.5 * bearing.speed / (bearing.ball_radius * np.cos(0.6)), 0.0, 0.0])
     z = np.array([0.0, 0.0, bearing.ball_radius])
     speed = np.linalg.norm(np.cross(omega, z) - np.cross(omega, -z))
-    assert bearing.sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
-    assert bearing.ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
+    assert sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
+    assert ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
     loads = diagonal_loads(100.0, np.array([0.2]))
     numerical = solve_linear_chain(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
-    assert bearing.spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
+    assert spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 
 def forces_on_ball(angles, loads):
@@ -182,7 +186,7 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     bottom = rng.uniform(-0.05, 0.05, (20, 2))
     turn = np.concatenate([bottom, mated_top(bottom)], axis=1)
     up, down = rng.uniform(1.0, 100.0, (2, 20))
-    np.testing.assert_allclose(bearing.velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
+    np.testing.assert_allclose(velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
     np.testing.assert_array_equal(deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0

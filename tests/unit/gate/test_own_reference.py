@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.reference_file import exceeding, read_reference
+from rollbench.compare.gate.user import exceeding, read_reference
 from rollbench.compare.reference import estimate, store
 from rollbench.compare.report.scene_page import page_of
 from rollbench.compare.scenes import catalogue

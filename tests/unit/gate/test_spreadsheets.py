@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.given_files import read_loads, read_values
-from rollbench.compare.gate.reference_file import read_reference
+from rollbench.compare.gate.user import read_reference
 from rollbench.compare.scenes import catalogue
 
 TWO = catalogue.scene("two-balls")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.gate.gate import GateRow
-from rollbench.compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
+from rollbench.compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, decide, judge, worst_of
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference import estimate, grid_parts
 
@@ -34,9 +34,9 @@ def changed(loads: dict[tuple[int, int], float]) -> np.ndarray:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_pass_undecided_fail(sign: float) -> None:
-    assert [word(sign * error, 1.0, 7.0) for error in (6.0, 8.1)] == ["pass", "fail"]
+    assert [decide(sign * error, 1.0, 7.0) for error in (6.0, 8.1)] == ["pass", "fail"]
     for error, u in ((6.1, 1.0), (7.9, 1.0), (8.0, 1.0), (0.0, 8.0), (99.0, None), (float("nan"), 1.0)):
-        assert word(sign * error, u, 7.0) == "undecided", (error, u)
+        assert decide(sign * error, u, 7.0) == "undecided", (error, u)
 
 
 def test_the_contact_that_decides_is_named() -> None:

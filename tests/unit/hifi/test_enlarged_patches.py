@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.reference.computing import BEYOND, enlarged
 from rollbench.compare.reference.tasks import settings_of
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi.meshing.part_meshes import patch_lines, reach_along, socket_size
 from rollbench.hifi.meshing.settings import expected_contacts, hertz_units
 from rollbench.meshes.groove_map import GrooveMap

@@ -11,30 +11,29 @@ from rollbench.compare.models import answers, modelling, study, uncertainty
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.sections import grid_coverage
-from rollbench.compare.studies.crosscheck.data import load, shipped
-from rollbench.compare.studies.crosscheck.fit import extrapolate
-from rollbench.compare.studies.mesh_study.table import study_table
-from rollbench.compare.studies.survey.draw import SEED, scene_text
+from rollbench.compare.sections import u_val
+from rollbench.compare.studies.crosscheck.results import extrapolate, load, shipped
+from rollbench.compare.studies.mesh_study import study_table
+from rollbench.compare.studies.survey import SEED, scene_text
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
 STUDY = study.Study()
 
 
-def holds(held: list[grid_coverage.Held]) -> bool:
+def holds(held: list[u_val.Held]) -> bool:
     """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more under 88 %."""
-    worst = min(h.share for h in held if h.contacts >= grid_coverage.MANY)
-    return 0.93 <= grid_coverage.share_of(held) <= 0.99 and worst >= 0.88
+    worst = min(h.share for h in held if h.contacts >= u_val.MANY)
+    return 0.93 <= u_val.share_of(held) <= 0.99 and worst >= 0.88
 
 
 def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
     """No level far off."""
-    several = [h for h in grid_coverage.coverage(STUDY) if h.level > min(LEVELS)]
+    several = [h for h in u_val.coverage(STUDY) if h.level > min(LEVELS)]
     assert holds(several)
     assert all(h.judge > h.level for h in several)
     for level in (2, 3):
-        assert 0.93 <= grid_coverage.share_of([h for h in several if h.level == level]) <= 0.99
+        assert 0.93 <= u_val.share_of([h for h in several if h.level == level]) <= 0.99
 
 
 def alone(levels: tuple[int, ...]) -> np.ndarray:
@@ -43,7 +42,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     pairs = list(combinations(range(len(levels)), 2))
     columns = np.array([[float(k in pair) for k in range(len(levels))] for pair in pairs])
     rows = []
-    for loads in grid_coverage.levelled(STUDY).values():
+    for loads in u_val.levelled(STUDY).values():
         if set(levels) <= set(loads):
             y = np.array([loads[k][grid_parts.moving(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
@@ -60,8 +59,8 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
     assert errors[1] / errors[2] < 1.3
     finer = alone((1, 2, 3, 4))
     assert (finer[1] / finer[3], finer[0] / finer[2]) == (pytest.approx(1.45, abs=0.1), pytest.approx(2.03, abs=0.1))
-    held = grid_coverage.coverage_of(STUDY, ADVISED)
-    first = {h.scene: h.bar for h in grid_coverage.coverage(STUDY) if h.level == min(ADVISED)}
+    held = u_val.coverage_of(STUDY, ADVISED)
+    first = {h.scene: h.bar for h in u_val.coverage(STUDY) if h.level == min(ADVISED)}
     assert np.median([first[h.scene] / h.bar for h in held]) > 1.5
     assert len(held) >= 17
     assert holds(held)
@@ -70,7 +69,7 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
 def test_displacements_of_the_advised_levels_are_held_too() -> None:
     """On level 4: each by the change of all; by its own alone 80 % were."""
     held = []
-    for name, loads in grid_coverage.levelled(STUDY).items():
+    for name, loads in u_val.levelled(STUDY).items():
         if {*ADVISED, 4} <= set(loads):
             advised, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
             limits = {row["quantity"]: row["level 4"] for row in finer}
@@ -82,7 +81,7 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
 
 def test_drawn_judges_are_those_of_the_rule() -> None:
     """Chosen by a seed among the small ones, whatever their bars hold; their scenes are those of the survey."""
-    loads, scenes = grid_coverage.judges(store.shipped_store())
+    loads, scenes = u_val.judges(store.shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}
@@ -93,14 +92,14 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
     """Of each scene by that of all others, with what the level has wrong beside free faces, which is no experience."""
-    rows = [h for h in grid_coverage.coverage(STUDY) if h.level == min(LEVELS)]
+    rows = [h for h in u_val.coverage(STUDY) if h.level == min(LEVELS)]
     assert holds(rows)
     assert np.median([h.bar for h in rows]) < 0.15
     assert all(0.08 < h.bar < 0.5 for h in rows)
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
-    kept, found = grid_parts.read(store.shipped_store()), grid_coverage.experience(STUDY)
+    kept, found = grid_parts.read(store.shipped_store()), u_val.experience(STUDY)
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )

@@ -18,7 +18,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
-from rollbench.compare.studies.members.blocks import KEPT, STEP, columns, contact_loads, life_sum, with_seed
+from rollbench.compare.studies.members.ensemble import KEPT, STEP, columns, contact_loads, life_sum, with_seed
 from rollbench.compare.studies.members.members import _binomial_quantile, run_members, statistics
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.errors import without_draws

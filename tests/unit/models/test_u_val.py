@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.models import uncertainty
 from rollbench.compare.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.applicability import range_table
+from rollbench.compare.sections.fit import range_table
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
@@ -128,10 +128,10 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
             raise FileNotFoundError(path)
         return left
 
-    text_of, scene = data.text, STUDY.scene(name)
+    text_of, scene = files.text, STUDY.scene(name)
     assert outside(scene) == ()
     result = run_model(scene, "lin", Options(discretisation=False))
-    monkeypatch.setattr(data, "text", text)
+    monkeypatch.setattr(files, "text", text)
     shipped_places.cache_clear()
     try:
         assert estimate(scene, result).percent is None

@@ -21,7 +21,7 @@ from rollbench.compare.models.uncertainty import (
     total,
 )
 from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.grid_summary import uncertainty_percent
+from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.meshes.parts import Material
 
 pytestmark = pytest.mark.xdist_group("u_val")

@@ -7,9 +7,8 @@ from dataclasses import replace
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.evidence.verdicts import counts, misprints, sources, trust
-from rollbench.compare.printed.printed_data import VERDICTS, Printed, load_table, tables
+from rollbench.compare.evidence import Evidence, counts, misprints, sources, trust
+from rollbench.compare.printed import VERDICTS, Printed, load_table, tables
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")

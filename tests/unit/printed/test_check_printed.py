@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.printed import printed_data
+from rollbench.compare import printed
 
 HERE = ("check", "--printed")
 
 
 def test_sources_tables_and_entries_can_be_chosen(command):
     whole = command.answer(*HERE, "--only", "lin-B1")
-    assert {row["entry"] for row in whole["entries"]} == {row.name for row in printed_data.load_table("lin-B1")}
+    assert {row["entry"] for row in whole["entries"]} == {row.name for row in printed.load_table("lin-B1")}
     assert command.answer("audit", "--only", "lin-B1") == whole
     (one,) = command.answer(*HERE, "--only", "lin-B1:e_S")["entries"]
     assert one in whole["entries"]
@@ -20,9 +20,8 @@ def test_sources_tables_and_entries_can_be_chosen(command):
 
 
 def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, monkeypatch):
-    rows = [replace(row, verdict="identity") if row.key == "e_S" else row for row in printed_data.load_table("lin-B1")]
-    for module in ("record", "computations"):
-        monkeypatch.setattr(f"rollbench.compare.evidence.{module}.load_table", lambda _: tuple(rows))
+    rows = [replace(row, verdict="identity") if row.key == "e_S" else row for row in printed.load_table("lin-B1")]
+    monkeypatch.setattr("rollbench.compare.evidence.load_table", lambda _: tuple(rows))
     code, data = command.json(*HERE, "--only", "lin-B1:e_S", "--json")
     assert (code, data["changed_verdicts"]) == (1, ["lin-B1:e_S: expected identity, came out only as printed"])
     code, out, _ = command(*HERE, "--only", "lin-B1")

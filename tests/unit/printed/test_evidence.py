@@ -2,10 +2,10 @@
 
 import pytest
 
-from rollbench.compare.evidence import computations
-from rollbench.compare.evidence.record import Evidence, Sheet
+from rollbench.compare import evidence
+from rollbench.compare.evidence import Evidence, Sheet
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry, load_table
+from rollbench.compare.printed import entry, load_table
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
@@ -32,8 +32,8 @@ def test_compared_value_follows_the_class():
 def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():
     study = Study(members=0)
     for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in computations.by_table()[name].compute(study)] == list(load_table(name))
-    found = {e.printed.key: e for e in computations.evidence(study, "lin-2.4.2")}
+        assert [e.printed for e in evidence.by_table()[name].compute(study)] == list(load_table(name))
+    found = {e.printed.key: e for e in evidence.evidence(study, "lin-2.4.2")}
     assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True
     assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.computed)

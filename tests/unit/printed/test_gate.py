@@ -6,7 +6,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.compare.commands.check import run_gate
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence import evidence
 from rollbench.compare.gate import gate
 from rollbench.compare.gate.gate import evidence_row
 from rollbench.compare.models.study import Study

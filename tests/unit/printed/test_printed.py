@@ -4,9 +4,9 @@ import math
 
 import pytest
 
+from rollbench.compare import printed as printed_data
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence.record import Evidence
-from rollbench.compare.printed import printed_data
+from rollbench.compare.evidence import Evidence
 from rollbench.compare.scenes import catalogue
 
 TABLES = printed_data.tables()

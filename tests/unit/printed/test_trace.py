@@ -8,9 +8,9 @@ import pytest
 from tests.copies import ROOT
 from tests.sources.entries import keys
 
-from rollbench.compare.evidence.computations import by_table, computations, evidence, traces
+from rollbench.compare.evidence import by_table, computations, evidence, traces
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import load_table, tables
+from rollbench.compare.printed import load_table, tables
 
 #: The cases' modules are imported by the names that ``computations.toml`` gives.
 pytestmark = pytest.mark.further

@@ -10,7 +10,7 @@ from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.lowfi.random_errors import chain as chains
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.mei import solve_mei
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
@@ -193,7 +193,7 @@ def test_ball_joins_at_its_load():
 def test_same_as_mei_with_a_rigid_nut():
     """The axial model on scenes, of beams' sections, agrees where it is the same: constant angle, one elastic body."""
     s = scene("lin-case1")
-    other, layout, constants = solve_mei(s), ball_layout(s), nominal_hertz(s).C
+    other, layout, constants = solve_mei(s), ball_layout(s), error_free_hertz(s).C
     spacing = float(np.diff(np.sort(layout.z))[0])
     stiffness = float((constants[0] + constants[3]) ** -1.5)
     chain = chains.Chain(

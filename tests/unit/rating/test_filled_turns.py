@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.like import scene_like
+from rollbench.compare.scenes.template import scene_like
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance
 from rollbench.meshes.parts import Scene

@@ -12,7 +12,9 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import contacts
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
-from rollbench.lowfi.statics import problem, validity
+from rollbench.lowfi.statics import validity
+from rollbench.lowfi.statics.contacts import error_free_hertz, nominal_curvatures
+from rollbench.lowfi.statics.problem import distances
 from rollbench.meshes import errors, helix
 from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
 
@@ -99,7 +101,7 @@ def test_uneven_loads_and_a_second_pair_shorten_life() -> None:
 def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_thousandth() -> None:
     """ISO 76 says of its 4200 MPa that both surfaces together are lastingly dented by about 1e-4 of the ball's diameter."""
     scene = ring(0.15)
-    force = float((validity.DENT_PRESSURE / problem.nominal_hertz(scene).pressure(np.ones(4))[0]) ** 3)
+    force = float((validity.DENT_PRESSURE / error_free_hertz(scene).pressure(np.ones(4))[0]) ** 3)
     load = loads(scene, force)
     worst = contacts.worst_contact(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
@@ -107,7 +109,7 @@ def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_tho
     safety = contacts.static_safety(scene, drawn(scene), worst)
     assert safety.factor == pytest.approx(1.0)
     assert safety.permanent == pytest.approx(1e-4, rel=0.5)
-    across, along = 1e-3 * problem.nominal_curvatures(scene)[0]
+    across, along = 1e-3 * nominal_curvatures(scene)[0]
     assert 10.0 * safety.permanent == pytest.approx(1.3e-7 * force**2 / 10.0 * across * along, rel=1e-9)  # in mm
 
 
@@ -153,7 +155,7 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
 
 def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     scene = catalogue.scene("lin-case1")
-    h, s = problem.nominal_hertz(scene), slope_of(scene)
+    h, s = error_free_hertz(scene), slope_of(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
     assert contacts_displacement(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
@@ -226,8 +228,8 @@ def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() 
 def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
-    C, s = problem.nominal_hertz(scene).C, slope_of(scene)
-    closure = float(problem.distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
+    C, s = error_free_hertz(scene).C, slope_of(scene)
+    closure = float(distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
         assert contacts_displacement(scene, force) == pytest.approx(force / stiff, rel=1e-3)

@@ -7,13 +7,13 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.compare import errors, watch, writing
+from rollbench.compare import errors, files, running
 from rollbench.compare.reference import computing, jobs, store
-from rollbench.compare.reference import expected as module
-from rollbench.compare.reference.expected import Progress, duration, expected, need_memory
+from rollbench.compare.reference import jobs as module
+from rollbench.compare.reference.jobs import Progress, duration, expected, need_memory
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.run_times.kept import load_times
+from rollbench.compare.studies.run_times import load_times
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.leftovers import for_group
@@ -93,17 +93,17 @@ def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatc
 
 def test_a_reader_that_goes_away_is_seen() -> None:
     read, write = os.pipe()
-    assert not watch.reader_gone((write,))
+    assert not running.reader_gone((write,))
     os.close(read)
-    assert watch.reader_gone((write,))
+    assert running.reader_gone((write,))
     os.close(write)
 
 
 def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
     before = os.umask(0o077)
     try:
-        writing.replace_file(tmp_path / "run.json", json.dumps({}))
-        writing.replace_file(tmp_path / "team" / "store" / "run.json", json.dumps({}))
+        files.replace_file(tmp_path / "run.json", json.dumps({}))
+        files.replace_file(tmp_path / "team" / "store" / "run.json", json.dumps({}))
         (tmp_path / "own").write_text("")
     finally:
         os.umask(before)

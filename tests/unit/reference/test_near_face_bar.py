@@ -10,15 +10,15 @@ from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import beside_face, total
-from rollbench.compare.reference.near_face import AWAY, FILE, left_out, read, too_large
+from rollbench.compare.reference.grid_parts import AWAY, LIP_FILE, left_out, read_lip, too_large
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.settings import hertz_units
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.every_run  # only the screws that the survey drew are of a study
-ROWS = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))
-KNOWN = read(shipped_store())
+ROWS = json.loads((shipped_store() / LIP_FILE).read_text(encoding="utf-8"))
+KNOWN = read_lip(shipped_store())
 
 
 def test_the_record_is_of_its_cases_and_can_be_repeated() -> None:

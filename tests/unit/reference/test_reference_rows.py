@@ -10,11 +10,11 @@ from rollbench.compare.gate import gate
 from rollbench.compare.models import comparison
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference import grid_parts, near_face, store
+from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference, reference_of
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.mesh_study.table import SCATTERS, closing, study_table
+from rollbench.compare.studies.mesh_study import SCATTERS, closing, study_table
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
@@ -172,7 +172,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
     one, known = reference(scene, (tmp_path,)), grid_parts.read(store.shipped_store())
     assert one.parts.by_experience
-    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + near_face.left_out(scene, coarse, 1)[0, 0])  # of 100 N
+    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + grid_parts.left_out(scene, coarse, 1)[0, 0])  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
     assert closing(one).startswith("Enough: level 1 for ")
     store.save(tmp_path, scene, run_of("lin-case1", 2, finer))

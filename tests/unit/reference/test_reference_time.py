@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.compare.models import comparison, ladder, study
+from rollbench.compare.models import comparison, modelling, study
 from rollbench.compare.sections import reference_mesh as reference_mesh
 from rollbench.compare.sections import reference_time
 
@@ -14,7 +14,7 @@ STUDY = study.Study()
 
 @cache
 def stored():
-    return STUDY.references((*comparison.REFERENCED, *ladder.UNSEEN))
+    return STUDY.references((*comparison.REFERENCED, *modelling.UNSEEN))
 
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.measure import load_error
-from rollbench.compare.models import comparison, ladder, registry, study
+from rollbench.compare.models import comparison, modelling, registry, study
 from rollbench.compare.report.overview import standing_table, standings
 from rollbench.compare.sections.ladder import ladder_table
 from rollbench.compare.sections.reference import error_table, exceedance_table
@@ -29,13 +29,13 @@ def cells(table, label, column):
 
 
 def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
-    monkeypatch.setattr(ladder, "RUNGS", [registry.MODELS["lin"]])
+    monkeypatch.setattr(modelling, "RUNGS", [registry.MODELS["lin"]])
     lin = STUDY.solve(NAME, "lin")
     e = load_error(lin.load, found.load)
     assert e.own_max_percent > 1.2 * e.max_percent  # so that another measure would show
     label = registry.MODELS["lin"].label
     points = {NAME: time_points(NAME, found, STUDY, lambda _: None)}
-    errors, rungs = error_table(STUDY, {NAME: found}), ladder_table(ladder.climb(STUDY.scene(NAME), found, STUDY.stores))
+    errors, rungs = error_table(STUDY, {NAME: found}), ladder_table(modelling.climb(STUDY.scene(NAME), found, STUDY.stores))
     pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(standings(points)), "lin"))
     for table, name in pages:
         largest = "largest of all" if table.name == "overview-models" else "largest error"

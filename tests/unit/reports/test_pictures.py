@@ -7,7 +7,7 @@ import pytest
 from tests.fe_meshes import cube
 from tests.report_samples import image
 
-from rollbench.compare.sections import pressures
+from rollbench.compare.sections import pictures
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.fields import ContactPressure
 from rollbench.reports import content, field3d
@@ -55,16 +55,16 @@ def contact():
 
 class TestPressureMap:
     def map_of(self, count=2):
-        panels = tuple(pressures.panel_of(f"ball {k} <1>", contact()) for k in range(count))
+        panels = tuple(pictures.panel_of(f"ball {k} <1>", contact()) for k in range(count))
         return content.PressureMap("map", "Pressures", panels, "across / mm", "along / mm", "pressure / MPa")
 
     def test_profiles_lie_on_hertz_and_the_table_quotes_both_pressures(self):
-        panels = pressures.profiles({"ball 1, SL": contact()}).panels
+        panels = pictures.profiles({"ball 1, SL": contact()}).panels
         assert len(panels) == 2
         for panel in panels:
             nodes, closed = panel.series
             assert np.interp(nodes.x, closed.x, closed.y) == pytest.approx(nodes.y, abs=60.0)
-        (row,) = pressures.pressure_table({"case": {"ball 1, SL": contact()}}).rows
+        (row,) = pictures.pressure_table({"case": {"ball 1, SL": contact()}}).rows
         assert row["ratio"] == pytest.approx(1.0)
         assert row["hertz"] == pytest.approx(row["ours"])
         assert row["cells"] == pytest.approx(2.0 * contact().hertz.semi_y / (4e-4 / 12.0))

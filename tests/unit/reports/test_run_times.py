@@ -7,11 +7,10 @@ import pytest
 
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import store
-from rollbench.compare.reference.measured import Measured, here
-from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.reference.store import Measured, here, shipped_store
 from rollbench.compare.sections import reference_time
-from rollbench.compare.studies.run_times import kept as kept_times
-from rollbench.compare.studies.run_times.cold import Cold, ColdLevel
+from rollbench.compare.studies import run_times as kept_times
+from rollbench.compare.studies.run_times import Cold, ColdLevel
 
 OLD, OTHER = Measured("0.7.0", "", "a machine"), Measured("0.9.0", "abc", "a machine")
 KEPT = kept_times.Kept(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rollbench.compare.models import ladder
+from rollbench.compare.models import modelling
 from rollbench.compare.models.model_form import point
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
@@ -28,10 +28,10 @@ def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict(found) -> None:
 
 
 def test_the_first_page_counts_what_passes_the_gate(found, monkeypatch) -> None:
-    monkeypatch.setattr(ladder, "RUNGS", [MODELS["refined"], MODELS["lin"]])
+    monkeypatch.setattr(modelling, "RUNGS", [MODELS["refined"], MODELS["lin"]])
     monkeypatch.setattr(overview, "offered", lambda _: ())
     study = Study()
-    study.computed[(ladder.ladder,)] = ladder.climb(study.scene(CASE), found, study.stores)
+    study.computed[(modelling.ladder,)] = modelling.climb(study.scene(CASE), found, study.stores)
     rows = overview.quantity_table(study).rows
     judged = {row["model"]: (row["passed"], row["verdict"]) for row in rows if row.get("verdict")}
     assert judged == {"refined": ("1 of 1", "yes"), "lin": ("0 of 1", "no")}

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.sketch import sketch_of
+from rollbench.compare.sections.sheets import sketch_of
 from rollbench.reports.content import Sketch
 from rollbench.reports.sketch import FORCE, INK, WIDTH, draw
 

@@ -11,7 +11,8 @@ from tests.shipped_texts import axis_names, own_text
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS, Model, run_model
-from rollbench.compare.scenes import catalogue, kind_table, scene_file
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.friction_kinds import table as kind_table
 from rollbench.compare.scenes.template import AXES, BEARINGS, template
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.units import show

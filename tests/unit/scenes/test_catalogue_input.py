@@ -10,9 +10,9 @@ import pytest
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import registry
-from rollbench.compare.scenes import catalogue, from_keys, keys, kind_table, scene_file
-from rollbench.compare.scenes.like import double_nut_like, scene_like
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes import catalogue, from_keys, keys, scene_file
+from rollbench.compare.scenes.friction_kinds import table
+from rollbench.compare.scenes.template import double_nut_like, scene_like, template
 from rollbench.lowfi.friction.whole.circuit import circuits
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.statics.static import solve_static
@@ -73,7 +73,7 @@ def test_a_material_may_have_any_name_with_both_of_its_values() -> None:
     one = 'youngs_modulus = "210 GPa"'
     assert "any other name with youngs_modulus and poissons_ratio" in refused((both, f'name = "my steel"\n{one}')).allowed
     assert refused((both, f'name = ["my steel"]\n{both}')).key == "material.name"
-    schema = kind_table.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
+    schema = table.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
     assert {"type": "string"} in schema["anyOf"], "editors take it too"
 
 

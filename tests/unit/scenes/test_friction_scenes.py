@@ -6,7 +6,7 @@ from tests.shipped_texts import axis_names, changed
 
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.answer import left_out_of_kind
-from rollbench.compare.studies.friction.kind_solvers import solve_kind
+from rollbench.compare.studies.friction.kinds import solve_kind
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball, solve_ball_as_printed
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain, solve_pair

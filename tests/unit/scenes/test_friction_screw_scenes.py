@@ -7,9 +7,10 @@ import pytest
 from tests.shipped_texts import changed
 
 from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
+from rollbench.compare.commands.friction import run_friction
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.friction import solve, whole
-from rollbench.compare.studies.friction.kind_solvers import solve_kind
+from rollbench.compare.studies.friction import whole
+from rollbench.compare.studies.friction.kinds import solve_kind
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair, summarise
 from rollbench.lowfi.friction.screw.travel import simulate
@@ -180,7 +181,7 @@ def printed(tmp_path, name, changes):
     """What the command prints of a changed scene."""
     path = tmp_path / f"{name}.toml"
     path.write_text(changed(name, *changes), encoding="utf-8")
-    return solve.run_friction(str(path), whole.Choices(), details=True)
+    return run_friction(str(path), whole.Choices(), details=True)
 
 
 SHOWN = [("lin-rotary-2", (), "per contact"), ("lin-pair-a", (), "per ball"), ("lin-chain-10", (), "per ball")]

@@ -6,9 +6,9 @@ import pytest
 from tests.load_cases import SHIPPED, TEXT, case
 
 from rollbench.compare.errors import InputError, SceneError
-from rollbench.compare.scenes import catalogue, like, scene_file
+from rollbench.compare.scenes import catalogue, scene_file, template
 
-LIKE = like.scene_like("40x10")
+LIKE = template.scene_like("40x10")
 TIMED = case("cutting", "8 kN", time="30 s", speed="200 rpm") + case("rapid", time="10 s", speed="-1000 rpm")
 TIMED += case("crash", "40 kN", share=0.0)
 

@@ -34,7 +34,7 @@ def test_no_slow_package_is_imported():
     of scenes need no meshes and pictures, records of a report nothing that draws."""
     for code, heavy in (
         ("import rollbench.reports.content", {"matplotlib", "pyvista", "vtk", "jinja2"}),
-        ("import rollbench.compare.commands.list", {"numba", "scipy.linalg", "pydantic"}),
+        ("import rollbench.compare.commands.printed", {"numba", "scipy.linalg", "pydantic"}),
         ("import rollbench.compare.commands.solve", {"numba", "pydantic", "scipy.linalg", "scipy.special"}),
         ("import rollbench.compare.studies.friction.solve", {"numba", "scipy.spatial", "pydantic"}),
         ("from rollbench.compare.scenes import catalogue; catalogue.scene_names()", DRAWING),

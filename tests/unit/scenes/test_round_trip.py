@@ -10,9 +10,8 @@ from tests.campaign.draw_axes import axis_text
 import rollbench
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.axis_schema import AxisKeys
-from rollbench.compare.scenes.kinds import KindScene
-from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
 from rollbench.compare.scenes.template import template
 from rollbench.meshes.canonical import canonical
 from rollbench.meshes.parts import FourierTerm

@@ -8,8 +8,8 @@ from tests.shipped_texts import axis_names
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.friction_kinds import screw_balls
-from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.template import template
 
 

@@ -8,13 +8,13 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
-from rollbench.compare import data
+from rollbench.compare import files
 from rollbench.compare.errors import InputError
-from rollbench.compare.scenes import catalogue, names, scene_file
+from rollbench.compare.scenes import catalogue, duty_cycle, scene_file
+from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
+from rollbench.compare.scenes.friction_kinds.table import TABLE as KINDS
+from rollbench.compare.scenes.friction_kinds.table import json_schema
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.compare.scenes.kind_table import TABLE as KINDS
-from rollbench.compare.scenes.kind_table import json_schema
-from rollbench.compare.scenes.names import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.compare.scenes.template import template
 
@@ -32,13 +32,13 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
         assert getattr(scene, part) == getattr(case, part)
 
 
-@pytest.mark.parametrize("kind", [*names.WHOLE, *FRICTION_ONLY])
+@pytest.mark.parametrize("kind", [*duty_cycle.WHOLE, *FRICTION_ONLY])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     text = template(kind.replace(" ", "-"))
     scene = scene_file.read(text, "my.toml")
     assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
-    keys = SceneKeys if kind in names.WHOLE else KINDS[kind].keys
+    keys = SceneKeys if kind in duty_cycle.WHOLE else KINDS[kind].keys
     words = set(re.findall(r"\w+", text))
     assert set(tidy_schema(keys)["properties"]) - {"circulation"} <= words
     if kind != "bearing":
@@ -60,7 +60,7 @@ def test_a_new_scene_names_the_schema(tmp_path, words, command):
 
 def test_shipped_schema_is_the_printed_one():
     """To renew it: rollbench schema > compare/scene.schema.json."""
-    assert json.loads(data.place("scene.schema.json").read_text(encoding="utf-8")) == json.loads(json.dumps(json_schema()))
+    assert json.loads(files.place("scene.schema.json").read_text(encoding="utf-8")) == json.loads(json.dumps(json_schema()))
 
 
 def test_template_alternatives_load():

@@ -8,7 +8,7 @@ from scipy.signal import fftconvolve
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.contacts import curvature_changes, drawn_hertz, hertz_C, nominal_hertz, oblique_term
+from rollbench.lowfi.statics.contacts import curvature_changes, drawn_hertz, error_free_hertz, hertz_C, oblique_term
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, SideErrors
@@ -158,7 +158,7 @@ def test_a_preload_is_worth_more_than_error_free_parts_say():
     scene = small_screw(oversize=5e-6, force=(0.0, 0.0, 100.0))
     old = with_ingredients(scene, hertz="error-free")
     ratio = solved(scene).load.mean() / solved(old).load.mean() - 1.0
-    constants, force = nominal_hertz(scene), float(solved(old).load.mean())
+    constants, force = error_free_hertz(scene), float(solved(old).load.mean())
     axes = (constants.C_a**2 + constants.C_b**2).mean() * force ** (2 / 3)
     assert ratio == pytest.approx(1.5 * axes / (6 * scene.balls.radius**2), rel=0.05)
     tight = small_screw(force=(0.0, 0.0, 1000.0))

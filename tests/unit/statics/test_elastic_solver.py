@@ -8,7 +8,7 @@ from tests.helpers import FLANK_ERRORS, relative, small_screw, with_ingredients
 
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.survey.draw import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source import beam_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section

@@ -7,7 +7,7 @@ from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import axis_ratio, complete_integrals, contact_modulus, hertz_constants
-from rollbench.lowfi.statics.contacts import actual_hertz, nominal_hertz
+from rollbench.lowfi.statics.contacts import actual_hertz, error_free_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 
@@ -133,7 +133,7 @@ def test_hertz_at_the_actual_geometry_is_consistent_with_the_solution():
 def test_constants_of_a_bearing():
     """Zero lead: curvatures of the two tori, screw convex along the track and nut concave."""
     scene = small_screw(lead=0.0)
-    found = nominal_hertz(scene)
+    found = error_free_hertz(scene)
     r, beta = scene.balls.radius, scene.track.contact_angle
     for side, groove, sign in ((0, 3.254e-3, 1), (1, 3.254e-3, 1), (2, 3.3e-3, -1), (3, 3.3e-3, -1)):
         along = 1 / r + sign * np.cos(beta) / (scene.track.pitch_radius - sign * r * np.cos(beta))

@@ -9,10 +9,10 @@ from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.like import scene_like
+from rollbench.compare.scenes.template import scene_like
 from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.errors import beyond_step, draw
 from rollbench.meshes.helix import ball_layout
@@ -34,7 +34,7 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
     """Without load the screw stands in the middle: each half presses its diagonal by s offset / 2."""
     scene = halves(hand=hand, screw="rigid")
     found = solved(scene)
-    C = nominal_hertz(scene).C
+    C = error_free_hertz(scene).C
     expected = (0.5 * slope_of(scene) * OFFSET / (C[0] + C[3])) ** 1.5
     first, second = found.load[:6], found.load[6:]
     loaded, idle = ([0, 3], [1, 2]) if first[0, 0] > 0.0 else ([1, 2], [0, 3])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models import ladder, model_form
+from rollbench.compare.models import model_form, modelling
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import reference
@@ -23,8 +23,8 @@ QUIET = Options(discretisation=False, engine="compiled")
 @pytest.fixture(autouse=True)
 def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a climb times from nothing is kept here from one rung to the next, and compiled kernels serve."""
-    monkeypatch.setattr(ladder, "forget", lambda: None)
-    monkeypatch.setattr(ladder, "Options", lambda **_: Options(discretisation=False, engine="compiled"))
+    monkeypatch.setattr(modelling, "forget", lambda: None)
+    monkeypatch.setattr(modelling, "Options", lambda **_: Options(discretisation=False, engine="compiled"))
 
 
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:
@@ -74,17 +74,17 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
     assert rung["lin-nut"].error.max_percent > 2.0 * rung["refined"].error.max_percent
 
 
-def rungs_of(scene: Scene) -> dict[str, ladder.Rung]:
+def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
     found = reference(scene)
     assert found is not None
-    return {r.model: r for r in ladder.climb(scene, found, None)}
+    return {r.model: r for r in modelling.climb(scene, found, None)}
 
 
 @pytest.mark.slow
 def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     study, held = Study(), ("refined", "condensed", "lin")
-    monkeypatch.setattr(ladder, "RUNGS", [model for model in ladder.RUNGS if model.name in held])
-    for name in ladder.UNSEEN:
+    monkeypatch.setattr(modelling, "RUNGS", [model for model in modelling.RUNGS if model.name in held])
+    for name in modelling.UNSEEN:
         rungs = rungs_of(study.scene(name))
         bar = rungs["refined"].uncertainty or 0.0  # none of one level
         # thin nut: 2.57 - 0.11 (its bar was 1.06); its grooved wall is no smooth tube
@@ -97,9 +97,9 @@ def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_kept_points_are_what_the_ladder_gives_now() -> None:
     study = Study()
     kept = {(p.scene, p.model): p for p in model_form.shipped_points()}
-    assert {m for _, m in kept} == {m.name for m in ladder.RUNGS}
+    assert {m for _, m in kept} == {m.name for m in modelling.RUNGS}
     for name in ("lin-case1", "unseen-flange"):
-        for p in ladder.points(study, list(rungs_of(study.scene(name)).values())):
+        for p in modelling.points(study, list(rungs_of(study.scene(name)).values())):
             old = kept[p.scene, p.model]
             assert p.percent == pytest.approx(old.percent, abs=2e-3)
             assert p.features == pytest.approx(old.features, abs=2e-3)

@@ -8,7 +8,7 @@ from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solv
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.problem import build
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -93,7 +93,7 @@ def test_rigid_screw_is_refused():
 def test_the_source_model_keeps_the_constants_of_error_free_parts():
     """Printed loads are those of error-free constants, whatever an oversize does to them; the equations take either."""
     scene = with_ingredients(catalogue.scene("lin-case3"), partition="source")
-    model, row = solve_source_result(scene), nominal_hertz(scene).C
+    model, row = solve_source_result(scene), error_free_hertz(scene).C
     assert model.converged
     assert model.hertz_C == pytest.approx(np.tile(row, (32, 1)), rel=1e-15)
     old = solved(with_ingredients(scene, hertz="error-free")).load

@@ -15,7 +15,7 @@ from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.solved import case_table
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.helix import lead_angle
@@ -34,7 +34,7 @@ def turned_contacts(scene, second=1.0):
     force = sum(load.force[2] for load in scene.loads)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
-    pair = 2.0 * float(nominal_hertz(scene).C.mean())
+    pair = 2.0 * float(error_free_hertz(scene).C.mean())
 
     def diagonals(s):
         x, z = d * np.cos(beta), np.array([d * np.sin(beta) + s * np.cos(alpha), d * np.sin(beta) - s * np.cos(alpha)])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.statics.contacts import nominal_hertz
+from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
 from rollbench.lowfi.warned import Warned, above
@@ -31,7 +31,7 @@ def test_a_lightly_loaded_screw_has_no_warning():
 def test_pressure_that_leaves_a_dent_is_told_from_there_on():
     """p = 1.5 F^(1/3)/(pi C_a C_b): the force at which the source's screw reaches 4.2 GPa."""
     result = solve_static(pressed(4000.0), engine="interpreted")
-    constants = nominal_hertz(pressed(4000.0))
+    constants = error_free_hertz(pressed(4000.0))
     most = float(constants.pressure(result.load).max())
     factor = (DENT_PRESSURE / most) ** 3
     assert "GPa" not in words(pressed(4000.0 * factor * 0.9))

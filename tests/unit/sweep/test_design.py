@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.studies.sweep.design import base_points, points, values
-from rollbench.compare.studies.sweep.keys import read_vary
+from rollbench.compare.studies.sweep.keys import base_points, points, read_vary, values
 
 KEYS = read_vary(["a=0.0:1.0", "b=1 um:3 um", "c=x,y,z"])
 

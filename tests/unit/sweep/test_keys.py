@@ -1,7 +1,7 @@
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.scenes import catalogue, like, scene_file, scene_tables
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables, template
 from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_vary
 
 
@@ -62,16 +62,16 @@ DISPLACED = [
 
 @pytest.mark.parametrize(("vary", "gone"), DISPLACED)
 def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
-    raw = scene_file.read_toml(like.scene_like("40x10"), "my.toml")
+    raw = scene_file.read_toml(template.scene_like("40x10"), "my.toml")
     keys = read_vary([vary])
     assert [other for _, other in displaced(raw, keys)] == gone
     first, second = (scene_tables.read_tables(changed(raw, keys, [v]), "my.toml") for v in keys[0].ends)
     assert first != second
-    assert raw == scene_file.read_toml(like.scene_like("40x10"), "my.toml"), "the scene itself stays"
+    assert raw == scene_file.read_toml(template.scene_like("40x10"), "my.toml"), "the scene itself stays"
 
 
 def test_the_same_in_a_set():
-    raw = scene_file.read_toml(like.double_nut_like("40x10"), "my.toml")
+    raw = scene_file.read_toml(template.double_nut_like("40x10"), "my.toml")
     keys = read_vary(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
     assert displaced(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
     found = scene_tables.read_tables(changed(raw, keys, ["3.4 mm"]), "my.toml")

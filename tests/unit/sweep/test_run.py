@@ -18,11 +18,10 @@ from rollbench.compare.models.answers import gather, gather_axis
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.sweep import outputs, store
 from rollbench.compare.studies.sweep import run as sweeping
+from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.study import sweep_of
-from rollbench.compare.studies.sweep.summary import summary
+from rollbench.compare.studies.sweep.summary import summary, sweep_of
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion
 
@@ -34,7 +33,7 @@ import os, random, signal, sys, time
 from pathlib import Path
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.sweep import run as sweeping, store
+from rollbench.compare.studies.sweep import run as sweeping, sample
 from rollbench.compare.studies.sweep.keys import read_vary
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
@@ -43,7 +42,7 @@ what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
 def lines():
-    return sum(path.read_bytes().count(b"\\n") for path in (folder / store.RECORDS).glob("*.lines"))
+    return sum(path.read_bytes().count(b"\\n") for path in (folder / sample.RECORDS).glob("*.lines"))
 killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
@@ -57,7 +56,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     killed += 1
-    now = len(list(store.read(folder)))
+    now = len(list(sample.read(folder)))
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
@@ -101,9 +100,9 @@ def undisturbed(tmp_path_factory):
 @pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
 def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
     killed(tmp_path / "a", kills, workers, 200)
-    numbers = sorted(record["sample"] for record in store.read(tmp_path / "a"))
+    numbers = sorted(record["sample"] for record in sample.read(tmp_path / "a"))
     assert numbers == list(range(200))
-    assert store.load(tmp_path / "a") == undisturbed
+    assert sample.load(tmp_path / "a") == undisturbed
 
 
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
@@ -116,19 +115,19 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = lines[3].replace(b"converged", b"convergeD")
     path.write_bytes(b"".join(lines)[:-7])
-    assert len(store.load(tmp_path / "a")) == 38
+    assert len(sample.load(tmp_path / "a")) == 38
     again, said = run(tmp_path / "a")
     assert (again, "2 to solve" in said[0]) == (first, True)
 
 
 def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(store, "PATIENCE", 0.05)
+    monkeypatch.setattr(sample, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    for used, words in ((store.taken_over, "under way"), (store.working, "processes of an earlier run")):
+    for used, words in ((sample.taken_over, "under way"), (sample.working, "processes of an earlier run")):
         with used(tmp_path / "a"), pytest.raises(InputError, match=words):
             run(tmp_path / "a")
     run(tmp_path / "a")
-    assert list((tmp_path / "a" / store.LOCKS).iterdir()) == []
+    assert list((tmp_path / "a" / sample.LOCKS).iterdir()) == []
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "a", seed=2)
     (tmp_path / "b").mkdir()
@@ -232,7 +231,7 @@ def test_nothing_needs_what_only_unix_has(tmp_path):
     program = f"""
 import sys
 sys.modules["fcntl"] = sys.modules["resource"] = None
-import rollbench.compare.studies.crosscheck.calculix
+import rollbench.compare.studies.crosscheck.study
 from rollbench.compare.cli import main
 main({[*words, "--out", str(tmp_path / "sweep")]!r})
 """
@@ -251,7 +250,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     some = sweep_of(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
     with monkeypatch.context() as patch:
         patch.setattr(sampling, "run_model", counted)
-        patch.setattr(outputs, "solve_scaled", None)  # the unloaded solution is of rigidity and preload
+        patch.setattr(sample, "solve_scaled", None)  # the unloaded solution is of rigidity and preload
         found = sweeping.run_samples(some, tmp_path / "some", Engine(), lambda _: None)
     assert len(solved) == 4 + 1  # one of the first is tried before
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.studies.sweep import keys, outputs, run
-from rollbench.compare.studies.sweep.outputs import MAIN
+from rollbench.compare.studies.sweep import keys, run, sample
+from rollbench.compare.studies.sweep.sample import MAIN
 from rollbench.compare.studies.sweep.summary import indices, main_effects, statistics, summary
 
 KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
-NAMES = tuple(outputs.OUTPUTS)
+NAMES = tuple(sample.OUTPUTS)
 
 
 def records(sweep, function):

@@ -21,7 +21,7 @@ def test_a_solve_loads_nothing_whose_answer_it_does_not_print(tmp_path):
     assert not [name for name in inside if name.removeprefix("rollbench.").startswith(unasked)]
     physics = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(physics)]
-    unasked = ("compare.gate.", "compare.reference.", "compare.scenes.axis", "lowfi.statics.axis.")
+    unasked = ("compare.gate.", "compare.reference.", "compare.scenes.axis_file", "lowfi.statics.axis.")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(unasked)]
     commands = [name for name in loaded if name.startswith("rollbench.compare.commands.")]
     assert {name.rsplit(".")[-1] for name in commands} <= {"solve", "terminal"}, "options of other commands"

@@ -122,6 +122,10 @@ def test_contributing_says_these_places():
     rows = dict(re.findall(r"(?m)^\| (a [^|]+?) \| ([^|]+) \|$", text))
     key = {"meshes/parts.py", "compare/template.toml", "compare/scenes/schema.py"}
     assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == key
-    assert re.findall(r"`([^`]+)`", rows["a model"]) == ["compare/models/registry.py"]
+    assert re.findall(r"`([^`]+)`", rows["a model"]) == [
+        "compare/models/registry.py",
+        "rollbench.models",
+        "docs/examples/mei_model",
+    ]
     paper = ["compare/cases", "compare/case.py", "CASES", "rollbench.cases", "tests/sources"]
     assert re.findall(r"`([^`]+)`", rows["a paper"]) == paper

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.cases.lin.reconstruction import combined
-from rollbench.compare.evidence.record import Sheet, count_of
+from rollbench.compare.cases.lin.reconstruction import readings as combined
+from rollbench.compare.evidence import Sheet, count_of
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import Study, with_groove
-from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.printed import value_of
 from rollbench.compare.studies.members.ensemble import of_study
-from rollbench.lowfi.statics.contacts import nominal_hertz, printed_sides
+from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
@@ -35,7 +35,7 @@ def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    constants = nominal_hertz(bare)
+    constants = error_free_hertz(bare)
     out = {}
     for letter, side in (("S", 0), ("N", 3)):
         across, along = principal_curvatures(bare, drawn, side, gamma)[0]
@@ -194,7 +194,7 @@ def _case_3(study: Study, sheet: Sheet) -> None:
 def _against_ansys(study: Study, sheet: Sheet) -> None:
     """The source's errors against ANSYS: those of its model against the 3D reference, and by readings of what the text
     leaves open."""
-    every = [c.errors["own"] for c in study.once(combined.combinations) if not c.against_text]
+    every = [c.errors["own"] for c in study.once(combined.every_combination) if not c.against_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
         found = study.reference(name)

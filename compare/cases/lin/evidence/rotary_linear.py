@@ -10,10 +10,10 @@ from math import degrees
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry, load_table, value_of
+from rollbench.compare.printed import entry, load_table, value_of
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.bearing import Loads, velocity_deviation

@@ -11,10 +11,10 @@ from typing import Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.printed import value_of
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.printed import value_of
 from rollbench.compare.scenes.catalogue import case
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
-from rollbench.compare.scenes.friction_kinds.linear import LinearPairScene
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

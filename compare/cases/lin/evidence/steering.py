@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.evidence.record import Sheet
+from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study

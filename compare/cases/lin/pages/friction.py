@@ -1,4 +1,5 @@
-"""Lin 3.2 and 3.3 in the report: one ball in a rotary bearing, balls in contact in a linear bearing."""
+"""Lin's friction in the report: 3.2 and 3.3 (one ball in a rotary bearing, balls in contact in a linear bearing), then 3.4
+and 4.3 (two balls of a ball screw, a whole screw in time, bearings in pairs)."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from math import degrees
 
 import numpy as np
 
+from rollbench.compare.cases.lin.evidence import screw
 from rollbench.compare.cases.lin.evidence.rotary_linear import (
     AXIAL,
     CASES,
@@ -21,22 +23,29 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import (
     right,
     sensitivity_rows,
 )
+from rollbench.compare.cases.lin.evidence.source_cases import four_point, inferred, lin_3_4_4, plain
 from rollbench.compare.cases.lin.extremes import pair_rows, root_rows
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence import evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import entry, value_of
+from rollbench.compare.printed import entry, value_of
 from rollbench.compare.sections.curves import numbers
-from rollbench.compare.sections.finding_table import printed_table
-from rollbench.lowfi.friction.bearing import SIDES, Solution, sweep
+from rollbench.compare.sections.verdicts import printed_table
+from rollbench.lowfi.friction.bearing import SIDES, Solution, TorqueCurve, sweep
 from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, maps
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.run import Run, deviation, summarise
+from rollbench.lowfi.friction.screw.travel import History
+from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 
 TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
+
 #: Significant digits shown; Table 3.2 prints seven.
 DIGITS = {"lin-3.2": 7}
+
 NOTES = {
     "lin-3.2": (
         "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the sigmoid with "
@@ -246,5 +255,300 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             drawn[3],
             tables["lin-G"],
             *checks,
+        ),
+    )
+
+
+#: Axial force [N] of Table 3.7.
+LOAD = 50.0
+
+#: Load angle [deg] up to which the source compares torques.
+END = 18.0
+
+#: Steps whose contacts are drawn.
+DOTS = 66
+
+
+def torque_panel(title: str, r: History) -> Panel:
+    """Torque of a run against time, split (Figure 3.25)."""
+    time = numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
+    parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
+    curves = [Series(name, time, numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
+    return Panel(title, "time / s", "torque / N mm", curves, zero=True)
+
+
+def theta_panel(case: Run) -> Panel:
+    """Assumed deviation of the contact angles over the azimuth on the screw (Figure 3.23)."""
+    phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
+    curve = Series("assumed", numbers(np.degrees(phi)), numbers(np.degrees(deviation(case, phi))), "line")
+    return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
+
+
+def contact_panels(r: History) -> tuple[Panel, Panel]:
+    """Places of touching neighbours and their groups over time (Figure 3.24)."""
+    along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
+    some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
+    step, ball = np.nonzero(some)
+    time = r.nut_angle / r.setting.groove.speed
+    dots = Series("touching", numbers(time[step]), numbers(along[step, ball]), "markers")
+    pairs = Series("touching pairs", numbers(time), numbers(r.contact.sum(axis=1)), "line")
+    found = Series("groups", numbers(time), numbers(r.groups), "line")
+    return (
+        Panel(f"contacts in the nut, {amplitude(r)}", "time / s", "place along the nut's track / deg", (dots,)),
+        Panel(f"touching pairs and groups, {amplitude(r)}", "time / s", "number", (pairs, found), zero=True),
+    )
+
+
+def amplitude(r: History) -> str:
+    """Amplitude of the deviation of a run, in words."""
+    return f"θ of {np.degrees(r.setting.amplitude):g}°"
+
+
+def run_figure() -> Figure:
+    """Figures 3.23 to 3.25."""
+    three, two, open_grooves = screw.screw_run(3.0), screw.screw_run(2.0), screw.loose_run()
+    panels = (
+        theta_panel(three.setting),
+        torque_panel(f"torque, {amplitude(three)}, {1e6 * three.setting.oversize:g} µm", three),
+        torque_panel(f"torque, {amplitude(two)}, {1e6 * two.setting.oversize:g} µm", two),
+        *contact_panels(three),
+        torque_panel(
+            f"torque, {amplitude(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled", open_grooves
+        ),
+    )
+    high, low = summarise(three), summarise(two)
+    caption = (
+        "With four loaded contacts the grooves' torque is nearly constant. Ball-to-ball torque builds up to "
+        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude(three)}) or {low.largest:.0%} at "
+        f"{low.at:.0f}° ({amplitude(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
+        "groups, one in each cycle of θ. Without oversize the grooves' torque is lower and varies by "
+        f"{screw.variation(open_grooves):.0%} after the first step, whose loads are computed without friction. "
+        "Amplitude, phase and oversize are assumed; the source prints none of them."
+    )
+    return Figure("friction-run", "Whole screw over two seconds (Figures 3.23 to 3.25)", panels, caption, 3)
+
+
+def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
+    """Force and increase over oversize, a curve for each load on the screw."""
+    m, x = screw.pair_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
+    words = "not coupled" if coupling == "none" else "friction moves the balls"
+    panels = []
+    for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
+        values = np.where(m.converged, values, np.nan)
+        curves = [
+            Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == LOAD) for j, f in enumerate(screw.AXIAL)
+        ]
+        printed = value_of("lin-3.7", f"{key}_{case}")
+        curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
+        title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {screw.THETA[case]:g}°, {words}"
+        panels.append(Panel(title, "oversize of the ball's radius / µm", label, curves, zero=True))
+    return panels
+
+
+def plain_ratio(case: str, coupling: Coupling) -> float:
+    """Force of a pair without oversize at ``LOAD`` over the printed one."""
+    m = screw.pair_map(case, coupling)
+    at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
+    return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
+
+
+def meetings(key: str) -> str:
+    """Oversizes at which the curve of ``LOAD``, not coupled, crosses the printed value of each case, in words."""
+    words = []
+    for case in ("a", "b"):
+        m, printed = screw.pair_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
+        values = (m.force if key == "force" else 100.0 * m.increase)[:, screw.AXIAL.index(LOAD)]
+        words.append(f"{' and '.join(f'{x:.1f}' for x in crossings(values, printed)) or 'no oversize'} µm in case ({case})")
+    return ", ".join(words)
+
+
+def crossings(values: Array, level: float) -> list[float]:
+    """Oversizes [µm] at which values over ``OVERSIZE`` cross a level, by straight lines between them."""
+    off, x = values - level, 1e6 * np.array(screw.OVERSIZE)
+    k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
+    return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
+
+
+def map_figure() -> Figure:
+    """Maps of the pair over oversize and load, as curves."""
+    sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
+    panels = [p for case, coupling in sets for p in screw_map_panels(case, coupling)]
+    caption = (
+        "Once all four contacts are loaded (the bend, which comes later for larger axial forces) the force grows with the "
+        "oversize whatever the axial force is, while the relative increase of friction falls because the grooves' losses "
+        f"grow faster. Before the bend forces are small: without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, "
+        "friction that displaces the balls changes the force by a factor of "
+        f"{plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f}, to {plain_ratio('a', 'ball'):.2f} of the printed one. "
+        f"The curves of {LOAD:g} N meet the printed forces at {meetings('force')}, and the printed increases at "
+        f"{meetings('increase')}; oversize and load of the other figures are inferred from both together: "
+        f"{1000000.0 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
+    )
+    return Figure("friction-pair-maps", "Two balls of a screw over oversize and load", panels, caption, 2)
+
+
+def onset_of(found: TorqueCurve) -> float:
+    """First load angle [deg] at which a ball takes more than two contacts."""
+    return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
+
+
+def bearing_figure() -> Figure:
+    """Torque against load angle of both bearings (Figure 4.7)."""
+    curves = [
+        ("four-point, tilt free", screw.curve("4P", True)),
+        ("four-point, tilt held", screw.curve("4P", False)),
+        ("double row, tilt free", screw.curve("DR", True)),
+        ("double row, tilt held", screw.curve("DR", False)),
+    ]
+    x, label = numbers(np.degrees(screw.ANGLES)), "load angle / deg"
+
+    def panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
+        drawn = [Series(name, x, numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)]
+        return Panel(title, label, unit, drawn, zero=True)
+
+    panels = (
+        panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
+        panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
+        panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
+    )
+    free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
+    caption = (
+        "The four-point bearing's torque climbs with the load's angle, steeply once balls take more than two contacts "
+        f"(from {onset_of(free):.0f}° on, with an inner ring free to tilt); the double row's stays within "
+        f"{screw.cut(curves[2][1], END):.2f} times of its smallest up to {END:g}°. With the inner ring held against "
+        "tilting " + (f"balls do so from {onset_of(held):.0f}° on." if held.four.any() else f"none does up to {last:.0f}°.")
+    )
+    return Figure("friction-load-angle", "Torque against load angle (4.3.1)", panels, caption, 3)
+
+
+# --- lin 3.4 and 4.3 in the report: two balls of a ball screw, a whole screw in time, bearings in pairs
+
+
+# --- tables
+
+SCREW_TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
+
+SCREW_NOTES = {
+    "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
+    "lin-3.4.4": "Compared with the band that the assumptions give; the right value is that of theta = 3 deg.",
+}
+
+
+def screw_table(study: Study, name: str) -> Table:
+    """One printed table with what is computed for it."""
+    short = name.removeprefix("lin-")
+    title = f"Section {short}" if short in ("3.4.4", "4.3") else f"Table {short}"
+    return printed_table(
+        f"friction-{name}", f"{title}: printed and computed", evidence(study, name), SCREW_NOTES.get(name, "")
+    )
+
+
+def readings_table() -> Table:
+    """Readings of Table 3.7 side by side."""
+    printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA}
+    note = (
+        f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
+        "Oversize is of the ball's radius; it was chosen so "
+        "that the printed force and increase agree on the contact load, and is nowhere in the source."
+    )
+    return Table.of("friction-readings", "Table 3.7 in plain and inferred readings", screw.reading_rows(), note)
+
+
+def run_table() -> Table:
+    """Sensitivity of the whole run to what 3.4.4 does not print."""
+    largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
+    note = (
+        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
+        "finding as in the source, where neighbours touch if they are near and approach when alone (3.77): overlapping "
+        "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
+        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_text()} oversize, loads not coupled, over one turn "
+        "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
+    )
+    return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", screw.run_rows(), note)
+
+
+def bearing_table() -> Table:
+    """Table 4.2's bearings: ratio of torques under varied assumptions."""
+    note = (
+        f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
+        f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
+        "ratio does not depend on the friction coefficient. Range of load angles read off the source's figure."
+    )
+    return Table.of("friction-bearings", "Bearings of Table 4.2: torque over load angle", screw.bearing_rows(), note)
+
+
+def onset_table(study: Study) -> Table:
+    """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
+    note = (
+        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
+        "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
+    )
+    title = "Pitch against roundness error: when balls meet (4.3.2)"
+    return Table.of("friction-onset", title, screw.onset_rows(study), note)
+
+
+def introduction(pairs: Table, runs: Table) -> Text:
+    """Text on the tables of readings and of the whole run."""
+    return Text((_of_the_pair(pairs), _of_the_run(runs)))
+
+
+def _of_the_pair(pairs: Table) -> str:
+    rows = {str(row["reading"]): row for row in pairs.rows}
+    loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
+    uncoupled, moved = (
+        " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in screw.THETA)
+        for row in (loose, coupled)
+    )
+    return (
+        f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, {plain().force[0]:g} "
+        f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
+        "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
+        f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
+        f"{screw.oversize_text()} of oversize would give {float(rows[screw.oversized()]['load_a'] or 0.0):.0f} N. The "
+        "literal reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because "
+        "its oversize was inferred from these numbers."
+    )
+
+
+def _of_the_run(runs: Table) -> str:
+    cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
+    source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
+    at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
+    found = "; ".join(
+        f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
+        for a, row in zip(screw.AMPLITUDES, cases, strict=True)
+    )
+    ratio = float(source["largest"] or 0.0) / float(cases[-1]["largest"] or np.nan)
+    return (
+        "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
+        f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "
+        f"for the end of contact; {found}. With the source's rule for contact between balls the largest "
+        f"torque ratio is {ratio:.2f} of the one by complementarity at the same theta, with balls that "
+        "overlap. This may be why the printed ratio is smaller; it does not explain the angles."
+    )
+
+
+def screw_section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("printed numbers of 3.4 and 4.3")
+    tables = {t: screw_table(study, t) for t in SCREW_TABLES}
+    step("readings and maps of two balls")
+    pairs = (readings_table(), map_figure())
+    step("whole screw and what its assumptions change")
+    whole = (run_figure(), run_table())
+    step("bearings and errors")
+    last = (bearing_figure(), bearing_table(), onset_table(study))
+    return Section(
+        "friction-screw",
+        "Friction in a ball screw: two balls, a whole screw, and bearings in pairs",
+        (
+            introduction(pairs[0], whole[1]),
+            tables["lin-3.6"],
+            tables["lin-3.7"],
+            *pairs,
+            tables["lin-3.4.4"],
+            *whole,
+            tables["lin-4.2"],
+            tables["lin-4.3"],
+            *last,
         ),
     )

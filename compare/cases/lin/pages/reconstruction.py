@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import READINGS
-from rollbench.compare.cases.lin.reconstruction import combined
+from rollbench.compare.cases.lin.reconstruction import readings as combined
 from rollbench.compare.cases.lin.reconstruction.readings import (
     CASES,
     FINER,
@@ -24,7 +24,7 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import value_of
+from rollbench.compare.printed import value_of
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load, shipped_store
 from rollbench.compare.scenes import catalogue
@@ -35,7 +35,7 @@ from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.kinds import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 #: Balls that are "the last few".
 LAST = 3
@@ -158,7 +158,7 @@ ABOUT_IT = (
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report, which opens with the answer."""
     step("combinations of readings")
-    found = study.once(combined.combinations)
+    found = study.once(combined.every_combination)
     return Section(
         "reconstruction",
         "Where does 5.38 % come from (2.4.1)",

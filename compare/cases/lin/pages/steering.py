@@ -8,10 +8,10 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import steering
 from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, rack
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed.printed_data import value_of
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.printed import value_of
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

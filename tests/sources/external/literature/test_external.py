@@ -7,8 +7,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys, of_source
 
-from rollbench.compare.cases.external.evidence import bearings, case, screws
-from rollbench.compare.evidence.verdicts import audit, left_out
+from rollbench.compare.cases.external import evidence
+from rollbench.compare.evidence import audit, left_out
 from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
@@ -28,7 +28,7 @@ def test_entry(key: str) -> None:
 
 def test_every_case_is_run_or_left_out_with_its_reason() -> None:
     makers = ("gmn", "harris", "masta", "nsk", "sjovall", "snfa", "thk", "vm63")
-    assert of_source("external") == [f"{case.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
+    assert of_source("external") == [f"{evidence.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
     assert [row["place"] for row in left_out() if row["source"] == "other programs, makers, textbooks"] == [
         "eng-tools.dev, calculator of a 6206",
         "GMN, series KH, 25 deg",
@@ -37,9 +37,9 @@ def test_every_case_is_run_or_left_out_with_its_reason() -> None:
 
 
 def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
-    names = [name for name in catalogue.scene_names() if name.startswith(case.PREFIX)]
+    names = [name for name in catalogue.scene_names() if name.startswith(evidence.PREFIX)]
     assert [bool(catalogue.shipped(name).assumed) for name in names] == 13 * [True]
-    assert set(case.assumptions()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
+    assert set(evidence.assumptions()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
@@ -66,9 +66,9 @@ def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
 
 
 def test_gmn_series_by_one_inferred_number() -> None:
-    assert bearings.gmn_rms_percent() < 1.0
-    for conformity in bearings.ANY:
-        growth = bearings.gmn_growth(conformity)
+    assert evidence.gmn_rms_percent() < 1.0
+    for conformity in evidence.ANY:
+        growth = evidence.gmn_growth(conformity)
         assert np.median(growth) == pytest.approx(1.0, abs=0.02)
         assert np.ptp(growth) < 0.05
 
@@ -79,20 +79,20 @@ def test_snfa_catalogue_has_frozen_its_angles() -> None:
     light, heavy = (preloaded(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
     assert equilibrium(heavy).stiffness / equilibrium(light).stiffness == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
-    assert equilibrium(heavy).stiffness == pytest.approx(bearings.frozen_rigidity(rigid, 60.0), rel=1e-3)
+    assert equilibrium(heavy).stiffness == pytest.approx(evidence.frozen_rigidity(rigid, 60.0), rel=1e-3)
 
 
-@pytest.mark.parametrize("size", [*screws.THK, *screws.HIWIN])
+@pytest.mark.parametrize("size", [*evidence.THK, *evidence.HIWIN])
 def test_bodies_make_a_nut_softer_than_its_contacts(size: str) -> None:
-    scene = STUDY.scene(screws.scene_name(size))
-    alone, bodies = screws.stages(scene, scene.loads[0].force[2])
+    scene = STUDY.scene(evidence.scene_name(size))
+    alone, bodies = evidence.stages(scene, scene.loads[0].force[2])
     assert 0.85 * alone < bodies < alone
 
 
 def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """2^(3/2)/3^(1/3): where the load that unloads one nut is 2^(3/2) times the preload."""
-    monkeypatch.setattr(screws, "body_compliance", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
-    assert screws.double_over_single(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
+    monkeypatch.setattr(evidence, "body_compliance", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
+    assert evidence.double_over_single(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
 
 
 def test_friction_moves_balls_wherever_nothing_else_is_said():

@@ -4,7 +4,7 @@ import numpy as np
 from tests.sources.entries import of_source, rows
 
 from rollbench.compare.cases.external.page import SOURCES, TITLES, assumed_table, stages_table, summary
-from rollbench.compare.evidence.record import Evidence
+from rollbench.compare.evidence import Evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import Scatter, Validated
 from rollbench.compare.sections.u_val import scatter_figure, scatter_table, u_val_table

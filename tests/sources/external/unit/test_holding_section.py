@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.external import holding
-from rollbench.compare.cases.external.evidence.screws import scene_name
+from rollbench.compare.cases.external.evidence import scene_name
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study

@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 from tests.evidence_study import GROUP
 
-from rollbench.compare.cases.external.evidence.contacts import EXAMPLE_CELLS, example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, example
 from rollbench.compare.cases.kalker import evidence as rolling_proof
 from rollbench.compare.cases.kalker.evidence import FINER, Proof, proofs
 from rollbench.hifi.rolling.bodies import Sizes

@@ -12,12 +12,21 @@ from rollbench.compare.cases.kalker.page import PatchField
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.rolling import changes as rolling_changes
+from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
-from rollbench.compare.studies.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
-from rollbench.compare.studies.rolling.changes import Change, Series, changes, from_rest
-from rollbench.compare.studies.rolling.rows import KNOWN
-from rollbench.compare.studies.rolling.runs import FINITE, HALF_SPACE, LEVELS, path_in
+from rollbench.compare.studies.rolling.rows import KNOWN, Change, Series, changes, from_rest
+from rollbench.compare.studies.rolling.runs import (
+    FILE,
+    FINITE,
+    HALF_SPACE,
+    LEVELS,
+    NAMES,
+    SCENES,
+    KeptSizes,
+    Variant,
+    path_in,
+    variants,
+)
 from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_map
 

@@ -5,7 +5,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, ratio
-from rollbench.compare.cases.lin.pages import cases
+from rollbench.compare.cases.lin.pages import chapter_2
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -42,7 +42,7 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
-    rows = {row["scene"]: row for row in cases.readings_table(STUDY).rows}
+    rows = {row["scene"]: row for row in chapter_2.readings_table(STUDY).rows}
     changes = {"lin-case3-ux": 7.37, "lin-case3-offset-ux": 8.34}
     assert [name for name, row in rows.items() if row["text"] == "yes"] == list(changes)
     assert rows["lin-case3"]["lin_change"] == 0.0
@@ -50,5 +50,5 @@ def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
         assert (rows[name]["lin_change"], rows[name]["reference"]) == (pytest.approx(change, abs=0.01), "none stored")
         assert name in CASES
     for name in rows:
-        assert {row["case"] for row in cases.summary_table(STUDY).rows} >= {name}
-        assert any(key.startswith(name.removeprefix("lin-") + "-SL") for key in cases.load_table(STUDY).rows[0])
+        assert {row["case"] for row in chapter_2.summary_table(STUDY).rows} >= {name}
+        assert any(key.startswith(name.removeprefix("lin-") + "-SL") for key in chapter_2.load_table(STUDY).rows[0])

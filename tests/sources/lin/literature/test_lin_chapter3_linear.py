@@ -8,7 +8,7 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys
 
 from rollbench.compare.cases.lin.evidence.rotary_linear import claim_maps, pair
-from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.printed import load_table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

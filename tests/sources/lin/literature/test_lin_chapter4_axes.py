@@ -8,8 +8,8 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
 from rollbench.compare.cases.lin.evidence.steering import PATTERNS, places, rack, ratios
-from rollbench.compare.cases.smith.evidence import layouts
-from rollbench.compare.cases.smith.evidence.case import APPLIED
+from rollbench.compare.cases.smith.evidence import axis
+from rollbench.compare.cases.smith.evidence.bearings import APPLIED
 from rollbench.compare.scenes import catalogue
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -47,18 +47,18 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
-@pytest.mark.parametrize("layout", layouts.LAYOUTS, ids=lambda x: x.scene)
-def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: layouts.Layout) -> None:
+@pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene)
+def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.Layout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene, closed = layouts.by_scene(STUDY, layout, 0.5), layouts.by_formulas(layout, 0.5)
+    scene, closed = axis.by_scene(STUDY, layout, 0.5), axis.by_formulas(layout, 0.5)
     assert scene.right - scene.left == pytest.approx(APPLIED, abs=1e-6)
     assert scene.left == pytest.approx(closed.left, abs=0.03 * max(closed.right, APPLIED))
     assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.015)
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
-    of = {layout: layouts.by_scene(STUDY, layout, 0.5).stiffness for layout in layouts.LAYOUTS}
-    for layout in (layouts.TRIPLEX, layouts.TAPERED):
-        assert layouts.in_series(layout) < 0.75 * of[layout]
-    assert np.isnan(layouts.in_series(layouts.SUPPORTED))
-    assert of[layouts.TRIPLEX] / of[layouts.SUPPORTED] == pytest.approx(2.0, abs=0.05)
+    of = {layout: axis.by_scene(STUDY, layout, 0.5).stiffness for layout in axis.LAYOUTS}
+    for layout in (axis.TRIPLEX, axis.TAPERED):
+        assert axis.in_series(layout) < 0.75 * of[layout]
+    assert np.isnan(axis.in_series(axis.SUPPORTED))
+    assert of[axis.TRIPLEX] / of[axis.SUPPORTED] == pytest.approx(2.0, abs=0.05)

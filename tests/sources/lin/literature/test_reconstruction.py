@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.pages import reconstruction
-from rollbench.compare.cases.lin.reconstruction import combined, readings
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.cases.lin.reconstruction import readings
+from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load
 from rollbench.compare.scenes import catalogue
@@ -25,11 +25,11 @@ def study():
 
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
     for these, loads, movers in (
-        (readings.LOW, combined.low_loads, combined.LOW_MOVERS),
-        ([r for r in readings.SOLID if not r.penalty], combined.solid_loads, readings.MOVERS),
+        (readings.LOW, readings.low_loads, readings.LOW_MOVERS),
+        ([r for r in readings.SOLID if not r.penalty], readings.solid_loads, readings.MOVERS),
     ):
-        base = combined.ratio(loads(study, ())[0])
-        moves = {r.key for r in these if not r.by_text and abs(combined.ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005}
+        base = readings.ratio(loads(study, ())[0])
+        moves = {r.key for r in these if not r.by_text and abs(readings.ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005}
         assert moves == set(movers)
 
 
@@ -42,8 +42,8 @@ def test_combinations_are_of_different_choices():
 
 def test_no_combination_has_all_that_is_printed(study):
     """One has the ratio and not the fall of the largest error, the penalties have more of the fall and too small an RMS."""
-    found = study.once(combined.combinations)
-    shown, printed = combined.explanations(found), combined.printed_errors()
+    found = study.once(readings.every_combination)
+    shown, printed = readings.explanations(found), readings.printed_errors()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
     assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
     assert (readings.key_of(near.low), readings.key_of(near.solid)) == ("squared+source", "plain")
@@ -56,15 +56,15 @@ def test_no_combination_has_all_that_is_printed(study):
     assert 0.5 * printed_fall < falls[-1] < printed_fall
     ratios = [c.solid_ratio for c in soft]
     assert ratios == sorted(ratios, reverse=True)
-    assert ratios[-1] < combined.printed_ratio() < ratios[0]
+    assert ratios[-1] < readings.printed_ratio() < ratios[0]
     near_max = min(soft, key=lambda c: abs(c.misses[2]))
     assert (near_max.misses[[3, 5]] < -0.3).all()  # RMS of both cases
 
 
 def test_no_error_against_ansys_comes_out(study):
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.1")}
-    assert {found[key].verdict for key in combined.ERRORS} == {"not identifiable"}
-    assert all("combinations of readings" in found[key].words for key in combined.ERRORS)
+    assert {found[key].verdict for key in readings.ERRORS} == {"not identifiable"}
+    assert all("combinations of readings" in found[key].words for key in readings.ERRORS)
 
 
 def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
@@ -75,11 +75,11 @@ def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     size = np.cbrt(force / exact.load) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)
     share = 0.75 * mean / run.settings["penalty_N_m3"] / (exact.approach * size)
-    assert combined.softened(study, tuple(r for r in readings.SOLID if r.key == "penalty")) == pytest.approx(share, rel=0.1)
+    assert readings.softened(study, tuple(r for r in readings.SOLID if r.key == "penalty")) == pytest.approx(share, rel=0.1)
 
 
 def test_the_page_answers_first_and_says_what_friction_does(study):
-    found = study.once(combined.combinations)
+    found = study.once(readings.every_combination)
     text = reconstruction.first_paragraph(found)
     assert text.startswith("Where does 5.38 % come from? It is not identified.")
     assert "penalty" in text
@@ -101,23 +101,23 @@ def test_scatter_of_the_mesh_is_what_is_measured():
     error = 100.0 * (np.array(found) / job.exact.approach - 1.0)
     trend = np.polyval(np.polyfit(sizes, error, 1), sizes)
     alone = float(np.linalg.norm(error - trend) / np.sqrt(len(sizes) - 2))
-    assert job.exact.approach == pytest.approx(combined.APPROACH, rel=1e-4)
-    assert error.mean() == pytest.approx(combined.BIAS, abs=0.3)
-    assert alone / np.sqrt(2.0) == pytest.approx(combined.SCATTER, rel=0.3)
+    assert job.exact.approach == pytest.approx(readings.APPROACH, rel=1e-4)
+    assert error.mean() == pytest.approx(readings.BIAS, abs=0.3)
+    assert alone / np.sqrt(2.0) == pytest.approx(readings.SCATTER, rel=0.3)
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = combined.nearest(combined.without_penalty(study.once(combined.combinations)), 2)
-    loads = combined.low_loads(study, best.low), combined.solid_loads(study, best.solid)
+    best = readings.nearest(readings.without_penalty(study.once(readings.every_combination)), 2)
+    loads = readings.low_loads(study, best.low), readings.solid_loads(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
-        still = combined.drawn_errors(*loads, 0.0, of_load=of_load)
+        still = readings.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
-    drawn = combined.drawn_errors(*loads, 1.0)
+    drawn = readings.drawn_errors(*loads, 1.0)
     assert (np.median(drawn, axis=0) > still[0]).all()
-    assert 0.0 < combined.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
-    less = combined.drawn_errors(*loads, 0.2)
-    assert combined.probability(drawn, 0.265, 0.15) > 10.0 * combined.probability(less, 0.265, 0.15)
+    assert 0.0 < readings.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
+    less = readings.drawn_errors(*loads, 0.2)
+    assert readings.probability(drawn, 0.265, 0.15) > 10.0 * readings.probability(less, 0.265, 0.15)
 
 
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
@@ -138,7 +138,7 @@ def test_other_statements(study):
 
 
 def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study):
-    found = study.once(combined.combinations)
+    found = study.once(readings.every_combination)
     table = reconstruction.combination_table(found).rows
     assert len({(row["low order"], row["3D"]) for row in table}) == len(table) == len(found)
     printed = {"case1_max_error": 5.38, "case1_rms_error": 2.30, "case2_max_error": 4.85, "case2_rms_error": 2.60}
@@ -198,12 +198,12 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
-    solid = combined.solid_loads(study, FRICTION["off-line"])
+    solid = readings.solid_loads(study, FRICTION["off-line"])
     low = [study.solve(readings.off_line(catalogue.scene(c)), "lin").load for c in readings.CASES]
-    for found, base in ((solid, combined.solid_loads(study, ())), (low, combined.low_loads(study, ()))):
+    for found, base in ((solid, readings.solid_loads(study, ())), (low, readings.low_loads(study, ()))):
         for a, b in zip(found, base, strict=True):
             assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
-            assert combined.ratio(a) / combined.ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
+            assert readings.ratio(a) / readings.ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
 
 
 @pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
@@ -220,5 +220,5 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
             case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(readings.MU))
         )
         low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, case))
-        solid = combined.solid_loads(study, ())[readings.CASES.index(name)][:, 0].mean()
+        solid = readings.solid_loads(study, ())[readings.CASES.index(name)][:, 0].mean()
         assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)

@@ -11,11 +11,11 @@ from tests.section_items import drawn, figures, shows_entries, tables
 from tests.sources.entries import found
 
 from rollbench.compare.cases.lin import extremes
+from rollbench.compare.cases.lin import extremes as friction_stability
 from rollbench.compare.cases.lin.evidence import screw
 from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
-from rollbench.compare.cases.lin.pages import extremes as friction_stability
-from rollbench.compare.cases.lin.pages import friction_screw
-from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.cases.lin.pages import friction
+from rollbench.compare.printed import load_table
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
@@ -30,7 +30,7 @@ def section() -> Section:
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
-        section = friction_screw.section(STUDY, steps.append)
+        section = friction.screw_section(STUDY, steps.append)
     assert len(steps) == 4
     return section
 
@@ -58,7 +58,7 @@ def test_name_unique_items_and_rows_of_the_entries(section):
     assert section.title == "Friction in a ball screw: two balls, a whole screw, and bearings in pairs"
     names = [item.name for item in section.items if not isinstance(item, Text)]
     assert len(names) == len(set(names)) == 12
-    for name in friction_screw.TABLES:
+    for name in friction.SCREW_TABLES:
         table = tables(section)[f"friction-{name}"]
         shows_entries(table, name)
         assert all(row["remark"] for row in table.rows)

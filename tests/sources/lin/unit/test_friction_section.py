@@ -8,11 +8,11 @@ from tests.sources.entries import found
 
 from rollbench.compare.cases.lin.evidence import rotary_linear
 from rollbench.compare.cases.lin.pages import friction
-from rollbench.compare.evidence.computations import evidence
+from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_hash
-from rollbench.compare.sections.notes import assumptions
+from rollbench.compare.sections.how_to_read import assumptions
 from rollbench.reports.content import Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.liu.evidence import bodies, case
+from rollbench.compare.cases.liu import bodies, evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors.chain import solve_chain
@@ -19,13 +19,13 @@ def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_the
 
 
 def test_an_error_is_the_diameter_of_a_ball():
-    found = bodies.with_errors(SCENE, case.one_error(2e-6), 1000.0)
+    found = bodies.with_errors(SCENE, evidence.one_error(2e-6), 1000.0)
     assert found.errors.balls.listed == ((33, 1e-6),)
     assert found.loads[0].force == (0.0, 0.0, 1000.0)
 
 
 def test_chain_shares_the_load_as_the_beam_does_on_average():
-    errors = np.zeros(case.balls())
+    errors = np.zeros(evidence.balls())
     beam = Study().solve(bodies.with_errors(SCENE, errors, 5000.0)).load[:, 0]
     axial = solve_chain(bodies.same_screw(SCENE), errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
@@ -34,4 +34,4 @@ def test_chain_shares_the_load_as_the_beam_does_on_average():
     one = bodies.Compared("none", 5000.0, axial, beam, beam)
     rms, most, ball = one.off(beam)
     assert 0.0 < rms < abs(most) < 5.0
-    assert 1 <= ball <= case.balls()
+    assert 1 <= ball <= evidence.balls()

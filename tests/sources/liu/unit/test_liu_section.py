@@ -4,8 +4,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
+from rollbench.compare.cases.liu import bodies
 from rollbench.compare.cases.liu import page as liu
-from rollbench.compare.cases.liu.evidence import bodies
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.compare.cases.makers import page
-from rollbench.compare.cases.makers.laws import bearings, nuts, torque
+from rollbench.compare.cases.makers import bearings, nuts, page
 from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
 from rollbench.compare.cases.makers.tables import Table, half_step, table
 
@@ -103,13 +102,13 @@ def test_turns_as_printed() -> None:
 
 def test_drag_torque_of_the_measured_screws() -> None:
     """New screws lie in the band of what is not printed; over the lead sliding grows less than all formulas but one."""
-    new = [x for x in torque.measured() if x.item.endswith("new")]
+    new = [x for x in nuts.measured() if x.item.endswith("new")]
     assert [x.verdict for x in new] == ["in the band"] * 2
     assert {x.cls for x in new} == {MEASURED}
-    rows = torque.sweep()
-    grows = torque.order([r.single for r in rows], [r.lead for r in rows])
+    rows = nuts.sweep()
+    grows = nuts.order([r.single for r in rows], [r.lead for r in rows])
     assert 0.1 < grows < 0.2
-    assert torque.by_slope(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
+    assert nuts.by_slope(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
 
 
 def test_all_values_and_their_table() -> None:

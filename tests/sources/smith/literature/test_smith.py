@@ -5,9 +5,9 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, of_source
 
-from rollbench.compare.cases.smith.evidence import ball, case, screw, taper
-from rollbench.compare.evidence.record import Sheet
-from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.cases.smith.evidence import axis, bearings
+from rollbench.compare.evidence import Sheet
+from rollbench.compare.printed import load_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 from rollbench.lowfi.bearings.axis import equilibrium
@@ -37,7 +37,7 @@ def test_as_printed_in_that_mode_only(key: str) -> None:
 
 def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() -> None:
     off = {}
-    for i, difference in enumerate(ball.DIFFERENCES[1:], 1):
+    for i, difference in enumerate(bearings.DIFFERENCES[1:], 1):
         for key, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
             printed = found(f"smith-table-2-1:{key}_{i}").printed.value
             off[key, i] = abs(printed / value - 1.0)
@@ -47,7 +47,7 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
 
 def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
     """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
-    faulty, right = ball.sheet(2040.0), ball.sheet(2040.0, None)
+    faulty, right = bearings.sheet(2040.0), bearings.sheet(2040.0, None)
     assert right.differences[1] == pytest.approx(0.88444, abs=1e-5)
     assert np.degrees(faulty.angle) == pytest.approx(58.27003, abs=2e-3)
     assert right.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
@@ -60,7 +60,7 @@ def test_fits(difference: float) -> None:
     assert as_printed.fitted(difference, "approach") == pytest.approx(delta, rel=0.02)
     assert as_printed.fitted(difference, "major") == pytest.approx(a, rel=0.02)
     assert as_printed.fitted(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
-    rows = ball.DIFFERENCES[:-1]
+    rows = bearings.DIFFERENCES[:-1]
     assert np.interp(difference, rows, [contact_parameters(f)[0] for f in rows]) == pytest.approx(delta, rel=0.01)
 
 
@@ -76,30 +76,30 @@ def test_rib_contact() -> None:
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)
     assert 2.0 / 3.0 * np.pi * a * b * peak == pytest.approx(160.0, abs=1.0)
-    assert taper.contacts().rib_load / case.POUND == pytest.approx(35.0, abs=0.5)
+    assert bearings.contacts().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
 
 
 def test_first_approximations() -> None:
     """2.24 in pounds and inches: 9 % off the right deflection at the load of the sheets."""
-    right = ball.state(case.SHEET_LOAD)
+    right = bearings.state(bearings.SHEET_LOAD)
     sine = float(np.sin(right.angle))
     rough = 1.58e-5 * (2040.0 / (18 * sine)) ** 0.667 / (0.34375**0.333 * sine)
-    assert rough * case.INCH / float(right.displacement) == pytest.approx(0.914, abs=5e-3)
+    assert rough * bearings.INCH / float(right.displacement) == pytest.approx(0.914, abs=5e-3)
 
 
 def test_source_s_sharing_balances_too_much() -> None:
     """After the stretch its loads balance the whole tension by two slips; the change under the load is twice too large."""
-    for kind in screw.KINDS:
+    for kind in axis.KINDS:
         for end in ("left", "right"):
-            s = np.array(case.DIRECTIONS[kind][end])
+            s = np.array(bearings.DIRECTIONS[kind][end])
             preload = (1020.0, 1020.0, 2040.0) if end == "left" else (2040.0, 1020.0, 1020.0)
             pre = preload if kind == "ball" else (1500.0, 1500.0)
-            after, loaded = (s @ np.array(screw.printed_loads(kind, end, state, pre)) for state in ("stretch", "applied"))
+            after, loaded = (s @ np.array(axis.printed_loads(kind, end, state, pre)) for state in ("stretch", "applied"))
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
             assert loaded - after == pytest.approx(sign * 1000.0)
-            ours = [float(s @ screw.end_state(kind, end, state).loads) / case.POUND for state in ("stretch", "applied")]
-            assert ours[0] == pytest.approx(screw.pull() / case.POUND, rel=1e-10)
+            ours = [float(s @ axis.end_state(kind, end, state).loads) / bearings.POUND for state in ("stretch", "applied")]
+            assert ours[0] == pytest.approx(axis.pull() / bearings.POUND, rel=1e-10)
             assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
 
 
@@ -117,22 +117,22 @@ def test_comparison_of_contact_areas_reverses() -> None:
 
 
 def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
-    low, high = taper.rounding_range()
-    assert 0.0004660 < low < taper.sheet_deflection() < high
+    low, high = bearings.rounding_range()
+    assert 0.0004660 < low < bearings.sheet_deflection() < high
 
 
 def test_unseating_takes_three_times_the_printed_load() -> None:
     """The outer row of the set is just loose there, and not before."""
-    limit = screw.unseating_load(screw.REDUCED)
-    assert limit / case.POUND == pytest.approx(645.5, abs=0.5)
-    rows = case.bearing_set("taper", "left", screw.REDUCED)
-    before, after = (equilibrium(rows, screw.pull() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001))
+    limit = axis.unseating_load(axis.REDUCED)
+    assert limit / bearings.POUND == pytest.approx(645.5, abs=0.5)
+    rows = bearings.bearing_set("taper", "left", axis.REDUCED)
+    before, after = (equilibrium(rows, axis.pull() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001))
     assert before > 0.0 == after
 
 
 def test_assumptions_matter_as_said() -> None:
     """Depth of the rings: 2.5 to 10 mm is 16 % of the tapered bearing's stiffness; nothing makes it 3.60e6."""
-    soft, stiff = (taper.tangent(1500.0, depth) for depth in reversed(taper.DEPTHS))
+    soft, stiff = (bearings.tangent(1500.0, depth) for depth in reversed(bearings.DEPTHS))
     assert stiff / soft == pytest.approx(1.163, abs=5e-3)
     assert soft > 1.4 * 3.60e6
 

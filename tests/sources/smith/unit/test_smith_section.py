@@ -8,9 +8,9 @@ from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
 from rollbench.compare.cases.smith import page as smith
-from rollbench.compare.cases.smith.evidence import case
-from rollbench.compare.evidence.record import Sheet
-from rollbench.compare.printed.printed_data import load_table
+from rollbench.compare.cases.smith.evidence import bearings
+from rollbench.compare.evidence import Sheet
+from rollbench.compare.printed import load_table
 from rollbench.meshes import units
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -52,9 +52,9 @@ def test_every_unit_of_force_length_and_stiffness_is_readable():
 
 
 def test_case_in_si():
-    b, t = case.ball_bearing(), case.taper_bearing()
+    b, t = bearings.ball_bearing(), bearings.taper_bearing()
     assert b.ball_diameter == pytest.approx(8.73125e-3, rel=1e-12)
     assert t.cup_angle == pytest.approx(np.radians(30.8))
-    assert pytest.approx(4.4482216152605 / 0.0254) == case.POUND_PER_INCH
+    assert pytest.approx(4.4482216152605 / 0.0254) == bearings.POUND_PER_INCH
     with pytest.raises(KeyError, match="no number"):
         Sheet("smith-5").printed("four_times")

@@ -1,0 +1,473 @@
+"""External evidence: values of other programs, of makers' catalogues and of classic theory, computed with these models.
+
+Inputs that no scene describes, in SI, with what was assumed to run them; bearings (displacements, contact angles, load
+zones, preloaded pairs); single contacts (Hertz's constants, rolling with creepage and spin on half spaces); ball nuts of
+catalogues (the three rigidities that ISO 3408-4 separates, drag torque).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare import files
+from rollbench.compare.evidence import Sheet
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed import entry, load_table
+from rollbench.compare.scenes import catalogue
+from rollbench.hifi.rolling.patch import hertz_patch
+from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, curvatures, of_angle, thrust_state
+from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.combined_load import load_zone
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
+from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, mean_force, rating
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
+from rollbench.lowfi.statics.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.numerics import brentq
+from rollbench.meshes.parts import FREEDOMS, Friction, Motion, Scene
+from rollbench.meshes.units import parse
+
+#: Beginning of the names of tables and scenes of this kind.
+PREFIX = "external-"
+
+
+def inputs() -> dict[str, Any]:
+    """The tables of ``cases.toml`` as they stand, quantities as texts."""
+    return files.table("cases/external/cases.toml")
+
+
+def given(case: str, key: str, quantity: str) -> float:
+    """An input of a case in SI. Raises KeyError for one that is not there."""
+    return parse(inputs()[case][key], quantity)
+
+
+def assumptions() -> dict[str, tuple[str, ...]]:
+    """What was inferred or chosen to run each case without a scene of its own, by case."""
+    return {name: tuple(table["assumed"]) for name, table in inputs().items() if "assumed" in table}
+
+
+def assembly(name: str) -> Assembly:
+    """A shipped scene ``external-NAME`` with sets on a shaft. Raises AssertionError where it is another kind."""
+    found = catalogue.shipped(PREFIX + name)
+    if not isinstance(found, Assembly):
+        raise AssertionError(f"{PREFIX}{name} has sets on a shaft")
+    return found
+
+
+def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
+    """Result of a shipped scene ``external-NAME`` with one rolling set between rigid rings, and that of its set."""
+    result = study.once(_solved, name)
+    return result, result.sets[0]
+
+
+def _solved(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
+    result = run_model(assembly(name), "lin")
+    if not result.converged:
+        raise AssertionError(f"{PREFIX}{name}: {result.status}")
+    return result
+
+
+CLASSES = ("light", "medium", "strong")
+
+#: Conformities between which the growth of rigidity is looked at without an inferred number.
+ANY = (0.53, 0.56)
+
+
+def _motion(found: AxisResult, station: float, freedom: str) -> float:
+    """Motion of the shaft at a station [m] in a freedom [m, rad]."""
+    place = int(np.abs(found.centreline_z - station).argmin())
+    return float(found.centreline[place, FREEDOMS.index(freedom)])
+
+
+def masta(sheet: Sheet, study: Study) -> None:
+    """Deep-groove bearing between rigid rings, the inner one free only along each load."""
+    for key, name, freedom, unit in (
+        ("radial", "masta-radial", "ux", 1e6),
+        ("axial", "masta-axial", "uz", 1e6),
+        ("tilt", "masta-moment", "ry", 1e3),
+    ):
+        result, ring = solved(study, name)
+        sheet.number(key, unit * _motion(result, ring.of.position, freedom))
+
+
+def harris(sheet: Sheet, study: Study) -> None:
+    """218 bearing under thrust."""
+    result, ring = solved(study, "harris-218")
+    assert ring.balls is not None
+    angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _motion(result, ring.of.position, "uz")
+    sheet.number("angle", angle)
+    sheet.number("angle_quoted", angle)
+    sheet.number("displacement", moved)
+    sheet.number("displacement_quoted", moved)
+    sheet.number("ball_load", float(ring.balls.load[:, 0].mean()))
+
+
+def half_zone(sheet: Sheet, study: Study) -> None:
+    """Load zone of half the circumference, by a row of many balls and by the integrals."""
+    for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
+        ring = solved(study, name)[1]
+        assert ring.balls is not None
+        across = assembly(name).loads[0].force[0]
+        load, rest = ring.balls.load[:, 0], ring.balls.contact_angle[:, 0]
+        top = int(load.argmax())
+        # a ball of the deep groove carries the same force at both its contacts: the inner one counts
+        sheet.number(key, float(load[top]) * load.size * float(np.cos(rest[top])) / across)
+        if key == "combined":
+            sheet.number("loaded", float(np.count_nonzero(load > 0.0)))
+    zone = load_zone(0.5, 1.5)
+    sheet.number("thrust", zone.axial / zone.radial)
+
+
+def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
+    """Bearing of a catalogue row (pitch diameter mm, ball diameter mm, number of balls)."""
+    d_m, d_w, balls = row[:3]
+    angle, young = given(case, "contact_angle", "angle"), given(case, "youngs_modulus", "pressure")
+    poisson = float(inputs()[case]["poissons_ratio"])
+    return of_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
+
+
+def _pair(bearing: BallBearing, preload: float) -> BearingSet:
+    """Two bearings against each other under a preload [N]."""
+    return preloaded(BallRow(bearing), (1, -1), preload)
+
+
+@cache
+def gmn_rigidity(name: str, which: str, conformity: float) -> float:
+    """Rigidity [N/um] of a pair of the catalogue at its preload, both rows side by side, at a conformity of the series."""
+    row = inputs()["gmn"]["rows"][name]
+    one = BallRow(_spindle("gmn", row, conformity))
+    return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
+
+
+def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Strong over light rigidity of every row, over that printed."""
+    out = []
+    for name in inputs()["gmn"]["rows"]:
+        printed = [entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
+        ours = [gmn_rigidity(name, which, conformity) for which in ("light", "strong")]
+        out.append(ours[1] / ours[0] * printed[0] / printed[1])
+    return np.array(out)
+
+
+def gmn(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Preloaded pairs of a series of spindle bearings."""
+    inferred = float(inputs()["gmn"]["conformity"])
+    for name in inputs()["gmn"]["rows"]:
+        for which in CLASSES:
+            sheet.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
+    middle = {c: float(np.median(gmn_growth(c))) for c in (*ANY, inferred)}
+    words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
+    sheet.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
+
+
+def gmn_rms_percent() -> float:
+    """RMS [%] of the rigidities of the series against those printed, without the slip."""
+    inferred = float(inputs()["gmn"]["conformity"])
+    rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
+    off = [float(error_percent(gmn_rigidity(name, which, inferred), value)) for (name, which), value in rows]
+    return float(np.sqrt(np.mean(np.square(off))))
+
+
+def snfa(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """A catalogue whose contact angles stand still: as printed with rigid balls scaled back, right with turning angles."""
+    case = inputs()["snfa"]
+    row = [1e3 * given("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
+    bearing = _spindle("snfa", [*row, case["balls"]], float(case["conformity"]))
+    loads = [parse(text, "force") for text in case["preloads"]]
+    right = [1e-6 * equilibrium(_pair(bearing, p)).stiffness for p in loads]
+    still = [1e-6 * frozen_rigidity(bearing, p) for p in loads]
+    for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
+        sheet.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
+    growth = right[-1] / right[0]
+    words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
+    sheet.number("growth", growth, words, as_printed=still[-1] / still[0])
+    off = lift_off_force(_pair(bearing, loads[-1])) / loads[-1]
+    words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
+    sheet.number("lift_off", off, words, as_printed=frozen_lift_off())
+
+
+def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
+    """Rigidity [N/m] of a pair at its preload [N] if the contact angle stood still: 3 F/u, as F ~ u^(3/2) in either row."""
+    rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
+    sin = float(np.sin(bearing.free_angle))
+    u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
+    return 3.0 * preload / u
+
+
+def frozen_lift_off() -> float:
+    """Load over preload at which a row of a pair becomes loose if the contact angle stood still: 2^(3/2)."""
+    return float(2.0**1.5)
+
+
+#: Examples of mean forces: key of the entry, and of the case with its phases.
+EXAMPLES = {"mean_hiwin_mill": "hiwin_mill", "mean_hiwin": "hiwin", "mean_rexroth": "rexroth"}
+
+#: What makers print for 2^(3/2), and how far [%] that may move the force of a half before the halves part.
+ROUNDED, WITHIN = 3.0, 5.0
+
+#: Scene whose ratings the combined life is computed with, its preload and force [N].
+SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
+
+
+def mean_of_phases(case: str) -> float:
+    """Mean force of phases with forces, speeds and shares of the time, in the unit of the forces."""
+    given = inputs()[case]
+    turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
+    return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
+
+
+def loads(sheet: Sheet, study: Study) -> None:
+    """Mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
+    for key, case in EXAMPLES.items():
+        sheet.number(key, mean_of_phases(case))
+    sheet.number("parting", PARTING)
+    force = np.linspace(0.0, PARTING, 50)
+    loaded, other = halves(force, 1.0)
+    lower = error_percent((1.0 + force / ROUNDED) ** 1.5, loaded)
+    words = (
+        f"with 3 the loaded half's force is {-float(lower.min()):.1f} % lower where the halves part, and no higher anywhere"
+    )
+    holds = bool((lower <= 1e-9).all() and lower.min() >= -WITHIN and np.allclose(loaded - other, force))
+    sheet.claim("loaded_half", holds, words)
+    scene = study.scene(SCENE)
+    nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
+    found = equivalent_life([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
+    assert found is not None
+    lives = (rating(nut) / np.array(found.loads)) ** 3
+    printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
+    words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
+    sheet.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
+    for name, angle in (row.key.split("_") for row in load_table(sheet.table) if row.key[0] in "eXY"):
+        sheet.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
+
+
+#: Cells of CONTACT's grid along each axis, and its width over the contact's.
+EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
+
+#: Cells of its wheel, along and across.
+WHEEL_CELLS = (48, 44)
+
+#: Cells by which its ball rolls from rest here, of 28 along the contact: past the largest creepage. The example has 56.
+ONSET_STEPS = 20
+
+
+def ball_of_bearing(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """One ball of NSK's screw-support bearing at the quoted load and contact angle."""
+    parts = assembly("nsk-25bswz01").sets[0].parts
+    assert isinstance(parts, Scene)
+    d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
+    grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
+    young, poisson = steel.youngs_modulus, steel.poissons_ratio
+    bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
+    angle = np.arccos(inputs()["nsk"]["cosine"])
+    sheet.number("angle", float(np.degrees(angle)))
+    modulus = contact_modulus(young, poisson, young, poisson)
+    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
+    cube = float(np.cbrt(given("nsk", "normal_load", "force")))
+    sheet.number("approach_outer", 1e6 * float(outer.C) * cube**2)
+    sheet.number("approach_inner", 1e6 * float(inner.C) * cube**2)
+    sheet.number("a_outer", 1e3 * float(outer.C_a) * cube)
+    sheet.number("b_outer", 1e3 * float(outer.C_b) * cube)
+
+
+def sphere(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Elastic sphere on a rigid plane."""
+    radius = given("vm63", "radius", "length")
+    modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
+    found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
+    sheet.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
+
+
+def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
+    """Load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
+    poisson, shear = inputs()[case]["poissons_ratio"], given(case, "shear_modulus", "pressure")
+    radii = (given(case, "along", "length"), given(case, "across", "length"))
+    return given(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+
+
+def _hertz(case: str) -> tuple[float, HertzConstants]:
+    """Load [N] and Hertz's constants of an example."""
+    load, radii, young, poisson = _example(case)
+    modulus = contact_modulus(young, poisson, young, poisson)
+    return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
+
+
+@dataclass(frozen=True)
+class Example:
+    """CONTACT's example as computed: lateral force over mu P and moment [N mm]; cells in contact, and of them those that
+    stick; power of friction at 1 m/s [W]."""
+
+    lateral: float
+    moment: float
+    cells: int
+    sticking: int
+    power: float
+
+
+@lru_cache(maxsize=8)
+def example(cells: int, *, by_cells: bool = False) -> Example:
+    """CONTACT's example on a grid of so many cells along each axis; by_cells: discretised as by CONTACT."""
+    case, touch = inputs()["contact"], _example("contact")
+    creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
+    if by_cells:
+        found = steady_by_cells(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
+    else:
+        found = steady(hertz_patch(*touch, (cells, cells)), creep, mu)
+    sticking = int(np.count_nonzero(found.friction.stick[0]))
+    return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
+
+
+def rolling(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
+    load, hertz = _hertz("contact")
+    cube = float(np.cbrt(load))
+    sheet.number("a", 1e3 * float(hertz.C_a) * cube)
+    sheet.number("b", 1e3 * float(hertz.C_b) * cube)
+    sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
+    sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
+    theirs, ours = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
+    for key in ("lateral", "moment"):
+        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
+        sheet.number(key, getattr(theirs, key), note)
+    _wheel(sheet)
+    _transients(sheet)
+
+
+def _wheel(sheet: Sheet) -> None:
+    """Creep-force curve of a locomotive wheel by CONTACT's differences, where most of the contact slips: that is quick."""
+    load, hertz = _hertz("wheel")
+    cube, mu = float(np.cbrt(load)), float(inputs()["wheel"]["friction"])
+    sheet.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
+    sheet.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
+    patch = hertz_patch(*_example("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
+    for row in load_table(sheet.table):
+        curve, _, creep = row.key.rpartition("_")
+        if curve == "wheel_creep":
+            force = steady_by_cells(patch, Creep(float(creep), 0.0, 0.0), mu).force
+            sheet.number(row.key, float(force[0]) / (mu * load))
+
+
+@lru_cache(maxsize=4)
+def transient(case: str, steps: int) -> list[Onset]:
+    """CONTACT's example of a ball that is pushed aside, and then rolls by so many cells under that force."""
+    numbers, (load, circle) = inputs()[case], _hertz(case)
+    margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
+    patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
+    return onset(patch, numbers["friction"], numbers["share"], steps)
+
+
+def _transients(sheet: Sheet) -> None:
+    """A push aside, and the way from there to steady rolling, cell by cell as CONTACT takes it."""
+    found = {"cattaneo": transient("cattaneo", 0), "onset": transient("onset", ONSET_STEPS)}
+    for row in load_table(sheet.table):
+        case, _, rest = row.key.partition("_")
+        if case in found:
+            what, _, step = rest.partition("_")
+            one = found[case][int(step or 0)]
+            value = {"shift": 1e3 * one.motion, "creep": one.motion, "sticking": float(one.sticking)}
+            sheet.number(row.key, value[what])
+
+
+#: Sizes of THK and one of HIWIN: names of scenes after the prefix and the maker.
+THK = ("bnf-4010-5", "bnf-4010-3p5", "bnf-3205-2p5", "bnf-3205-5", "bnf-3205-7p5")
+
+HIWIN = ("hiwin-63-10k5",)
+
+#: Scene of the double nut's single nut.
+DOUBLE = "bnf-4010-5"
+
+#: Shares of the rigidity of the contacts alone that an independent code found: lowest and highest, THK and HIWIN.
+SHARES = {THK: (0.567, 0.586), HIWIN: (0.75, 0.75)}
+
+#: What filling and pitch diameter, which are not printed, may change.
+UNPRINTED = 0.05
+
+
+def scene_name(size: str) -> str:
+    """Name of the shipped scene of a size."""
+    return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
+
+
+def stages(scene: Scene, force: float) -> tuple[float, float]:
+    """Rigidity [N/m] of the contacts alone and with the bodies at an axial load [N]. Raises ValueError without a wall."""
+    alone, body = contacts_displacement(scene, force), body_compliance(scene)
+    assert body is not None
+    return force / alone, force / (alone + body * force)
+
+
+def unequal(study: Study, name: str, model: str) -> float:
+    """Rigidity [N/m] with unequal loads by a model; zero where it did not converge."""
+    scene, found = study.scene(name), study.solve(name, model)
+    return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
+
+
+def nuts(sheet: Sheet, study: Study) -> None:
+    """Rigidities at 0.3 times the rating, their growth with the turns, the double nut, drag torque."""
+    alone, bodies = {}, {}
+    for size in (*THK, *HIWIN):
+        scene = study.scene(scene_name(size))
+        alone[size], bodies[size] = (1e-6 * x for x in stages(scene, scene.loads[0].force[2]))
+        printed = entry(sheet.table, f"rigidity_{size}").value or 0.0
+        share = printed / alone[size]
+        words = f"catalogue {printed / bodies[size]:.3f} of it; contacts alone {alone[size]:.0f} N/um"
+        sheet.number(f"rigidity_{size}", bodies[size], words)
+        low, high = next(ends for sizes, ends in SHARES.items() if size in sizes)
+        words = f"{share:.3f} of {alone[size]:.0f} N/um"
+        sheet.claim(f"share_{size}", low * (1.0 - UNPRINTED) <= share <= high * (1.0 + UNPRINTED), words)
+    for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
+        sheet.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
+    words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
+    sheet.number("double", double_over_single(study), f"with the bodies; {words}")
+    _drag(study, sheet)
+
+
+def double_over_single(study: Study) -> float:
+    """Rigidity of a double nut preloaded to a third of the single nut's load, up to the load that unloads one nut, over
+    that of the single nut, both with their bodies.
+
+    Either nut moves by its own deflection under the preload before the other one is loose, and then carries all.
+    """
+    scene = study.scene(scene_name(DOUBLE))
+    full = scene.loads[0].force[2]
+    preload = full / 3.0
+    single = stages(scene, full)[1]
+    moved = preload / stages(scene, preload)[1]
+
+    def excess(force: float) -> float:
+        return force / stages(scene, force)[1] - 2.0 * moved
+
+    unloads = float(brentq(excess, preload, 4.0 * preload, rtol=1e-6))
+    return unloads / moved / single
+
+
+def _drag(study: Study, sheet: Sheet) -> None:
+    """Preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
+    case = inputs()["thk"]
+    preload, lead, mu = given("thk", "preload", "force"), given("thk", "lead", "length"), float(case["friction"])
+    formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
+    sheet.number("drag_formula", 1e3 * formula)
+    torque = study.once(drag_torque, preload, mu)
+    printed = entry(sheet.table, "drag").value or 0.0
+    words = (
+        f"both nuts at a coefficient of {mu:g}, friction moving each ball across its grooves as in every scene that says "
+        f"nothing else: {1e3 * torque / printed:.2f} times the printed torque"
+    )
+    sheet.number("drag", 1e3 * torque, words)
+
+
+def drag_torque(study: Study, preload: float, mu: float) -> float:
+    """Friction torque [N m] of both nuts of a double nut under a preload [N], each as a single nut under that load."""
+    scene = study.scene(scene_name(DOUBLE))
+    nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
+    found = run_model(nut, "lin", Options(discretisation=False))
+    return 2.0 * friction_state(nut, found, Friction(mu, mu), Motion(2.0 * pi)).torque.friction

@@ -1,0 +1,128 @@
+"""Where the axial-only idealisation misleads: Liu's screw by the axial chain, the beam model, the refined one, and in 3D.
+
+The chain has the axial compliance of the same screw with a rigid nut, as the beam model has: what differs between the two
+is bending, twist and where on the circumference a ball sits. What differs between beam and refined model is the nut, and
+the bodies' elasticity beyond a beam's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rollbench.compare.cases.liu import evidence
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.estimate import uncertainty_percent
+from rollbench.lowfi.random_errors.chain import Chain, draw_errors, solve_chain
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import screw_section
+
+SCENE = "liu-screw"
+
+#: Scenes of that screw with references in 3D, and the mesh levels of these: 156 contacts, minutes a level.
+SOLID = (SCENE, "liu-small", "liu-drawn", "liu-drawn-1kN")
+
+SOLID_LEVELS = (1, 2)
+
+#: Loads [N]; half range of the drawn errors [m] and how many screws are drawn.
+LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One screw under one load [N]: loads (78,) [N] of the chain, the beam model and the refined one."""
+
+    errors: str
+    load: float
+    axial: Array
+    beam: Array
+    refined: Array
+
+    def off(self, model: Array) -> tuple[float, float, int]:
+        """RMS and largest difference of a model from the chain, per cent of the mean load, and the ball of the largest."""
+        change = error_percent(model, self.axial, float(model.mean()))
+        ball = int(np.abs(change).argmax())
+        return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
+
+
+def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
+    """The scene with balls whose diameter is off by errors (78,) [m], under an axial load [N]."""
+    listed = tuple((i + 1, 0.5 * float(e)) for i, e in enumerate(errors) if e != 0.0)
+    balls = replace(scene.errors.balls, listed=listed)
+    force = replace(scene.loads[0], force=(0.0, 0.0, load))
+    return replace(scene, errors=replace(scene.errors, balls=balls), loads=(force,))
+
+
+def same_screw(scene: Scene) -> Chain:
+    """The chain with the axial compliance of the scene's screw, and a rigid nut."""
+    spacing = float(np.diff(scene.balls.azimuths)[0]) * scene.track.lead / (2.0 * np.pi)
+    return replace(evidence.screw("exact"), compliance=abs(spacing) / screw_section(scene).EA)
+
+
+def compare_models(study: Study) -> tuple[Compared, ...]:
+    """No errors, one ball too small or too large, and drawn screws, under both loads."""
+    scene = study.scene(SCENE)
+    chain = same_screw(scene)
+    drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.balls(), HALF_RANGE)
+    kinds = [
+        ("none", np.zeros(evidence.balls())),
+        ("ball 33: -2 um", evidence.one_error(-2e-6)),
+        ("ball 33: +2 um", evidence.one_error(2e-6)),
+    ]
+    kinds += [(f"drawn, +-2 um, screw {i + 1}", errors) for i, errors in enumerate(drawn)]
+    return tuple(_compared(study, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS)
+
+
+def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array, load: float) -> Compared:
+    changed = with_errors(scene, errors, load)
+    beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
+    return Compared(name, load, solve_chain(chain, errors, load).load, beam, refined)
+
+
+@dataclass(frozen=True)
+class Solid:
+    """One scene of the screw against its 3D reference, in per cent of the mean load: RMS and largest difference of a model,
+    with the ball of the largest, and the reference's grid uncertainty; balls that carry load in the model and in 3D."""
+
+    scene: str
+    title: str
+    model: str
+    rms: float
+    largest: float
+    ball: int
+    uncertainty: float | None
+    loaded: int
+    loaded_in_3d: int
+
+
+def compare_solid(study: Study) -> tuple[Solid, ...]:
+    """The chain, the beam model and the refined one against 3D, on the scenes that have a stored reference."""
+    rows = []
+    for name, found in study.references(SOLID).items():
+        scene, bar = study.scene(name), uncertainty_percent(found)
+        for model in ("axial", "lin", "refined"):
+            load = axial_loads(scene) if model == "axial" else study.solve(scene, model).load
+            e = load_error(load, found.load, found.contacts)
+            carried, held = (int(np.count_nonzero(x[:, 0] > 0.0)) for x in (load, found.load))
+            rows.append(Solid(name, scene.title, model, e.rms_percent, e.max_percent, e.ball, bar, carried, held))
+    return tuple(rows)
+
+
+def axial_loads(scene: Scene) -> Array:
+    """Loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
+    errors = 2.0 * (specimen(scene, ball_layout(scene)).ball_radius - scene.balls.radius)
+    load = solve_chain(same_screw(scene), errors, scene.loads[0].force[2]).load
+    return np.stack([load, np.zeros(load.size), np.zeros(load.size), load], axis=1)
+
+
+def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
+    """Scenes and levels of the 3D reference that a report computes afresh; they are not shipped, because they take longer
+    than the rest of a first report."""
+    if fresh:
+        yield SOLID, SOLID_LEVELS

@@ -1,0 +1,261 @@
+"""Sets of bearings with equal gaps, axial clearances under a load, load ratings of bearings whose balls are printed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import cache
+from math import cos, pi, radians
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from rollbench.compare.cases.makers.outside import Band, Outside, of_row
+from rollbench.compare.cases.makers.tables import Table, half_step, table, tables
+from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
+from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
+from rollbench.lowfi.rating.contacts import static_rating
+from rollbench.lowfi.rating.life import rating
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import ARRANGEMENTS
+from rollbench.meshes.parts import Scene
+
+#: Materials and conformity that ratings of bearings take (ISO 281, ISO 76): not printed by makers.
+YOUNG, POISSON, CONFORMITY = 207e9, 0.3, 0.52
+
+#: Exponent of starting torque over the load of a row: the ellipse's axis times the load (Palmgren; Smith 2.33).
+TORQUE = 4.0 / 3.0
+
+
+# --- sets with equal gaps
+
+
+@cache
+def over_pair(name: str) -> tuple[float, float, float]:
+    """Preload, tangent rigidity and starting torque of a set over those of a pair of the same bearings, ground to the same
+    gaps, at a constant contact angle."""
+    one = PointRow()
+
+    def of(name: str) -> Array:
+        rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
+        state = equilibrium(arrangement(one, rows, 1e-6))
+        loads = state.loads
+        return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
+
+    preload, rigidity, torque = of(name) / of("DB")
+    return float(preload), float(rigidity), float(torque)
+
+
+#: What a set has, its column, its unit, and how it goes with the preload at a constant angle.
+OF_SETS = (
+    ("preload", "preload_N", "N", 1.0),
+    ("rigidity", "rigidity_N_per_um", "N/um", 1.0 / 3.0),
+    ("torque", "starting_torque_N_m", "N m", TORQUE),
+)
+
+
+def sets() -> Iterator[Outside]:
+    """Every set from the pair of the same bearings and preload class; the pair of one class from that of the other."""
+    for source in tables("nsk-tac"):
+        named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
+        pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
+        for row in source.rows:
+            name, cls = named[row["arrangement"]], row["preload_class"]
+            kind = name if name != "DB" else "class"
+            if kind == "class" and cls != "C9":
+                continue
+            pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
+            growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
+            ratios = over_pair(name) if kind != "class" else tuple(growth**power for *_, power in OF_SETS)
+            for (quantity, column, unit, power), ratio in zip(OF_SETS, ratios, strict=True):
+                if kind == "class" and quantity == "preload":
+                    continue
+                half, base = 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")), source.number(pair[column])
+                off = max(half_step(pair[column]), half) / base
+                if kind == "class":
+                    off += power * sum(half_step(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair))
+                what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
+                rounding = max(half_step(row[column]), half)
+                yield of_row(source, row, "line", column, what, Band.within(ratio * base, off), rounding=rounding)
+
+
+# --- bearings from their ratings
+
+
+@cache
+def _ring() -> Scene:
+    found = catalogue.shipped("bearing-9")
+    assert isinstance(found, Scene)
+    material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
+    balls = replace(found.balls, material=material)
+    return replace(
+        found, screw=replace(found.screw, material=material), nut=replace(found.nut, material=material), balls=balls
+    )
+
+
+def ring(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
+    """One row of balls as a scene: diameters of ball and pitch circle [m], contact angle [rad], groove radius over ball."""
+    one = _ring()
+    groove = conformity * ball
+    return replace(
+        one,
+        track=replace(one.track, pitch_radius=0.5 * pitch, contact_angle=angle),
+        screw=replace(one.screw, groove_radius=groove),
+        nut=replace(one.nut, groove_radius=groove),
+        balls=replace(one.balls, radius=0.5 * ball, azimuths=tuple(2.0 * pi * np.arange(balls) / balls)),
+    )
+
+
+#: Number of balls and pitch diameter [m] at which ratings are computed, and ball over pitch diameters between which they
+#: are interpolated: C goes with Z^(2/3) D^1.8, C_0 with Z D^2, and both with a smooth function of D over d_m.
+FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
+
+
+@cache
+def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
+    """C over Z^(2/3) D^1.8 and C_0 over Z D^2 [N, m] by ISO 281 and ISO 76 at a contact angle [rad], over D/d_m."""
+    rings = [ring(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
+    balls = RELATIVE * PITCH
+    dynamic = [rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
+    static = [static_rating(one) for one in rings] / (FEW * balls**2)
+    return CubicSpline(RELATIVE, dynamic), CubicSpline(RELATIVE, static)
+
+
+def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
+    """Number and diameter [m] of the balls of a row whose ratings are C and C_0 [N] by ISO 281 and ISO 76, pitch diameter
+    [m], contact angle [rad]; the number is left a fraction."""
+    of_dynamic, of_static = factors(angle)
+
+    def count(ball: float) -> float:
+        return static / (float(of_static(ball / pitch)) * ball**2)
+
+    def excess(ball: float) -> float:
+        computed = float(of_dynamic(ball / pitch)) * count(ball) ** (2.0 / 3.0) * ball**1.8
+        return float(computed / dynamic - 1.0)
+
+    low, high = float(RELATIVE[0]), float(RELATIVE[-1])
+    ball = float(brentq(excess, low * pitch, high * pitch, rtol=1e-9))
+    return count(ball), ball
+
+
+def _middle(row: Mapping[str, str]) -> float:
+    return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
+
+
+def ball_bearings() -> Iterator[Outside]:
+    """Axial clearance of a preloaded pair under a known load, 2 (u(measuring load) - u(preload)) of bearings whose contact
+    angle turns; rigidity at the lighter preloads; factor f_0.
+
+    Balls from the ratings; the conformity of each bearing from its rigidity at the heavy preload, so that neither its other
+    rigidities nor its clearances have been used. The band: that rigidity, preload and clearance rounded.
+    """
+    source = table("nsk-angular")
+    groups: dict[str, list[Mapping[str, str]]] = {}
+    for row in source.rows:
+        groups.setdefault(row["bearing"], []).append(row)
+    bearings = list(groups.values())
+
+    def read(key: str) -> Array:
+        return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
+
+    pitch, angle = np.array([_middle(rows[0]) for rows in bearings]), np.radians(read("angle_deg")[:, 0])
+    dynamic, static = (1e3 * read(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
+    count, ball = np.array([balls_of(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
+    begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
+    forces, rigid, load = read("preload_N"), read("rigidity_N_per_um"), read("measuring_load_N")
+    step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
+    moved, stiff = [], []
+    for off in (0.0, step, -step):
+        conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
+        balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
+        each = AngleRows(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
+        state = state_under(each, np.column_stack([forces, load[:, -1]]))
+        moved.append(1e6 * state.displacement)
+        stiff.append(2e-6 * state.stiffness[:, :-1])
+    for i, rows in enumerate(bearings):
+        yield from _of_bearing(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
+        if rows[0]["f0"][:1].isdigit():
+            factor = 1e-6 * static[i] / (count[i] * ball[i] ** 2 * cos(angle[i]))
+            yield _factor(source, rows[0], float(factor))
+
+
+def _of_bearing(
+    source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
+) -> Iterator[Outside]:
+    """Clearances and rigidities of a bearing; forces (p,) [N]; moved (3, p + 1) [um]: at these and under the measuring
+    load,
+    rigid (3, p) [N/um]: for the rigidity at the heavy preload as printed and at the ends of its rounding."""
+    clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
+    for i, row in enumerate(rows):
+        share = half_step(row["preload_N"]) / forces[i]
+        item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
+        yield of_row(
+            source,
+            row,
+            "line_clearance",
+            "clearance_um",
+            ("displacement", law, item, "um"),
+            Band.of(clearance[:, i], 4.0 / 3.0 * moved[0, i] * share),
+            rounding=0.5,
+            scale=float(2.0 * moved[0, -1]),
+        )
+        yield of_row(
+            source,
+            row,
+            "line_preload",
+            "rigidity_N_per_um",
+            ("rigidity", law, item, "N/um"),
+            Band.of(rigid[:, i], rigid[0, i] * share / 3.0),
+            left="the conformity is taken from it" if row is rows[-1] else "",
+        )
+
+
+def _factor(source: Table, row: Mapping[str, str], factor: float) -> Outside:
+    """Factor f_0, which is printed beside C and C_0; both ratings rounded."""
+    off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
+    what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
+    return of_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
+
+
+def frozen_pairs() -> Iterator[Outside]:
+    """Rigidity of pairs whose balls are printed, tangent at the preload, from Hertz contacts whose angle turns. What is
+    printed is the catalogue's own formula, and not judged."""
+    source = table("snfa-angular")
+
+    def read(key: str, factor: float = 1.0) -> Array:
+        return factor * np.array([source.number(row[key]) for row in source.rows])
+
+    pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(read("angle_deg"))
+    usual = np.full(pitch.size, CONFORMITY)
+    rows = AngleRows(read("balls"), read("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
+    stiff = 2e-7 * state_under(rows, read("preload_daN", 10.0)).stiffness
+    for row, found in zip(source.rows, stiff, strict=True):
+        item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
+        what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
+        yield of_row(source, row, "line_preload", "Ra_pair_daN_per_um", what, Band.of((found,)), left=left)
+
+
+def printed_balls() -> Iterator[Outside]:
+    """C and C_0 of bearings whose balls are printed.
+
+    Band of ratings: pitch diameter within 2 % of the middle of bore and outside diameter, ball diameter rounded.
+    """
+    source, done = table("snfa-angular"), set[tuple[str, str]]()
+    for row in source.rows:
+        if (row["bearing"], row["C33_daN"]) in done:
+            continue
+        done.add((row["bearing"], row["C33_daN"]))
+        ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
+        off = 2.0 * half_step(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
+        of_dynamic, of_static = factors(radians(float(row["angle_deg"])))
+        x *= ball / _middle(row)
+        maker = f"{source.head['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
+        for column, found in (
+            ("C33_daN", 0.1 * of_dynamic(x) * count ** (2.0 / 3.0) * ball**1.8),
+            ("C0_daN", 0.1 * of_static(x) * count * ball**2),
+        ):
+            what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
+            band = Band.of(found, off * float(found[0]))
+            yield of_row(source, row, "line_product", column, what, band, maker=maker)

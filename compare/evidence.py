@@ -1,0 +1,351 @@
+"""Evidence: what is computed for each printed number and claim, once, and its verdict; gate, report and literature tests
+read it.
+
+`computations.toml` of a case names the function that computes the numbers of a printed table and the test that asserts it.
+The verdict that is expected of an entry stands beside the printed value; `Evidence.change` is how the two differ.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare import files
+from rollbench.compare.case import Case, every_case, files_named
+from rollbench.compare.errors import InputError
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_table, tables, value_of
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One printed entry and what is computed for it.
+
+    value: the right value in the printed unit; as_printed: the value with the source's faults repeated; reading: the
+    value under an assumption that was inferred from the printed results, which confirms nothing; reference: what the 3D
+    reference gives; holds: whether a claim is borne out; words: the figures behind it.
+    """
+
+    printed: Printed
+    value: float | None = None
+    as_printed: float | None = None
+    reading: float | None = None
+    reference: float | None = None
+    holds: bool | None = None
+    words: str = ""
+
+    @property
+    def compared(self) -> float | None:
+        """The value that is held against the printed one."""
+        return self.as_printed if self.printed.cls == "as-printed" else self.value
+
+    @property
+    def error_percent(self) -> float | None:
+        """Error of the compared value against the printed number."""
+        return self._against_printed(self.compared)
+
+    @property
+    def reading_error_percent(self) -> float | None:
+        """Error of the value under the inferred reading against the printed number."""
+        return self._against_printed(self.reading)
+
+    def _against_printed(self, value: float | None) -> float | None:
+        if value is None or self.printed.value is None:
+            return None
+        percent = float(error_percent(value, self.printed.value))
+        return percent if np.isfinite(percent) else None  # of a printed zero there is none
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether the entry is reproduced; None where that cannot be said."""
+        p = self.printed
+        if p.value is None:
+            return self.holds
+        if self.compared is None:
+            return None
+        if p.low is not None and p.high is not None:
+            return p.low <= self.compared <= p.high
+        # half a unit of the last digit, with the round-off of a decimal number
+        return bool(abs(self.compared - p.value) <= p.tolerance * (1.0 + 1e-9))
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict on the entry."""
+        p = self.printed
+        if p.cls == "open":
+            return "contradicted" if p.contradicted else "not identifiable"
+        if p.cls == "input":
+            return "contradicted" if self.agrees is False else "input"
+        if not self.agrees:
+            return "not identifiable" if self.agrees is None else "contradicted"
+        if p.kind in ("arithmetic", "zero"):
+            return "identity"
+        by_class: dict[str, Verdict] = {"as-printed": "only as printed", "band": "band"}
+        return by_class.get(p.cls, "reproduced")
+
+    @property
+    def reason(self) -> str:
+        """Why, in sentences; empty where that needs none."""
+        why = self.printed.contradicted
+        return sentences(why[:1].upper() + why[1:], sentences(self.printed.remark, self.words))
+
+    @property
+    def change(self) -> str:
+        """How the verdict differs from the expected one, in words; empty where it does not."""
+        expected = self.printed.verdict
+        if expected == self.verdict:
+            return ""
+        wanted = "no verdict is expected" if expected is None else f"expected {expected}"
+        return f"{self.printed.name}: {wanted}, came out {self.verdict}"
+
+
+class Sheet:
+    """Evidence of one printed table, filed entry by entry; an entry that nothing is filed for stays open.
+
+    >>> sheet = Sheet("lin-2.2")
+    >>> sheet.words("time_proposed_1", "another machine")
+    >>> [e.words for e in sheet.evidence() if e.words]
+    ['another machine']
+    """
+
+    def __init__(self, table: str) -> None:
+        """Start with every entry of ``table`` open. Raises InputError for an unknown table."""
+        self._entries = {row.key: Evidence(row) for row in load_table(table)}
+        self.table = table
+
+    def _file(self, key: str, **fields: float | bool | str | None) -> None:
+        if key not in self._entries:
+            raise KeyError(f"{self.table}: no printed entry {key!r}")
+        self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
+
+    def number(
+        self,
+        key: str,
+        value: float | None,
+        words: str = "",
+        *,
+        as_printed: float | None = None,
+        reading: float | None = None,
+        reference: float | None = None,
+    ) -> None:
+        """File a number in the printed unit. Raises KeyError for an unknown key."""
+        self._file(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
+
+    def numbers(self, values: Mapping[str, float]) -> None:
+        """File right values by key. Raises KeyError for an unknown key."""
+        for key, value in values.items():
+            self.number(key, float(value))
+
+    def printed(self, key: str) -> float:
+        """Printed number of an entry, for arithmetic. Raises KeyError for a claim or an unknown key."""
+        return value_of(self.table, key)
+
+    def claim(self, key: str, holds: bool, words: str) -> None:
+        """File whether a claim holds, and the figures behind it. Raises KeyError for an unknown key."""
+        self._file(key, holds=bool(holds), words=words)
+
+    def words(self, key: str, words: str) -> None:
+        """File why nothing is compared, or a remark on what is filed already. Raises KeyError for an unknown key."""
+        self._file(key, words=words)
+
+    def evidence(self) -> tuple[Evidence, ...]:
+        """All entries in the order of the table."""
+        return tuple(self._entries.values())
+
+
+def sentences(*texts: str) -> str:
+    """Join the remarks that are not empty by ". "."""
+    given = [text for text in texts if text]
+    return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
+
+
+def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
+    """ "k of n" of a mask."""
+    return f"{int(mask.sum())} of {mask.size}"
+
+
+#: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
+Behind = tuple[str, ...] | str
+
+
+@dataclass(frozen=True)
+class Computation:
+    """One printed table of a case: the function ``module:name`` that files its evidence (empty: nothing is computed), the
+    test file that asserts every entry of it, and what is behind its entries, by pattern of the key (the first that fits
+    counts)."""
+
+    case: Case
+    table: str
+    computed_by: str
+    test: str
+    behind: tuple[tuple[str, Behind], ...]
+
+    def compute(self, study: Study) -> tuple[Evidence, ...]:
+        """Evidence of every entry: the function, imported now, files it in a sheet of the table."""
+        if not self.computed_by:
+            return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
+        sheet = Sheet(self.table)
+        try:
+            function = self.case.load(self.computed_by)
+        except (ImportError, AttributeError) as error:
+            place = f"{self.case.name}: computations.toml"
+            raise InputError(place, self.table, str(error), f"module:function in {self.case.package}", "mend it") from error
+        function(sheet, study)
+        return sheet.evidence()
+
+    @property
+    def function(self) -> str:
+        """``module:function`` of the computation."""
+        return f"{self.case.package}.{self.computed_by}" if self.computed_by else "none"
+
+    @property
+    def every_scene(self) -> tuple[str, ...]:
+        """Scenes behind any entry, each once."""
+        return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
+
+    def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
+        """Scenes behind an entry, and where there are none, why."""
+        origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
+        if not isinstance(origin, str) and origin:
+            return origin, ""
+        if not self.computed_by:
+            return (), str(origin)
+        return (), KINDS[row.kind] if row.kind in ("input", "arithmetic") else str(origin or "")
+
+
+@cache
+def computations() -> dict[str, Computation]:
+    """Those of every case's ``computations.toml`` by table, in the order of cases and files. Raises InputError for a file
+    that cannot be read, printed tables that it does not name, and tables that are not printed."""
+    out: dict[str, Computation] = {}
+    for case in every_case():
+        path = case.folder / "computations.toml"
+        try:
+            described = tomllib.loads(path.read_text("utf-8")) if path.is_file() else {}
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(str(path), "file", str(error), "TOML", "mend it") from None
+        printed = case.files("printed")
+        for table in sorted(described.keys() ^ printed.keys()):
+            value = "no computation" if table in printed else "no printed table"
+            advice = "say how its numbers are computed, or why none is" if table in printed else "remove it"
+            raise InputError(str(path), table, value, ", ".join(printed), advice)
+        for table, keys in described.items():
+            behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
+            out[table] = Computation(case, table, keys.get("function", ""), keys.get("test", ""), behind)
+    return out
+
+
+@cache
+def by_table() -> dict[str, Computation]:
+    """Computations by printed table, without tables that nothing is computed for."""
+    return {name: one for name, one in computations().items() if one.computed_by}
+
+
+def evidence(study: Study, *names: str) -> list[Evidence]:
+    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once per study, which
+    notes their scenes. Raises InputError for an unknown table."""
+    found: list[Evidence] = []
+    for name in names or by_table():
+        if name not in computations():
+            load_table(name)  # which names the tables that there are
+        computation = computations()[name]
+        study.uses(computation.every_scene)
+        found += study.once(computation.compute)
+    return found
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Where a printed entry comes from: its scenes or why there are none, its one computation (``module:function``), its
+    test."""
+
+    table: str
+    key: str
+    printed: str
+    cls: str
+    scenes: tuple[str, ...]
+    no_scene: str
+    computation: str
+    test: str
+
+
+def traces(table: str = "") -> Iterator[Trace]:
+    """Every printed entry of one shipped table, or of all, in order. Raises InputError for an unknown table."""
+    for name in [table] if table else tables():
+        rows, computation = load_table(name), computations()[name]
+        for row in rows:
+            printed = row.claim or f"{row.printed} {row.unit}".rstrip()
+            test = f"{computation.test}::test_entry[{row.name}]" if computation.computed_by else ""
+            yield Trace(name, row.key, printed, row.cls, *computation.origin(row), computation.function, test)
+
+
+#: Verdicts that are counted apart: they say nothing of a model.
+APART: tuple[Verdict, ...] = ("input", "identity")
+
+
+@cache
+def misprints() -> list[dict[str, str]]:
+    """Misprints and faults of all sources: source, place, wrong, right, evidence, command that shows it, test."""
+    out = []
+    for case, path in files_named("misprints.toml", every_case()).items():
+        for row in tomllib.loads(path.read_text(encoding="utf-8"))["row"]:
+            shown = f"rollbench check --printed --only {row['shown']}" if "shown" in row else f"pytest {row['test']}"
+            kept = {key: row[key] for key in ("place", "wrong", "right", "evidence")}
+            out.append({"source": case.name, **kept, "command": shown, "test": row["test"]})
+    return out
+
+
+def left_out() -> list[dict[str, Any]]:
+    """Groups of printed numbers that are no entries: source, place, what, count, reason."""
+    rows: list[dict[str, Any]] = files.table("cases/left-out.toml")["row"]
+    return rows
+
+
+def sources() -> list[str]:
+    """Titles of the sources with printed tables."""
+    return [case.title for case in every_case() if case.title]
+
+
+def audit(study: Study, *names: str) -> list[Evidence]:
+    """Every printed entry of the tables ``names`` (all unless given) with what is computed for it and its verdict, in the
+    order of the tables. Raises InputError for an unknown table."""
+    return evidence(study, *(names or sorted(computations())))
+
+
+def source(printed: Printed) -> str:
+    """Title of the source of an entry."""
+    return computations()[printed.table].case.title
+
+
+def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
+    """Entries by source and verdict, one row a source and one for all: verdicts, ``judged`` (without inputs and
+    identities), ``all``."""
+    out = []
+    for title in (*sources(), "all"):
+        by_verdict = Counter(row.verdict for row in rows if title in (source(row.printed), "all"))
+        if by_verdict:
+            judged = sum(n for verdict, n in by_verdict.items() if verdict not in APART)
+            verdicts: dict[str, Any] = {str(v): by_verdict[v] for v in VERDICTS}
+            out.append({"source": title, **verdicts, "judged": judged, "all": by_verdict.total()})
+    return out
+
+
+def trust(row: Mapping[str, Any]) -> str:
+    """How much of a source can be trusted, in one sentence, from its row of ``counts``."""
+    n = row["judged"]
+    if n == 0:
+        return f"{row['source']}: nothing that a model could be judged by."
+    share = {v: f"{row[v]} ({100.0 * row[v] / n:.0f} %)" for v in VERDICTS if v not in APART}
+    return (
+        f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as "
+        f"printed, {share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
+        f"{share['contradicted']} are contradicted and {share['not identifiable']} cannot be identified from the text."
+    )

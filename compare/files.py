@@ -1,0 +1,202 @@
+"""Files: shipped ones by their path below the folder ``compare``, a user's as text, and writing whole or not at all.
+
+A user's file is UTF-8, or UTF-16 where a mark at its begin says so; a name that does not exist is answered with those like
+it.
+"""
+
+from __future__ import annotations
+
+import codecs
+import io
+import os
+import shlex
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollbench.compare.errors import InputError
+from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
+from rollbench.meshes.libraries import fault, pip
+
+if TYPE_CHECKING:
+    from rollbench.reports.content import Figure
+
+
+def place(path: str) -> Path:
+    """Where a shipped file or folder is."""
+    return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
+
+
+def text(path: str) -> str:
+    """The text of a shipped file."""
+    return place(path).read_text(encoding="utf-8")
+
+
+@cache
+def table(path: str) -> dict[str, Any]:
+    """A shipped TOML file, read once and cached: do not change it."""
+    return tomllib.loads(text(path))
+
+
+#: What is allowed, in words.
+ENCODING = "text in UTF-8"
+
+_MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+
+#: Bytes below a blank that text has: tab and line ends.
+_LAYOUT = b"\t\n\r\f\v"
+
+
+class NoText(ValueError):
+    """Bytes that cannot be read as text; value: what they are, advice: what to do."""
+
+    def __init__(self, value: str, advice: str) -> None:
+        """Keep both."""
+        super().__init__(value)
+        self.value, self.advice = value, advice
+
+
+def text_of(data: bytes) -> str:
+    """The text of a file. Raises NoText for text in another encoding, and for what is no text.
+
+    >>> text_of("µ".encode("utf-16")), text_of("µ".encode("utf-8"))
+    ('µ', 'µ')
+    """
+    encoding = next((encoding for mark, encoding in _MARKS.items() if data.startswith(mark)), "utf-8")
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError as error:
+        raise _no_text(data, error.start) from None
+    if "\0" in text:
+        raise _no_text(data, data.find(b"\0"))
+    return text
+
+
+def _no_text(data: bytes, at: int) -> NoText:
+    """What bytes are that go wrong at one of them."""
+    line = data.count(b"\n", 0, at) + 1
+    place = f"line {line}, byte 0x{data[at]:02X}"
+    if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
+        return NoText("text in UTF-16 without a mark that says so", "save it as UTF-8")
+    if any(byte < 32 and byte not in _LAYOUT for byte in data) or sum(byte > 127 for byte in data) > len(data) // 2:
+        return NoText("a binary file", f"{place}: name a file of text, in UTF-8")
+    advice = f"{place}, is no UTF-8; Latin-1 and Windows-1252 have such bytes for letters like ä and µ: save it as UTF-8"
+    return NoText("text in another encoding than UTF-8", advice)
+
+
+def question(found: Iterable[str]) -> str:
+    """``did you mean A or B?``, each as a shell takes it; empty without any."""
+    words = " or ".join(map(shlex.quote, found))
+    return f"did you mean {words}?" if words else ""
+
+
+def alike(name: str, names: Iterable[str]) -> list[str]:
+    """Up to three names like one, with or without ending, in capitals or not.
+
+    >>> alike("Srcew", ["nut.toml", "screw.toml"])
+    ['screw.toml']
+    """
+    import difflib
+
+    spelt: dict[str, str] = {}
+    for known in names:
+        spelt.setdefault(known.lower(), known)
+        spelt.setdefault(Path(known).stem.lower(), known)
+    asked = name.lower(), Path(name).stem.lower()
+    close = [near for text in asked for near in difflib.get_close_matches(text, spelt, n=3)]
+    return list(dict.fromkeys(spelt[near] for near in close))[:3]
+
+
+def like_path(path: Path, others: Iterable[str] = ()) -> str:
+    """The `question` for a file that does not exist: files of its folder with the same ending, or else other names."""
+    try:
+        files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
+    except (OSError, ValueError):
+        files = []
+    return question([str(path.parent / name) for name in alike(path.name, files)] or alike(path.name, others))
+
+
+@contextmanager
+def written(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
+    """Raise InputError where the file ``path`` cannot be written inside."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(str(path), "file", error.strerror or str(error), allowed, "check the path") from None
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write ``text`` to a file that must not exist yet; nothing half-written is left behind.
+
+    Raises InputError where the file exists or cannot be written.
+    """
+    if path.exists():
+        raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
+    with written(path):
+        name = temporary(path)
+        file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
+    try:
+        with written(path, "a file that can be written"):
+            with file:
+                file.write(text)
+            os.link(name, path)
+    finally:
+        os.unlink(name)
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write ``text`` to a file, whole or not at all; an earlier file is replaced. Raises InputError if it cannot be."""
+    with written(path):
+        folder_for_group(path.parent)
+        name = temporary(path)
+        try:
+            with open(name, "x", encoding="utf-8") as file:
+                file.write(text)
+            for_group(name)
+            os.replace(name, path)
+        finally:
+            name.unlink(missing_ok=True)
+
+
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write rows by the names of their columns as CSV, as `replace_file` does; texts so that no program runs them."""
+    import csv
+
+    from rollbench.reports.cells import harmless
+
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
+    replace_file(path, text.getvalue())
+
+
+def no_figure() -> str:
+    """Why no figure can be drawn, and what helps; empty where one can."""
+    reason = fault("matplotlib")
+    return f"no figure ({reason}: {pip('matplotlib')})" if reason else ""
+
+
+def write_figure(path: Path, figure: Figure) -> str:
+    """Draw a figure into a file, SVG; the file's name, or why there is none. Raises InputError if it cannot be written."""
+    if reason := no_figure():
+        return reason
+    from rollbench.reports.figures import draw
+
+    replace_file(path, draw(figure))
+    return str(path)
+
+
+def need_writable(path: Path) -> None:
+    """Raise InputError unless a file can be written at ``path``, before anything is computed for it."""
+    if path.is_dir():
+        raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
+    with written(path):
+        folder_for_group(path.parent)
+        probe = temporary(path)
+        probe.touch(exist_ok=False)
+        probe.unlink()

@@ -1,0 +1,198 @@
+"""A user's low-order models: functions that an installed package names in the entry point group ``rollbench.models``.
+
+In the ``pyproject.toml`` of that package::
+
+    [project.entry-points."rollbench.models"]
+    mine = "my_package:contact_loads"
+
+``rollbench compare my.toml --model mine`` then judges it as the models of rollbench are judged. A model is loaded only when
+it is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import cos, sin
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen, with_draws
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+    from rollbench.lowfi.statics.result import Equilibrium, StaticResult
+
+GROUP = "rollbench.models"
+#: Part of the largest force or moment that may be left unbalanced without a warning.
+UNBALANCED = 0.01
+#: How such a model answers a contact force, and what is to be expected of it.
+WORDS = "the model is a function of an installed package"
+NOT_COMPARED = "a model of yours has not been compared with the 3D reference"
+ASSUMPTION = "contact angles stay nominal: the model gives loads only"
+
+
+@dataclass(frozen=True)
+class ModelAnswer:
+    """What a model finds for a scene, in SI units.
+
+    Parameters
+    ----------
+    loads
+        Of each contact ``(n, 4)`` [N]: balls in the order of the scene, flanks SL, SR, NL, NR (screw and nut, the left and
+        the right one); zero without contact.
+    displacement
+        Motion of the screw at the nut's centre from its nominal place ``(6,)`` [m, rad]; not known unless given.
+    pressure
+        Pressure at the pole of each contact ``(n, 4)`` [Pa]; by Hertz from the loads unless given.
+    """
+
+    loads: Array
+    displacement: Array | None = None
+    pressure: Array | None = None
+
+
+#: A model: a scene to its contact loads ``(n, 4)`` [N], or to a `ModelAnswer`.
+UserModel = Callable[[Scene], Array | ModelAnswer]
+
+
+@cache
+def installed() -> dict[str, EntryPoint]:
+    """Entry points of users' models by name, sorted; nothing is loaded."""
+    from importlib.metadata import entry_points  # takes longer to import than a small solve
+
+    return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
+
+
+def origin(name: str) -> str:
+    """Where an installed model comes from: its function, and the version of its package."""
+    point = installed()[name]
+    return point.value if point.dist is None else f"{point.value}, {point.dist.name} {point.dist.version}"
+
+
+@cache
+def load(name: str) -> UserModel:
+    """The function of an installed model. Raises ArgumentError where its package cannot be imported or has no function
+    there."""
+    point = installed()[name]
+    try:
+        function = point.load()
+    except Exception as error:  # whatever the user's package raises when it is imported
+        raise _broken(point, f"{type(error).__name__}: {error}") from error
+    if not callable(function):
+        raise _broken(point, f"{type(function).__name__} in place of a function")
+    found: UserModel = function
+    return found
+
+
+def _broken(point: EntryPoint, reason: str) -> ArgumentError:
+    advice = "mend the package that adds the model, or uninstall it"
+    return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
+
+
+def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
+    """The result of an installed model: its loads at nominal contact angles, how far they are from balance, and the time it
+    took. A specimen of a scene with random errors is given to it as a scene with the errors that were drawn.
+
+    Raises ArgumentError for an answer of a wrong shape or with numbers that mean nothing, Refusal where the function fails.
+    """
+    from rollbench.lowfi.statics.contacts import error_free, hertz_C
+    from rollbench.lowfi.statics.problem import SIGNS
+    from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
+
+    function, layout = load(name), ball_layout(scene)
+    given, start = with_draws(scene, member), perf_counter()
+    try:
+        found = function(given)
+    except Exception as error:  # whatever the user's function raises
+        advice = "mend the model, or choose another one"
+        raise Refusal(scene.name, "model", f"{name} fails with {type(error).__name__}: {error}", advice) from error
+    seconds = perf_counter() - start
+    answer = found if isinstance(found, ModelAnswer) else ModelAnswer(found)
+    load_of = _numbers(name, "loads", answer.loads, (layout.z.size, 4), least=0.0)
+    pressure, moved = None, np.full(6, np.nan)
+    if answer.pressure is not None:
+        pressure = _numbers(name, "pressure", answer.pressure, load_of.shape, least=0.0)
+    if answer.displacement is not None:
+        moved = _numbers(name, "displacement", answer.displacement, (6,))
+    beta = scene.track.contact_angle
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    normal = np.einsum("sa,nak->nsk", SIGNS * np.array([cos(beta), sin(beta)]), axes)
+    points = layout.centre[:, None, :] + scene.balls.radius * normal
+    balance = _balance(scene, load_of, points, normal)
+    return StaticResult(
+        model=name,
+        status=Status("converged"),
+        azimuth=layout.azimuth,
+        z=layout.z,
+        load=load_of,
+        contact_angle=np.where(load_of > 0.0, beta, np.nan),
+        contact_point=points,
+        force_direction=-normal,
+        centre_shift=np.zeros((layout.z.size, 2)),
+        hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
+        centreline_z=np.array([scene.nut.position]),
+        centreline=moved[None],
+        equilibrium=balance,
+        solver=SolverReport(1, 1, balance.largest, seconds, load_of.size, 0, "user", "of the model"),
+        assumed=(*scene.assumed, ASSUMPTION),
+        left_out=(),
+        warnings=tuple(_warnings(name, balance)),
+        pressure=pressure,
+    )
+
+
+def _warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
+    """A warning where the loads of a model do not balance those of the scene."""
+    if balance.largest > UNBALANCED:
+        brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
+        yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
+
+
+def _balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
+    """Balance of loads of contacts ``(n, 4)`` [N] at points ``(n, 4, 3)`` [m] with normals away from the balls: a check of
+    a model that was not asked for it. The supports take what they can of what is left: what they cannot is the residual."""
+    from rollbench.lowfi.statics.shape import rigid_transport
+    from rollbench.lowfi.statics.summary import balance_of, wrench_of
+
+    force = load_of[..., None] * normal  # of the balls on screw and nut
+    moments = np.cross(points[:, :2], force[:, :2])
+    contact = np.concatenate([force[:, :2].sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
+    applied, arm = wrench_of(scene.loads), scene.track.pitch_radius
+    held = [rigid_transport(s.at)[FREEDOMS.index(freedom)] for s in scene.supports for freedom, _ in s.fixed]
+    reaction = np.zeros(6)
+    if held:
+        scale = np.array([1.0, 1.0, 1.0, arm, arm, arm])
+        unit = np.array(held).T / scale[:, None]
+        sizes = np.linalg.lstsq(unit, -(applied + contact) / scale, rcond=None)[0]
+        reaction = scale * (unit @ sizes)
+    size = max(float(load_of.max(initial=0.0)), *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)))
+    sums = applied, reaction, contact, np.zeros(6)
+    return balance_of(sums, size, arm, (0.0, 0.0), np.linalg.norm(force.sum(axis=1), axis=1))
+
+
+def _numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
+    """An array of that shape of finite numbers, none below the least. Raises ArgumentError."""
+    advice = "mend the model"
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ArgumentError("model", f"{name} gives {what} that are no numbers", f"shape {shape}", advice) from None
+    if array.shape != tuple(shape):
+        raise ArgumentError("model", f"{name} gives {what} of shape {array.shape}", f"shape {shape}", advice)
+    wrong = ~np.isfinite(array) | (array < least)
+    if wrong.any():
+        place = tuple(int(k) for k in np.argwhere(wrong)[0])
+        where = f" on ball {place[0] + 1}, {SIDES[place[1]]}" if len(place) > 1 else ""
+        allowed = "finite numbers" if least == -np.inf else f"finite numbers from {least:g}"
+        raise ArgumentError("model", f"{name} gives {what} of {array[place]:g}{where}", allowed, advice)
+    return array

@@ -1,1 +1,0 @@
-"""Numbers and claims printed in the sources, as data."""

@@ -1,0 +1,184 @@
+"""Before and during a long solution: what the machine must have for the 3D reference, a line on screen after two seconds,
+and a limit of time."""
+
+from __future__ import annotations
+
+import os
+import platform
+import select
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from time import monotonic
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missing, pip, version
+
+
+def gmsh_fault() -> str:
+    """Why gmsh cannot be loaded, with the shared libraries that are missing; empty where it can."""
+    reason = fault("gmsh")
+    if not reason or version("gmsh") is None:
+        return reason
+    lacking = [name for name in missing(MESHING) if name not in reason]
+    return reason + (f"; also missing: {', '.join(lacking)}" if lacking else "")
+
+
+def gmsh_remedy() -> str:
+    """What to do where gmsh cannot be loaded."""
+    return pip("gmsh") if version("gmsh") is None else install(MESHING)
+
+
+def need_gmsh() -> None:
+    """Raise InputError where gmsh cannot be loaded."""
+    reason = gmsh_fault()
+    if reason:
+        advice = f"{gmsh_remedy()}, or leave the 3D reference out; see rollbench doctor"
+        raise InputError("this machine", "gmsh", reason, "gmsh with its shared libraries", advice)
+
+
+def need_packages(*packages: str) -> None:
+    """Raise InputError for the first of some Python packages that cannot be used."""
+    for package in packages:
+        if reason := fault(package):
+            advice = f"{pip(package)}; see rollbench doctor for what works without"
+            raise InputError("this machine", package, reason, "a package that this command needs", advice)
+
+
+def need_reference() -> None:
+    """Raise InputError where no run of the 3D reference can be computed."""
+    need_gmsh()
+    need_packages(*REFERENCE)
+
+
+def libraries(packages: Sequence[str]) -> str:
+    """Packages with their versions, in words."""
+    return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
+
+
+def machine() -> str:
+    """Processor and number of cores, in words."""
+    cpu = platform.processor() or platform.machine()
+    with suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        cpu = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu)
+    return f"{cpu}, {os.cpu_count()} cores"
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def out_of_memory(reason: object) -> InputError:
+    """The error of work that needs more memory than this machine has."""
+    advice = "end other programs, take a coarser level or fewer workers, or a cluster (`backend=dask`)"
+    return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
+
+
+def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
+    """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
+    does not say."""
+    limits = []
+    with suppress(OSError, ValueError, StopIteration):
+        lines = proc.read_text(encoding="ascii").splitlines()
+        limits.append(1.024e-6 * float(next(line.split()[1] for line in lines if line.startswith("MemAvailable"))))
+    with suppress(OSError, ValueError):  # "max": no limit
+        limit, used = ((group / name).read_text(encoding="ascii") for name in ("memory.max", "memory.current"))
+        limits.append(max(1e-9 * (float(limit) - float(used)), 0.0))
+    return min(limits, default=None)
+
+
+#: Seconds after which a solution says that it is still at work, and between two such lines.
+FIRST, AGAIN = 2.0, 1.0
+
+#: Signs of a full bar.
+BAR = 30
+
+#: Exit code of a solution that its limit of time ended: as where no equilibrium is found.
+ENDED = 1
+
+
+def checked(limit: float | None) -> float | None:
+    """A limit of time [s]. Raises InputError for one that is no time."""
+    if limit is not None and not 0.0 < limit <= 1e9:
+        raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
+    return limit
+
+
+@contextmanager
+def watched(label: str, limit: float | None = None) -> Iterator[None]:
+    """Show on a terminal's standard error how long ``label`` has been at work; at ``limit`` [s] say so and end the process.
+
+    The process ends at once, whatever it computes (compiled kernels cannot be interrupted, but leave the interpreter
+    free): only for work that writes no file.
+    """
+    done = threading.Event()
+    watcher = threading.Thread(target=_watch, args=(label, limit, done), daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        done.set()
+        watcher.join()
+
+
+@contextmanager
+def bar(label: str) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar of ``label`` on a terminal's standard error, by a function of what is computed and of the share that
+    is done. Nothing elsewhere, and nothing in the first seconds."""
+    begin, written = monotonic(), ""
+
+    def show(what: str, share: float) -> None:
+        nonlocal written
+        if monotonic() - begin < FIRST or not sys.stderr.isatty():
+            return
+        full = round(BAR * share)
+        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * share:3.0f} %"
+        if text != written:
+            _say("\r" + text.ljust(len(written)))
+            written = text
+
+    try:
+        yield show
+    finally:
+        if written:
+            _say("\r" + " " * len(written) + "\r")
+
+
+def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
+    """Whether one of these outputs, file numbers, is a pipe that nobody reads any more (``| head``)."""
+    if not hasattr(select, "poll"):
+        return False
+    poll = select.poll()
+    for number in outputs:
+        poll.register(number, 0)
+    return any(event & select.POLLERR for _, event in poll.poll(0))
+
+
+def _watch(label: str, limit: float | None, done: threading.Event) -> None:
+    begin, shown = monotonic(), False
+    while True:
+        spent = monotonic() - begin
+        if limit is not None and spent >= limit:
+            _say(f"{chr(13) if shown else ''}rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
+            sys.stdout.flush()
+            os._exit(ENDED)
+        pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
+        if done.wait(pause if limit is None else min(pause, limit - spent)):
+            break
+        if monotonic() - begin >= FIRST and sys.stderr.isatty():
+            _say(f"\rrollbench: {label}: at work for {monotonic() - begin:.0f} s ")
+            shown = True
+    if shown:
+        _say("\r" + " " * (len(label) + 40) + "\r")
+
+
+def _say(text: str) -> None:
+    try:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+    except (OSError, ValueError):  # nobody reads it any more
+        return

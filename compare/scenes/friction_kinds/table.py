@@ -1,0 +1,219 @@
+"""The kinds of scenes that only friction solves, in one table.
+
+Scenes that only friction solves as tables of a scene file.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Union
+
+import numpy as np
+from pydantic import Discriminator, Tag, TypeAdapter
+
+from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
+from rollbench.compare.scenes.friction_kinds import bearings, screw_balls
+from rollbench.compare.scenes.friction_kinds.bearings import (
+    BearingBallKeys,
+    BearingBallScene,
+    BearingPairKeys,
+    BearingPairScene,
+    Creep,
+    LinearChainKeys,
+    LinearPairKeys,
+    LinearPairScene,
+    LinearScene,
+    Speed,
+)
+from rollbench.compare.scenes.friction_kinds.common import Kind, KindScene, Theta
+from rollbench.compare.scenes.friction_kinds.screw_balls import (
+    FREE,
+    ScrewPairKeys,
+    ScrewPairScene,
+    ScrewRunKeys,
+    ScrewRunScene,
+)
+from rollbench.compare.scenes.keys import without_null
+from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
+from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
+from rollbench.lowfi.friction.linear.bearing import deviations
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.meshes.ranges import (
+    Azimuth,
+    Clearance,
+    ContactAngle,
+    Deviation,
+    Force,
+    Lead,
+    Modulus,
+    Radius,
+    Size,
+    Turning,
+    quantity_of,
+)
+from rollbench.meshes.scene_text import given, groove_table, table_of, text_of
+
+TABLE = {
+    "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record),
+    "bearing pair": Kind(BearingPairKeys, bearings.pair_faults, bearings.pair_record),
+    "linear pair": Kind(LinearPairKeys, bearings.faults, bearings.record),
+    "linear chain": Kind(LinearChainKeys, bearings.faults, bearings.record),
+    "screw pair": Kind(ScrewPairKeys, screw_balls.faults, screw_balls.pair_record),
+    "screw run": Kind(ScrewRunKeys, screw_balls.faults, screw_balls.run_record),
+}
+
+
+def kind_named(name: str) -> Kind:
+    """The kind of that name, one of `names.KINDS`."""
+    return TABLE[name]
+
+
+def _tag(value: Any) -> str:
+    kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+    if kind == AXIS or (isinstance(value, dict) and "sets" in value):
+        return AXIS
+    return str(kind) if kind in KINDS else "whole"
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
+    by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
+    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_tag)]  # noqa: UP007
+    schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
+    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
+    name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
+    draft = "https://json-schema.org/draft/2020-12/schema"
+    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
+
+
+Table = dict[str, Any]
+
+
+def tables(scene: KindScene) -> Table:
+    """Keys and tables of a scene of any of these kinds."""
+    head = given(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
+    match scene:
+        case BearingBallScene():
+            return head | _ball(scene)
+        case BearingPairScene():
+            return head | _bearings(scene)
+        case LinearScene():
+            return head | _linear(scene)
+        case ScrewPairScene():
+            angles = {"deviations": [text_of(Theta, x) for x in scene.pair.theta], "pattern": [*scene.pair.pattern[0]]}
+            return head | _screw(scene.pair.groove, scene.pair, angles)
+        case ScrewRunScene():
+            return head | _run(scene)
+    raise AssertionError(scene.kind)
+
+
+def _material(young: float, poisson: float) -> Table:
+    return {"youngs_modulus": text_of(Modulus, young), "poissons_ratio": poisson}
+
+
+def _bodies(groove: ScrewGroove, oversize: float) -> Table:
+    """Path, grooves, balls and their errors."""
+    section = groove_table(groove.groove_radius, groove.ball_radius)
+    hand = {"hand": "left"} if groove.lead < 0.0 else {}
+    path = {"pitch_radius": text_of(Radius, groove.pitch_radius), "lead": text_of(Lead, abs(groove.lead)), **hand}
+    return {
+        "track": path | {"contact_angle": text_of(ContactAngle, groove.contact_angle)},
+        "screw": section,
+        "nut": section,
+        "balls": {"radius": text_of(Radius, groove.ball_radius)},
+        **({"errors": {"balls": {"oversize": text_of(Deviation, oversize)}}} if oversize else {}),
+    }
+
+
+def _hertz(groove: ScrewGroove) -> Table:
+    return {"ingredients": {"hertz": "as printed"}} if groove.hertz == "as printed" else {}
+
+
+def _ball(scene: BearingBallScene) -> Table:
+    b = scene.bearing
+    creep = text_of(Creep, scene.creep) if scene.creep else None
+    law = given(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
+    return {
+        "material": _material(b.young, b.poisson),
+        **_bodies(b, 0.0 - b.clearance),
+        **_hertz(b),
+        "load": {"axial_force": text_of(Force, scene.force), "radial_displacement": text_of(Deviation, scene.displacement)},
+        "motion": {"speed": text_of(Turning, b.screw_speed)},
+        "friction": {"coefficient": b.mu, **law},
+    }
+
+
+def _bearings(scene: BearingPairScene) -> Table:
+    four, double = scene.four_point, scene.double_row
+    groove = four.groove
+    first, second = double.rows
+    arrangement = "face to face" if first.contacts == DIAGONAL else "back to back"
+    rows = {"distance": text_of(Size, second.place - first.place), "arrangement": arrangement}
+    load = {"force": text_of(Force, four.force), "angles": [text_of(ContactAngle, float(x)) for x in scene.angle]}
+    return {
+        "material": _material(groove.young, groove.poisson),
+        "four_point": _ring(four),
+        "double_row": _ring(double) | {"rows": rows},
+        "load": load | {"tilt": four.tilt},
+        "motion": {"speed": text_of(Turning, groove.screw_speed)},
+        "friction": {"coefficient": groove.mu},
+        **_hertz(groove),
+    }
+
+
+def _ring(case: BearingCase) -> Table:
+    bodies = _bodies(case.groove, 0.0 - case.clearance)
+    return bodies | {"balls": bodies["balls"] | {"count": case.count}}
+
+
+def _linear(scene: LinearScene) -> Table:
+    b = scene.bearing
+    load = {"vertical_force": text_of(Force, scene.vertical), "distribution": scene.distribution}
+    table = {
+        "material": _material(b.young, b.poisson),
+        "track": {"contact_angle": text_of(ContactAngle, b.contact_angle)},
+        "grooves": {"conformity": b.conformity},
+        "balls": {"radius": text_of(Radius, b.ball_radius)},
+        "motion": {"carriage": text_of(Speed, b.speed)},
+        "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
+    }
+    if isinstance(scene, LinearPairScene):
+        mated = b.contact_angle + deviations(np.full(2, scene.deviation), mated=True)
+        angles = {"deviation": text_of(Theta, scene.deviation), "mated": bool(np.array_equal(mated, scene.angles))}
+        return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side[0])}}
+    chain = [
+        {
+            "side_force_ratio": float(side),
+            "angle_deviations": [quantity_of(Theta).written(float(x) - b.contact_angle, b.contact_angle) for x in row],
+            "gap": text_of(Clearance, float(gap)),
+        }
+        for side, row, gap in zip(scene.side, scene.angles, [*scene.gap, 0.0], strict=True)
+    ]
+    return table | {"load": load, "chain": chain}
+
+
+def _screw(groove: ScrewGroove, of: Any, angles: Table) -> Table:
+    """What a pair and a run of balls have alike."""
+    by_nut = groove.nut_speed != 0.0
+    speed = {"speed": text_of(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
+    direction = next(name for name, letter in FREE.items() if letter == of.free)
+    return {
+        "material": _material(groove.young, groove.poisson),
+        **_bodies(groove, of.oversize),
+        "angles": angles,
+        **_hertz(groove),
+        "load": {"force": text_of(Force, of.force[0]), "direction": direction},
+        "motion": speed | ({"turns": "nut"} if by_nut else {}),
+        "friction": {"coefficient": groove.mu, **given(balls=groove.mu_balls), "coupling": of.coupling},
+    }
+
+
+def _run(scene: ScrewRunScene) -> Table:
+    run = scene.run
+    angles: Table = {"amplitude": text_of(Theta, run.amplitude), "cycles_per_turn": run.cycles}
+    angles |= {"phase": text_of(Azimuth, run.phase), "pattern": [*run.pattern]}
+    table, radius = _screw(run.groove, run, angles), run.groove.radius
+    lengths = (float(f"{run.tube * radius:.{digits}g}") for digits in range(1, 18))
+    tube = next((length for length in lengths if length / radius == run.tube), run.tube * radius)
+    table["balls"] |= {"count": run.count, "turns": run.turns}
+    table["circulation"] = {"return_tube": text_of(Clearance, tube), "first_ball": run.first}
+    return table | {"time": table_of(scene.time) | {"rounds": run.rounds}}

@@ -1,1 +1,0 @@
-"""Stiff and extreme scenes, and records of random campaigns."""

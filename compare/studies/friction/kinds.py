@@ -1,0 +1,506 @@
+"""Solves friction scenes by kind.
+
+Of a ball screw: two balls, or a whole screw in time; of rotary bearings: one ball, or a four-point against a double-row
+bearing. Linear bearings: ``linear_kinds``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import degrees
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.quantities import number
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.compare.studies.friction import answer
+from rollbench.compare.studies.friction.answer import FrictionAnswer
+from rollbench.compare.studies.friction.linear_kinds import solve_linear
+from rollbench.compare.studies.friction.run import judged, run_data, run_lines, stepped
+from rollbench.compare.text.printing import Column, cell
+from rollbench.lowfi.friction import bearing
+from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, free_motion
+from rollbench.lowfi.friction.contact.laws import Contacts, Regularised
+from rollbench.lowfi.friction.contact.motion import Motion as BallMotion
+from rollbench.lowfi.friction.contact.motion import (
+    Problem,
+    balance_by_root,
+    balance_by_sharpening,
+    least_dissipation,
+    without_friction,
+)
+from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.friction.screw.run import PairResult, solve_pair, summarise
+from rollbench.lowfi.friction.screw.travel import History
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES, Motion
+
+#: Overlap of neighbours [rad] that is round-off.
+TOUCHING = 1e-9
+
+
+def sliding(groove: ScrewGroove, force: Array) -> float:
+    """Dissipation [W] if all contacts slid at the full speed of the bodies; inf at rest: all of it is round-off."""
+    if groove.speed == 0.0:
+        return np.inf
+    return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
+
+
+def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
+    """Warn of contacts that are large against the ball; forces (..., 4) [N]."""
+    return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
+
+
+# --- two balls
+
+
+def pair_rows(r: PairResult) -> list[dict[str, Any]]:
+    """One row per ball and state."""
+    return [
+        {"index": k + 1, "state": state}
+        | answer.load_row(SIDES, chain.load.force[k], chain.load.angle[k])
+        | answer.motion_row(chain.motion.q[k])
+        | {"groove_loss_mW": number(1e3 * chain.motion.groove_loss[k].sum())}
+        for state, chain in (("apart", r.free), ("touching", r.touching))
+        for k in range(2)
+    ]
+
+
+def pair_status(r: PairResult) -> str:
+    """How a pair ended, in words."""
+    if r.converged:
+        return "converged"
+    if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
+        return "loads and friction do not agree"
+    return "no balance of the loads or of friction found"
+
+
+def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
+    """Forces, losses and what contact adds to friction for two balls of a ball screw."""
+    pair = scene.pair
+    r = solve_pair(pair)
+    m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
+    bound, ball_loss = sliding(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
+    between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
+    solver = {
+        "load_imbalance_N": number(max(c.load.left for c in chains)),
+        "friction_imbalance_N": number(max(c.motion.left for c in chains)),
+        "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
+        "rounds": max(c.rounds for c in chains),
+    }
+    data = answer.head(scene, pair_status(r), r.converged, pair.coupling) | {
+        "law": "coulomb",
+        "hertz": answer.hertz_word(pair.groove.hertz),
+        "coupling": pair.coupling,
+        "coupled": pair.coupling != "none",
+        "deviation_deg": [number(degrees(t)) for t in pair.theta],
+        "oversize_um": number(1e6 * pair.oversize),
+        "balls": rows,
+        "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
+        "load_sum_N": [number(f) for f in r.load],
+        **answer.by_contact(m.input_power, m.loss, apart, ball_loss, bound),
+        "solver": solver,
+        "warnings": screw_warnings(pair.groove, r.touching.load.force),
+    }
+    return answer.FrictionAnswer(
+        data, [("per ball", PAIR_COLUMNS, [answer.flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
+    )
+
+
+def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
+    """The results of two balls in a few lines."""
+    (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
+    return [
+        (
+            "force",
+            f"{pair['force_N']:.6g} N from ball to ball, loss there {data['ball_to_ball_loss_W']:.6g} W"
+            + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
+        ),
+        ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
+        answer.energy_line(data["energy"]),
+        answer.solver_line(solver, f", {solver['rounds']} rounds"),
+        law_line(data),
+    ]
+
+
+def law_line(data: dict[str, Any]) -> answer.Line:
+    """The law of friction, the contacts' constants and what friction moves."""
+    return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
+
+
+PAIR_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    ("state", "state", "s"),
+    *((f"{s} N", f"{s} N", ".3f") for s in SIDES),
+    ("orbit_rad_s", "orbit rad/s", ".6f"),
+    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xyz"),
+    ("groove_loss_mW", "groove loss mW", ".5f"),
+)
+
+
+# --- a whole screw
+
+
+def order_kept(h: History) -> bool:
+    """Whether no ball ever passes or overlaps the next one, the last and the first included."""
+    ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
+    return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
+
+
+def run_summary(h: History) -> dict[str, Any]:
+    """What happens in the run: nut angles [deg], torques [N mm], gaps [um], shares [%] of the grooves' torque."""
+    s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
+    met = bool(touch.any())
+    torques = {
+        "mean_torque_Nmm": h.torque,
+        "mean_groove_torque_Nmm": h.groove_torque,
+        "mean_ball_torque_Nmm": h.ball_torque + h.closing_torque,
+        "mean_closing_torque_Nmm": h.closing_torque,
+    }
+    return {
+        "largest_ball_to_groove_percent": number(100.0 * s.largest),
+        "largest_at_deg": number(s.at) if met else None,
+        "contact_begins_deg": number(nut[np.argmax(touch)]) if met else None,
+        "contact_ends_deg": number(s.none_at) if met else None,
+        "contact_ends_within_deg": number(degrees(abs(h.setting.groove.speed) * h.span / h.steps)) if met else None,
+        "largest_groups": s.groups,
+        **{name: number(1e3 * h.mean(values)) for name, values in torques.items()},
+        "groove_variation_percent": number(100.0 * s.groove_variation),
+        "largest_ball_force_N": number(h.ball_force.max()),
+        "order_kept": order_kept(h),
+        "smallest_gap_um": number(1e6 * h.setting.groove.radius * h.gap.min()),
+        "occupation_percent": number(100.0 * h.setting.occupation),
+    }
+
+
+def run_series(h: History) -> dict[str, list[Any]]:
+    """Time series, one entry per piece of a step; time and nut angle in its middle."""
+    values = {
+        "time_s": h.time,
+        "nut_angle_deg": np.degrees(h.nut_angle),
+        "groove_torque_Nmm": 1e3 * h.groove_torque,
+        "ball_torque_Nmm": 1e3 * (h.ball_torque + h.closing_torque),
+        "ball_to_groove_percent": 100.0 * h.ratio,
+        "largest_ball_force_N": h.ball_force.max(axis=1),
+        "smallest_gap_um": 1e6 * h.setting.groove.radius * h.gap.min(axis=1),
+        "balance_percent": 100.0 * h.imbalance,
+    }
+    out: dict[str, list[Any]] = {name: [number(v) for v in row] for name, row in values.items()}
+    out |= {"contacts": h.contact.sum(axis=1).tolist(), "groups": h.groups.tolist()}
+    return out | {"converged": h.converged.tolist()}
+
+
+def solve_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
+    """Contacts, torques and energy of a whole screw in time."""
+    run, time = scene.run, scene.time
+    in_time = judged(*stepped(run, Motion(run.groove.speed), time, scene.name), time)
+    h, speed = in_time.history, abs(run.groove.speed)
+    bound = sliding(run.groove, h.load) / h.time.size
+    loss = h.torque * speed
+    spent = answer.energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
+    known = spent["balance_percent"] is not None
+    largest = answer.without_round_off(float(np.abs(h.imbalance).max()), 1.0)
+    spent["largest_step_balance_percent"] = number(100.0 * largest) if known else None
+    summary, failed = run_summary(h), int(np.sum(~h.converged))
+    found = run_data(in_time)
+    data = answer.head(scene, in_time.status, in_time.converged, run.coupling) | {
+        "law": "coulomb",
+        "hertz": answer.hertz_word(run.groove.hertz),
+        "coupling": run.coupling,
+        "coupled": run.coupling != "none",
+        "ball_count": run.count,
+        "steps": h.steps,
+        "duration_s": number(run.duration),
+        "amplitude_deg": number(degrees(run.amplitude)),
+        "oversize_um": number(1e6 * run.oversize),
+        "summary": summary,
+        "energy": spent,
+        "series": run_series(h),
+        "solver": {"failed_steps": failed, "feedback_change_N": number(h.change.max()) if run.coupling != "none" else 0.0},
+        "step_error": found["step_error"],
+        "run": found,
+        "warnings": screw_warnings(run.groove, h.load),
+    }
+    label, text = answer.energy_line(spent)
+    lines = [
+        *run_lines(in_time),
+        ("balls", f"{run.count} over {run.duration:.6g} s"),
+        (label, f"{text}, at most {largest:.1e} of the loss out of balance at an instant" if largest else text),
+        ("solver", f"{failed} of {h.time.size} instants failed"),
+        law_line(data),
+    ]
+    shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
+    return answer.FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
+
+
+RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))
+
+RUN_LINES = (
+    ("largest_ball_to_groove_percent", "largest torque by ball-to-ball contact over the grooves' %", ".4g"),
+    ("largest_at_deg", "nut angle of it deg", ".4g"),
+    ("contact_begins_deg", "nut angle where contact begins deg", ".4g"),
+    ("contact_ends_deg", "nut angle of the first instant without contact after the largest deg", ".4g"),
+    ("contact_ends_within_deg", "known to one step of deg", ".4g"),
+    ("largest_groups", "groups of touching balls at most", "d"),
+    ("mean_torque_Nmm", "mean torque N mm", ".5g"),
+    ("mean_groove_torque_Nmm", "of ball to groove N mm", ".5g"),
+    ("mean_ball_torque_Nmm", "of ball to ball N mm", ".5g"),
+    ("mean_closing_torque_Nmm", "of which by gaps that close N mm", ".3g"),
+    ("groove_variation_percent", "variation of the grooves' torque %", ".4g"),
+    ("largest_ball_force_N", "largest ball-to-ball force N", ".5g"),
+    ("order_kept", "order of balls kept", "s"),
+    ("smallest_gap_um", "smallest gap um", ".3g"),
+    ("occupation_percent", "loaded track filled by all balls %", ".4g"),
+)
+
+
+def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
+    """Motion under the scene's law: least dissipation for Coulomb, else a root of the balance begun there."""
+    first = least_dissipation(problem)
+    if scene.law == "coulomb":
+        return first
+    if scene.law == "regularised":
+        return balance_by_root(problem, Regularised(scene.creep), first.q)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
+    found = balance_by_root(problem, law, first.q)
+    return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
+
+
+def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
+    """How the scene of one ball ended, in words."""
+    if not loaded:
+        return "no contact: nothing presses the ball"
+    if not balanced:
+        return "no balance of the loads found"
+    return "no balance of friction found" if motion == "failed" else "converged"
+
+
+def ball_row(load: Settled, at: Contacts, motion: BallMotion) -> dict[str, Any]:
+    """The ball; x of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry."""
+    f = motion.friction
+    return (
+        {"index": 1}
+        | answer.load_row(bearing.SIDES, load.force, load.angle)
+        | {
+            "semi_axis_across_um": answer.by_side(bearing.SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.by_side(bearing.SIDES, 1e6 * at.b),
+        }
+        | answer.motion_row(np.append(motion.q, 0.0))
+        | answer.rubbing_row(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
+    )
+
+
+def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
+    """The loaded contacts of a ball for the terminal."""
+    size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
+    rows = []
+    for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
+        row = {name: ball[name][side] for name in (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")}
+        rows.append({"side": side, "slide": ball["sliding_mm_s"][side][1], "along": ball["friction_N"][side][1]} | row)
+    return rows
+
+
+CONTACT_COLUMNS = (
+    ("side", "contact", "s"),
+    ("load_N", "force N", ".4f"),
+    ("contact_angle_deg", "angle deg", ".4f"),
+    ("semi_axis_across_um", "a um", ".1f"),
+    ("semi_axis_along_um", "b um", ".1f"),
+    ("slide", "sliding mm/s", ".4f"),
+    ("spin_rad_s", "spin rad/s", ".4f"),
+    ("along", "friction N", ".5f"),
+    ("moment_Nmm", "moment N mm", ".5f"),
+    ("loss_mW", "loss mW", ".4f"),
+    ("at_rest", "at rest", "s"),
+)
+
+
+def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
+    """Loads, motion, losses and torque of one ball."""
+    b = scene.bearing
+    load = bearing.bearing_load(b, scene.force, scene.displacement)
+    rough = replace(b, mu=b.mu or 1.0)
+    at = bearing.ball_contacts(rough, load)
+    motion = ball_motion(scene, bearing.motion_problem(rough, load, at))
+    if b.mu == 0.0:
+        motion = without_friction(motion)
+    held = load.force > 0.0
+    converged = bool(held.any()) and load.converged and motion.status != "failed"
+    ball, torque, speed = ball_row(load, at, motion), bearing.inner_torque(b, load, motion), b.screw_speed
+    power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
+    by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
+    data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+        "law": scene.law,
+        "hertz": answer.hertz_word(b.hertz),
+        "coupled": False,
+        "balls": [ball],
+        "load_sum_N": number(load.force.sum()),
+        "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": number(1e3 * torque)},
+        "energy": power,
+        "solver": {
+            "load_imbalance_N": number(load.left),
+            "friction_imbalance_N": number(motion.imbalance),
+            "load_steps": load.steps,
+            "motion_steps": motion.steps,
+            "motion": motion.status,
+        },
+        "warnings": size_warnings(at.a[held], b.ball_radius),
+    }
+    return answer.FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+
+
+def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
+    """The results of one ball in a few lines."""
+    (ball,), torque = data["balls"], data["torque"]
+    by_loss = torque["friction_torque_Nmm"]
+    return [
+        (
+            "torque",
+            f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm turn the inner ring"
+            + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
+        ),
+        ("loads", f"sum of contact forces {data['load_sum_N']:.6g} N; they do not depend on friction"),
+        (
+            "ball",
+            "orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(
+                ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
+            ),
+        ),
+        answer.energy_line(data["energy"]),
+        answer.solver_line(data["solver"]),
+        ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
+    ]
+
+
+# --- bearings in pairs
+
+
+def rubs(case: BearingCase, state: BearingState) -> bool:
+    """Whether friction spends more than round-off."""
+    return float(state.loss.sum()) > answer.NOTHING * sliding(case.groove, state.load.force)
+
+
+def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
+    """A bearing's torques [N mm] over the angles and the largest over the smallest."""
+    torque = [1e3 * s.torque for s in states]
+    all_rub = all(rubs(case, s) for s in states)
+    return {
+        "friction_torque_Nmm": [number(t) for t in torque],
+        "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
+        "largest_over_smallest": number(max(torque) / min(torque)) if all_rub else None,
+        "converged": [s.converged for s in states],
+    }
+
+
+def loose(scene: BearingPairScene) -> list[str]:
+    """Motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
+    out = []
+    for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
+        for angle in scene.angle:
+            free = free_motion(case, float(angle))
+            if free:
+                where = f"load at {np.degrees(angle):.4g} deg"
+                out.append(f"{name} bearing, {where}: {free}: no contact resists it, and the force drives it")
+    return out
+
+
+def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
+    """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
+    case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
+    common = {
+        "law": "coulomb",
+        "hertz": answer.hertz_word(case.groove.hertz),
+        "coupled": False,
+        "force_N": number(case.force),
+        "tilt": case.tilt,
+        "load_angle_deg": angle,
+    }
+    mechanisms = loose(scene)
+    if mechanisms:
+        others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
+        status = f"no equilibrium: {mechanisms[0]}{others}"
+        return answer.FrictionAnswer(answer.head(scene, status, False) | common | {"warnings": []}, [], [], False)
+    return _bearing_answer(scene, common)
+
+
+def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
+    cases = scene.four_point, scene.double_row
+    by_case = [bearing_states(case, scene.angle) for case in cases]
+    four, double = (bearing_data(case, states) for case, states in zip(cases, by_case, strict=True))
+    good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
+    status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
+    ratios = [number(f.torque / d.torque) if rubs(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
+    states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
+    power, loss, bound = (
+        float(np.mean(v))
+        for v in (
+            [s.input_power for _, s in states],
+            [s.loss.sum() for _, s in states],
+            [sliding(c.groove, s.load.force) for c, s in states],
+        )
+    )
+    spent = answer.energy(power, loss, bound)
+    large = [
+        w.of(name)
+        for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
+        for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
+    ]
+    solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
+    data = answer.head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
+    columns = zip(
+        common["load_angle_deg"],
+        four["friction_torque_Nmm"],
+        double["friction_torque_Nmm"],
+        ratios,
+        four["balls_beyond_two_contacts"],
+        good,
+        strict=True,
+    )
+    rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
+    return answer.FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+
+
+def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
+    """The results of both bearings in a few lines."""
+    four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
+    label, text = answer.energy_line(data["energy"])
+    ring = "free to tilt" if data["tilt"] else "held upright"
+    return [
+        ("torque", f"largest over smallest: four-point {four}, double row {double}"),
+        (label, f"{text}, mean over the angles"),
+        ("solver", f"loads out of balance by {data['solver']['load_imbalance_N']:.1e} N"),
+        ("law", f"coulomb, Hertz constants {data['hertz']}, inner ring {ring}"),
+    ]
+
+
+BEARING_COLUMNS = (
+    ("angle", "load angle deg", ".4g"),
+    ("four", "four-point N mm", ".5g"),
+    ("double", "double row N mm", ".5g"),
+    ("over", "four-point over double row", ".4g"),
+    ("beyond", "balls of the four-point beyond two contacts", "d"),
+    ("converged", "converged", "s"),
+)
+
+SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
+    "bearing ball": solve_ball,
+    "bearing pair": solve_bearings,
+    "linear pair": solve_linear,
+    "linear chain": solve_linear,
+    "screw pair": solve_screw_pair,
+    "screw run": solve_run,
+}
+
+
+def solve_kind(scene: KindScene) -> FrictionAnswer:
+    """Solve a scene of a kind that only friction solves."""
+    return SOLVERS[scene.kind](scene)

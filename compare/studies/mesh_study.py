@@ -1,0 +1,288 @@
+"""Mesh study of the 3D reference (``rollbench mesh-study``): extreme and single loads, centreline, level by level."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.comparison import Referenced, referenced
+from rollbench.compare.models.modelling import base_run
+from rollbench.compare.reference.convergence import observe, pool
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
+from rollbench.compare.reference.grid_parts import parts, read
+from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
+from rollbench.compare.reference.levels import ADVISED, LEVELS
+from rollbench.compare.reference.store import Run, here, load, shipped_store
+from rollbench.compare.reference.tasks import Solvable, Task
+from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.results.comparison import named, unconverged
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import SIDES, Scene
+
+Take = partial[float]
+
+#: A level is worth its time where its uncertainty is no more than this share of the one before it.
+CLEARLY = 0.8
+
+#: Why a contact's load has no order.
+SCATTERS = "no order: contact loads scatter from mesh to mesh"
+
+
+def _extreme(side: int, sign: float, run: Run) -> float:
+    return float(sign * (sign * run.load[:, side]).max())
+
+
+def _single(ball: int, side: int, run: Run) -> float:
+    return float(run.load[ball, side])
+
+
+def _line(station: int, axis: int, run: Run) -> float:
+    """Displacement [um] at one of the stations that every level shares."""
+    return float(1e6 * run.centreline[station, 1 + axis])
+
+
+def quantities(run: Run) -> list[tuple[str, str, Take]]:
+    """What a mesh study follows: name, unit, how to take it from a run."""
+    out: list[tuple[str, str, Take]] = []
+    for s, side in enumerate(SIDES):
+        if (run.load[:, s] > 0.0).any():
+            out += [
+                (f"largest load, {side}", "N", partial(_extreme, s, 1.0)),
+                (f"smallest load, {side}", "N", partial(_extreme, s, -1.0)),
+            ]
+            out += [(f"load of ball {i + 1}, {side}", "N", partial(_single, i, s)) for i in range(len(run.load))]
+    for k in sorted({0, len(run.centreline) // 2}):
+        for axis, name in enumerate("xyz"):
+            z = 1e3 * run.centreline[k, 0]
+            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_line, k, axis)))
+    return out
+
+
+def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> Reference | None:
+    """The reference of all stored runs on these levels; None without any."""
+    runs = tuple(r for k in levels if (r := load(scene, k, stores=stores)) is not None)
+    return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
+
+
+def level_rows(reference: Reference) -> list[dict[str, Any]]:
+    """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds
+    without anything known before and what they were measured with, largest difference of a contact load from the finest and
+    `enough`, in per cent of the mean load."""
+    return [
+        {
+            "level": run.level,
+            "cell_size": size / reference.sizes[-1],
+            "unknowns": run.unknowns,
+            "seconds": run.setup_seconds + run.solve_seconds,
+            "measured_with": str(run.measured),
+            "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
+            "enough_for_percent": enough(reference, k),
+        }
+        for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
+    ]
+
+
+def enough(reference: Reference, k: int) -> float:
+    """What the contact loads of run ``k`` are good for [% of the mean load] with those before it: their uncertainty by
+    discretisation, RMS over the contacts; of the first alone from experience with other scenes."""
+    loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
+    return parts(loads, read(shipped_store())).bar
+
+
+def closing(reference: Reference) -> str:
+    """Which level is enough for what, in one sentence, and which are not worth their time.
+
+    Per cents are rounded up. Times stand there where all are of one measuring run.
+    """
+    stamps = {run.measured for run in reference.runs}
+    steps, idle = list[tuple[str, float]](), list[int]()
+    for row in level_rows(reference):
+        good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)" if len(stamps) == 1 else ""
+        if steps and good > CLEARLY * steps[-1][1]:
+            idle.append(row["level"])
+            continue
+        text = f"level {row['level']}{' with those before it' if steps else ''} for {_up(good)} %"
+        steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
+    (first, _), *others = steps
+    rest = "".join(f", {text}" for text, _ in others)
+    tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
+    stamp = reference.best.measured
+    older = f" Times measured with {stamp}." if stamps == {stamp} != {here()} else ""
+    return f"Enough: {first}{rest}.{tail}{older}"
+
+
+def _up(percent: float) -> str:
+    """Rounded up to two digits.
+
+    >>> _up(1.21), _up(0.031), _up(2.0)
+    ('1.3', '0.031', '2')
+    """
+    unit = 10.0 ** (math.floor(math.log10(percent)) - 1) if percent > 0.0 else 1.0
+    return f"{math.ceil(percent / unit - 1e-9) * unit:.2g}"
+
+
+def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> list[dict[str, Any]]:
+    """Per quantity that is not held at zero: value on each level, its own order, extrapolated value, grid uncertainty and
+    why it has an order or none; modelling uncertainty (root of squares over the choices that were varied) and the effect of
+    the scene's own ones.
+
+    Loads, extremes among them, have the uncertainty of their contact on the finest level, and no order; displacements that
+    of their own order, or with two levels that of all displacements together.
+    """
+    reference = studied(scene, stores, levels)
+    if reference is None:
+        return []
+    coarsest = min(LEVELS)
+    base = base_run(scene, coarsest, stores)
+    others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
+    return quantity_table(reference, base, {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None})
+
+
+def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
+    """The table of `study_table` of a reference; base, changed: the runs that modelling choices are told by, by variant."""
+    runs, table = reference.runs, []
+    shown = [(name, unit, take) for name, unit, take in quantities(runs[-1]) if any(take(r) for r in runs)]
+    lines = [take for _, _, take in shown if take.func is _line]
+    of_two: dict[Take, float] = {}
+    if len(runs) == 2 and lines:  # each alone may agree by chance
+        of_two = dict(zip(lines, pool([[take(r) for take in lines] for r in runs], reference.sizes).tolist(), strict=True))
+    for name, unit, take in shown:
+        values = [take(r) for r in runs]
+        row: dict[str, Any] = {"quantity": name, "unit": unit}
+        row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
+        if len(runs) >= 2:
+            contact = _contact(take, runs[-1])
+            observed = observe(values, reference.sizes) if contact is None else None
+            bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
+            row |= {
+                "order": observed and observed.order,
+                "extrapolated": observed and observed.extrapolated,
+                "uncertainty": bar,
+                "uncertainty_percent": _percent(bar, values[-1]),
+                "kind": observed.text if observed else SCATTERS,
+            }
+        if base is not None and changed:
+            moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}
+            row["modelling_spread"] = _root_of_squares(moves)
+            row["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
+        table.append(row)
+    return table
+
+
+def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
+    """Ball and side of the contact whose load a quantity is on the finest level, if it is that of one contact."""
+    if take.func is _single:
+        return take.args[0], take.args[1]
+    if take.func is not _extreme:
+        return None
+    side, sign = take.args
+    return int((sign * finest.load[:, side]).argmax()), side
+
+
+def _percent(value: float | None, of: float) -> float | None:
+    """A number in per cent of another; None where there is none, or nothing to compare it with."""
+    if value is None or (of == 0.0 and value != 0.0):
+        return None
+    return float(error_percent(value, 0.0, of))
+
+
+def _root_of_squares(moves: Mapping[str, float]) -> float | None:
+    """Root of squares over modelling choices, each by the larger of its variants; None where none was varied."""
+    by_choice: dict[str, float] = {}
+    for name, move in moves.items():
+        variant = VARIANTS[name]
+        if variant.kind == "modelling":
+            by_choice[variant.choice] = max(move, by_choice.get(variant.choice, 0.0))
+    return float(np.linalg.norm(list(by_choice.values()))) if by_choice else None
+
+
+def levels_of(count: int | None) -> tuple[int, ...]:
+    """Levels of a mesh study: `ADVISED`, or 1 to ``count``. Raises InputError where there are fewer."""
+    if count is None:
+        return ADVISED
+    if not 1 <= count <= len(LEVELS):
+        raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)}", "three levels give an order")
+    return tuple(range(1, count + 1))
+
+
+def table_of(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
+    """The table of a mesh study; of one of several sets without the effect of modelling choices: none is varied there."""
+    return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
+
+
+def compute_study(
+    scenes: Sequence[Solvable],
+    levels: Sequence[int],
+    stores: Sequence[Path],
+    engine: Engine,
+    step: Callable[[str], None],
+    *,
+    spread: bool = False,
+    source: bool = False,
+    fresh: bool = False,
+) -> list[Referenced]:
+    """References of the scenes by all runs on some levels, set by set; what the stores lack is computed and kept
+    in the first.
+
+    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for spread of several sets on one
+    shaft, Refusal for a scene of which no run converged.
+    """
+    tasks = plan(scenes, levels, source=source)
+    several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
+    if several is not None:
+        raise ArgumentError("spread", f"with {several}", "scenes of one set", "leave it out")
+    if spread:
+        tasks += [t for s in scenes for t in plan([s], (), all_variants())]
+
+    def first(task: Task) -> None:
+        """Say what the coarsest level found while finer ones are computed."""
+        for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
+            for one in referenced(scene, stores[:1], (task.level,)):
+                table = extremes(table_of(one, stores[:1], (task.level,)))
+                values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
+                step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
+
+    failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
+    references = []
+    for scene in scenes:
+        sets = referenced(scene, stores, tuple(levels), fitted=len(levels))
+        if not sets:
+            raise unconverged(scene.name, failed)
+        references += sets
+    return references
+
+
+def extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows and columns of the terminal: no single balls, uncertainty in the quantity's unit alone."""
+    return [
+        {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
+        for row in table
+        if "load of ball" not in row["quantity"]
+    ]
+
+
+def library(
+    target: Solvable, levels: int | None, step: Callable[[str], None], *, spread: bool, store: Path
+) -> tuple[dict[str, Any], str, tuple[str, ...]]:
+    """What `rollbench.mesh_study` returns of a scene: JSON-ready, key of the table that is shown, closing lines.
+    step: takes lines of progress."""
+    from rollbench.meshes.cache import default_root
+
+    stores, wanted = (store, shipped_store()), levels_of(levels)
+    references = compute_study([target], wanted, stores, Engine(cache=default_root()), step, spread=spread)
+    results = [
+        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
+        for x in references
+    ]
+    lines = tuple(closing(one.found) for one in references)
+    if isinstance(target, Scene):
+        return results[0], "levels", lines
+    return {"scene": target.name, "sets": results}, "sets", lines

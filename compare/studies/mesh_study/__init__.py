@@ -1,1 +1,0 @@
-"""The 3D reference on several mesh levels."""

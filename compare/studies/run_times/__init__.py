@@ -1,1 +1,0 @@
-"""Run times of models and of the 3D reference, measured and kept."""

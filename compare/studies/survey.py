@@ -1,0 +1,462 @@
+"""Survey: ball screws as catalogues have them, drawn as scene files and solved by the 3D reference and the models.
+
+Drawn are size, starts, hand, preload, errors, offsets, moments. A record of a scene keeps what it is, whether the
+reference answered, and how far off the models are; scenes that no record is kept of are solved.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
+from math import floor, pi
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare import __version__
+from rollbench.compare.errors import InputError, one_line
+from rollbench.compare.measure import load_error
+from rollbench.compare.models.applicability import DESCRIPTORS, SURVEY
+from rollbench.compare.models.comparison import from_run
+from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, point, rigidity, section, shipped_points
+from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.jobs import keep
+from rollbench.compare.reference.store import Run, read, shipped_store
+from rollbench.compare.reference.tasks import Task
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.scenes.from_keys import touching_angle
+from rollbench.compare.scenes.template import LOAD, values_like
+from rollbench.compare.studies.sweep import sample
+from rollbench.lowfi.rating.life import filled_turns
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
+from rollbench.meshes.units import show
+
+#: The survey's seed; no scene of it is ever drawn again.
+SEED = 20360
+
+#: Nuts without a flange come first.
+TUBES, SCENES = 200, 240
+
+#: Nominal diameters with their leads [mm].
+SIZES = {
+    16: (5, 10, 16),
+    20: (5, 10, 20),
+    25: (5, 10, 25),
+    32: (5, 10, 20, 32),
+    40: (5, 10, 20, 40),
+    50: (10, 20),
+    63: (10, 20),
+    80: (10, 20),
+}
+
+#: Oversize of the ball radius over its diameter [-] that makes a light preload.
+OVERSIZE = 4.7e-4
+
+#: Circuits and turns of each, least first, and the balls that a nut may have for it.
+CIRCUITS, BALLS = ((1, 1.0), (1, 1.5), (2, 1.0), (1, 2.5), (2, 1.5), (3, 1.0), (2, 2.5)), 40
+
+#: Preloads of one nut, or none, or clearance.
+PRELOADS = ("none", "oversize", "oversize", "force", "lead offset", "clearance")
+
+#: Standard deviations [um] of ball radius, pitch once a turn and roundness twice a turn, as of classes 1, 3 and 5.
+CLASSES = ((0.05, 0.5, 0.25), (0.1, 1.0, 0.5), (0.2, 2.0, 1.0))
+
+HELD = ("left face", "left face", "right face", "both faces", "outer surface")
+
+
+def scene_text(seed: int, number: int) -> str:
+    """TOML text of scene ``number`` of a survey; the same for the same seed and number, whatever was drawn before."""
+    rng = np.random.default_rng([seed, number])
+    outer = int(rng.choice(list(SIZES)))
+    lead = int(rng.choice(SIZES[outer]))
+    kind = str(rng.choice(PRELOADS))
+    starts = 2 if lead > 0.3 * outer and kind != "lead offset" and rng.random() < 0.45 else 1
+    sizes = values_like(f"{outer}x{lead / starts:g}")
+    ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
+    balls, count = _balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
+    force = LOAD * ball**2 * count * np.sin(pi / 4.0)
+    length = round(outer * rng.uniform(12.0, 30.0))
+    track = {
+        "pitch_diameter": f"{pitch:g} mm",
+        "lead": f"{lead} mm",
+        "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
+        "hand": str(rng.choice(["right", "right", "left"])),
+        "starts": starts,
+    }
+    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _conformity(rng)}
+    position = length * rng.uniform(0.3, 0.7)
+    outside = float(f"{wall * rng.uniform(0.95, 1.2):.3g}")
+    scene: dict[str, Any] = {
+        "title": f"survey {seed}, scene {number}: {outer}x{lead}, {kind}",
+        "material": {"name": "bearing steel"},
+        "track": track,
+        "screw": screw,
+        "nut": {
+            "position": f"{position:.4g} mm",
+            "length": f"{length * 0.58:.4g} mm",
+            "outer_diameter": f"{outside:g} mm",
+            "conformity": _conformity(rng),
+        },
+        "balls": balls,
+        "errors": _errors(rng),
+        "solid": {"nut_held": str(rng.choice(HELD))},
+        "supports": _supports(rng, length),
+    }
+    if rng.random() < 0.25:
+        scene["screw"]["bore"] = f"{floor(0.4 * outer)} mm"
+    if kind != "none":
+        scene["preload"] = _preload(rng, kind, ball, force)
+    scene["loads"] = _loads(rng, force, pitch / 2.0, scene["nut"]["position"])
+    nut_length = _nut_length(scene, rng)
+    scene["nut"]["length"] = f"{nut_length:.3f} mm"
+    if number >= TUBES:
+        del scene["solid"]
+        scene["title"] += ", flange"
+        scene["nut"] |= _flange(rng, nut_length, outside)
+    return _toml(scene)
+
+
+def _flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
+    """A flange for a nut of a length and an outer diameter [mm], and the annulus of its face, which the nut is held by."""
+    wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
+    room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
+    low, high = wall + room * rng.uniform(0.0, 0.3), wide - room * rng.uniform(0.0, 0.3)
+    bonded = rng.random() < 0.4
+    flange = {"diameter": wide, "thickness": thick, "centring": fit if bonded else 0.0}
+    return {
+        "flange": {name: f"{x:.2f} mm" for name, x in flange.items()} | {"side": str(rng.choice(["left", "right"]))},
+        "held": {
+            "inner_diameter": f"{low:.2f} mm",
+            "outer_diameter": f"{high:.2f} mm",
+            "centring": "bonded" if bonded else "free",
+        },
+    }
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _conformity(rng: np.random.Generator) -> float:
+    return round(float(rng.uniform(0.515, 0.54)), 3)
+
+
+def _balls(
+    rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
+) -> tuple[dict[str, Any], int]:
+    """Keys of the balls and how many there are; halved: in an even number of circuits, none in the middle."""
+    filling = round(float(rng.uniform(0.8, 0.95)), 2)
+
+    def count(circuits: int, turns: float) -> int:
+        return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching))
+
+    allowed = [c for c in CIRCUITS if not (halved and c[0] % 2)]
+    circuits, turns = allowed[int(rng.integers(max(1, sum(count(*c) <= BALLS for c in allowed))))]
+    keys = {"diameter": f"{ball:g} mm", "filling": filling, "turns": turns, "circuits": circuits}
+    return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), count(circuits, turns)
+
+
+def _preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
+    """Keys of a preload or clearance for balls of a diameter [mm] and a usual axial load [N]."""
+    size = 1e3 * OVERSIZE * ball * _log(rng, 0.3, 2.5)
+    if kind == "force":
+        return {"force": f"{force * _log(rng, 0.1, 0.6):.3g} N"}
+    if kind == "lead offset":
+        return {"lead_offset": f"{2.0 * size * rng.choice([-1.0, 1.0]):.3g} um"}
+    return {"oversize": f"{size if kind == 'oversize' else -size:.3g} um"}
+
+
+def _errors(rng: np.random.Generator) -> dict[str, Any]:
+    """Random errors of a tolerance class, or none."""
+    chosen = int(rng.integers(len(CLASSES) + 1))
+    if chosen == len(CLASSES):
+        return {}
+    radius, pitch, round_ = (f"{x:g} um" for x in CLASSES[chosen])
+    flank = {"pitch": [{"harmonic": 1, "sigma": pitch}], "roundness": [{"harmonic": 2, "sigma": round_}]}
+    return {"seed": int(rng.integers(2**31)), "balls": {"sigma": radius}} | dict.fromkeys(("SL", "SR", "NL", "NR"), flank)
+
+
+def _supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
+    """Fixed bearing on the left; on the right a floating or a clamped one, offset or tilted or not, or none."""
+    left = {"at": "0 mm", "fix": ["ux", "uy", "rx", "ry", "rz"]}
+    right = str(rng.choice(["floating", "floating", "clamped", "none"]))
+    offset, tilt = rng.random() < 0.35, rng.random() < 0.25
+    moved, turned = _log(rng, 10.0, 200.0), _log(rng, 0.03, 0.3)
+    if right == "none":
+        return [left]
+    held, given = ["uy"], {}
+    if offset:
+        given["ux"] = f"{moved:.3g} um"
+    else:
+        held.append("ux")
+    if right == "clamped":
+        held.append("rx")
+        if tilt:
+            given["ry"] = f"{turned:.3g} mrad"
+        else:
+            held.append("ry")
+    return [left, {"at": f"{length} mm", "fix": held} | ({"displace": given} if given else {})]
+
+
+def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
+    """Axial load at the left end, about a usual one [N]; at the nut a moment or a radial force or none."""
+    axial = force * _log(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
+    moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
+    radial, turn = force * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
+    out: list[dict[str, Any]] = [{"at": "0 mm", "force": ["0 N", "0 N", f"{axial:.4g} N"]}]
+    if moment or radial:
+        x, y = np.cos(turn), np.sin(turn)
+        across = [f"{radial * x:.4g} N", f"{radial * y:.4g} N", "0 N"]
+        out.append({"at": at, "force": across, "moment": [f"{-moment * y:.4g} N m", f"{moment * x:.4g} N m", "0 N m"]})
+    return out
+
+
+def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
+    """Length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, whole micrometres."""
+    read = scene_file.loads(_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
+    reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
+    return round(1e3 * 2.0 * (reach + read.balls.radius * _log(rng, 1.0, 6.0)) + 5e-4, 3)
+
+
+def _toml(scene: Mapping[str, Any]) -> str:
+    """A scene's keys as TOML: plain values and lists, then tables and lists of tables."""
+    plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _tables(v)}
+    lines = [f"{k} = {show(v)}" for k, v in plain.items()]
+    for name, value in scene.items():
+        if isinstance(value, Mapping):
+            lines += ["", f"[{name}]", *(f"{k} = {show(v)}" for k, v in value.items())]
+        elif _tables(value):
+            for row in value:
+                lines += ["", f"[[{name}]]", *(f"{k} = {show(v)}" for k, v in row.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
+
+
+#: Models that are compared, and the mesh level.
+MODELS, LEVEL = ("refined", "lin"), 1
+
+#: Element size of the shafts that say what a cut does, over the level's: half of the time, for 0.02 % of the mean load.
+CUT_CELLS = 2.0
+
+#: By how much the loads are raised for the tangent rigidity.
+RAISED = 1.05
+
+Record = dict[str, Any]
+
+
+def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
+    """Draw a scene, solve it and compare: JSON-ready; whatever becomes of it is a record, never an exception.
+
+    runs: folder that keeps the runs of the reference; those it has are not solved again.
+    """
+    begin = process_time()
+    text, name = scene_text(seed, number), f"survey-{seed}-{number}"
+    record: Record = {"number": number, "version": __version__}
+    try:
+        scene = scene_file.loads(text, f"{name}.toml")
+        record |= described(scene)
+        raised = replace(scene, name=f"{name}-raised", loads=tuple(_raised(x) for x in scene.loads))
+        found = [run for one in (scene, raised) if (run := kept(runs, one)) is not None]
+        if len(found) < 2:
+            task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
+            found = compute(task)
+            if runs is not None:
+                keep(runs, task, found, None)
+        record |= compared(scene, raised, found)
+    except InputError as error:
+        record["status"] = one_line(str(error), 400)
+    except Exception as error:  # a traceback is what the survey looks for
+        record["status"] = one_line(f"{type(error).__name__}: {error}", 400)
+    return record | {"seconds": round(process_time() - begin, 1)}
+
+
+def kept(runs: Path | None, scene: Scene) -> Run | None:
+    """Run of a scene that a folder has; None without one."""
+    paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
+    return next((run for path in paths if (run := read(path, scene, LEVEL, "")) is not None), None)
+
+
+def _raised(load: Any) -> Any:
+    force, moment = (tuple(RAISED * x for x in values) for values in (load.force, load.moment))
+    return replace(load, force=force, moment=moment)
+
+
+def described(scene: Scene) -> Record:
+    """Features that decide a model's error, known without a solution."""
+    z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
+    given: dict[str, float] = {}
+    for support in scene.supports:
+        given |= {k: max(given.get(k, 0.0), abs(v)) for k, v in support.fixed}
+    force = np.sum([x.force for x in scene.loads], axis=0)
+    moment = np.sum([x.moment for x in scene.loads], axis=0)
+    return {
+        "title": scene.title,
+        "starts": scene.track.starts,
+        "hand": "left" if lead_angle(scene.track) < 0.0 else "right",
+        "balls": scene.ball_count,
+        "balls_per_turn": round(scene.ball_count / filled_turns(scene), 2),
+        "low_face_radii": round(float((half + z.min()) / r), 3),
+        "high_face_radii": round(float((half - z.max()) / r), 3),
+        "nut_held": dimensions(scene).nut_held,
+        "contact_angle_deg": round(float(np.degrees(scene.track.contact_angle)), 2),
+        "conformity_screw": round(scene.screw.groove_radius / (2.0 * r), 4),
+        "conformity_nut": round(scene.nut.groove_radius / (2.0 * r), 4),
+        "oversize_um": round(1e6 * scene.errors.balls.oversize, 4),
+        "lead_offset_um": round(1e6 * scene.errors.lead_offset, 4),
+        "offset_um": round(1e6 * max(given.get("ux", 0.0), given.get("uy", 0.0)), 3),
+        "tilt_mrad": round(1e3 * max(given.get("rx", 0.0), given.get("ry", 0.0)), 4),
+        "axial_N": round(float(force[2]), 3),
+        "radial_N": round(float(np.hypot(force[0], force[1])), 3),
+        "moment_Nm": round(float(np.hypot(moment[0], moment[1])), 5),
+    }
+
+
+def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
+    """Status of the runs of a scene and of it with its loads raised; its loads and the models' errors, where it has any."""
+    run, raised_run = runs
+    state = {
+        "status": run.status,
+        "raised_status": raised_run.status,
+        "rest_N": max(run.moving, raised_run.moving),
+        "load_seconds": round(run.solve_seconds, 2),
+    }
+    if not (run.answers and raised_run.answers and run.load.any()):
+        return state
+    mean = float(run.load[run.load > 0.0].mean())
+    sums = run.load.sum(axis=0)
+    first, second = max(sums[0], sums[1]), min(sums[0], sums[1])
+    answers = {name: [run_model(one, name, Options(discretisation=False)) for one in (scene, raised)] for name in MODELS}
+    points = {
+        name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
+        for name, (first, second) in answers.items()
+        if first.converged and second.converged
+    }
+    places = section(scene, from_run(run, "")), section(raised, from_run(raised_run, ""))
+    state |= {
+        "contacts": int((run.load > 0.0).sum()),
+        "mean_N": round(mean, 4),
+        "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
+        "preload_over_load": round(float(second / first), 4),
+        "displacement_um": round(1e6 * places[0].moved, 5),
+        "rigidity_N_per_um": _rounded(rigidity(places), 1e-6),
+        "models": {name: _model(scene, answers[name][0], run, p) for name, p in points.items()},
+        "places": {d.name: round(d.of(scene), 4) for d in DESCRIPTORS},
+        "points": [asdict(p) for p in points.values()],
+    }
+    return state
+
+
+def _rounded(value: float | None, factor: float = 1.0) -> float | None:
+    return None if value is None else round(factor * value, 5)
+
+
+def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
+    """Errors of a model in per cent, and what the other scenes compared so far expect of it."""
+    error = load_error(result.load, run.load, nominal_contacts(scene))
+    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
+    return {
+        "status": result.status,
+        "largest_percent": point.percent,
+        "at": f"{error.ball} {error.side}",
+        **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
+        **{name.replace("percent", "expected_percent"): _rounded(getattr(expected, name)) for name in QUANTITIES},
+        "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
+    }
+
+
+#: Status of a scene with an answer, columns of the table, and the errors that it sums up, with their unit.
+ANSWERED = "converged"
+
+SUMS = ("model", "error", "scenes", "median", "p95", "largest")
+
+ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
+
+
+def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
+    """Solve a scene and append its record, as long as the folder is this run's."""
+    if not sample.current(folder, token):
+        return None
+    with sample.working(folder):
+        record = surveyed(seed, number, folder / "runs")
+        sample.Writer(folder, token).append([record])
+    return record
+
+
+def run_survey(
+    seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], kept: Path | None = None
+) -> list[Record]:
+    """Records of the first ``count`` scenes of a survey by number; those that are answered already are not solved again:
+    by the folder, or by the record ``kept`` where it is of this seed, level and version.
+
+    step: hears of every scene. Raises InputError where the folder is another's, or another run is at work in it.
+    """
+    sample.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
+    with sample.taken_over(folder) as token:
+        before = [*_answers(kept, seed), *sample.read(folder)]
+        known = {record["number"]: record for record in before if not unanswered([record])}
+        left = [number for number in range(count) if number not in known]
+        if len(left) < count:
+            step(f"{count - len(left)} scenes of {count} are known")
+        jobs = [(_solved, (folder, token, seed, number)) for number in left]
+        for job, record in parallel.as_done(jobs, "joblib", None, workers):
+            if record is not None:
+                known[left[job]] = record
+                step(f"[{len(known)}/{count}] scene {left[job]}: {record['status']}, {record['seconds']:.0f} s")
+    return [known[number] for number in range(count) if number in known]
+
+
+def _answers(path: Path | None, seed: int) -> list[Record]:
+    """Scenes of a kept record; none where there is none, or where another version or level solved them."""
+    if path is None or not path.exists():
+        return []
+    found = json.loads(path.read_text(encoding="utf-8"))
+    same = (found.get("seed"), found.get("level")) == (seed, LEVEL)
+    return [record for record in found["scenes"] if same and record["version"] == __version__]
+
+
+def unanswered(records: Sequence[Record]) -> list[Record]:
+    """Those without an answer, or whose loads did not settle."""
+    return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
+
+
+def text(seed: int, records: Sequence[Record]) -> str:
+    """The kept record: JSON with a scene a line; its head says how many were asked for, and how many of them are there."""
+    asked = 1 + max((r["number"] for r in records), default=-1)
+    head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
+    rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
+    return json.dumps(head)[:-1] + f', "scenes": [\n{rows}\n]}}\n'
+
+
+def shipped() -> dict[str, Any]:
+    """The record that comes with the package; without scenes where there is none."""
+    path = shipped_store() / SURVEY
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
+    return found
+
+
+def summary(records: Sequence[Record]) -> list[dict[str, Any]]:
+    """Rows of the report's table: a model and an error, its median, 95th percentile and largest size over the scenes."""
+    rows = []
+    for model in MODELS:
+        for error in ERRORS:
+            sizes = [
+                abs(errors[error])
+                for r in records
+                if (errors := r.get("models", {}).get(model, {})).get(error) is not None and r["status"] == ANSWERED
+            ]
+            if sizes:
+                found = (model, error, len(sizes), *np.percentile(sizes, [50, 95]), max(sizes))
+                rows.append(dict(zip(SUMS, found, strict=True)))
+    return rows

@@ -1,1 +1,0 @@
-"""Drawn catalogue screws on the 3D reference."""
