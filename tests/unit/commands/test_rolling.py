@@ -91,4 +91,4 @@ def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="name them apart"):
-        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", "rolling study", {})
+        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", {})
