@@ -89,7 +89,7 @@ def test_any_start_leads_to_the_same_loads(seed, backend):
     rng = np.random.default_rng(seed)
     for size in (0.1, 10.0):
         elastic.state.phi[:] += size * scale * rng.normal(size=elastic.state.phi.shape)
-        elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size) / elastic.given.arms
+        elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size)
         assert elastic.iterate(False).residual <= 1e-10
         assert np.abs(elastic.state.contact[..., 0] - forces).max() < 1e-8 * scale
 
@@ -117,7 +117,7 @@ def test_chords_lie_above_the_energy(seed, backend):
     lowest = energy_at(elastic, phi, amplitudes)[0]
     for size in (1e-2, 0.3, 5.0):
         steps = [(rng.normal(size=phi.shape), rng.normal(size=amplitudes.shape)) for _ in range(2)]
-        ends = [(phi + size * scale * f, amplitudes + 1e-5 * size * a / elastic.given.arms) for f, a in steps]
+        ends = [(phi + size * scale * f, amplitudes + 1e-5 * size * a) for f, a in steps]
         (low, slope, by_motions), (high, _, _) = (energy_at(elastic, *end) for end in ends)
         middle, _, _ = energy_at(elastic, *(0.5 * (a + b) for a, b in zip(*ends, strict=True)))
         rounding = 1e-11 * (abs(low) + abs(high))
