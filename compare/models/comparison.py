@@ -214,10 +214,10 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
     """Centreline at the reference's stations, in per cent of its largest displacement along that axis; none of an answer
-    that has it at the nut's centre only."""
-    if answer.stations.size < 2:
-        return
+    that has it at one station where the reference has several."""
     line = reference.best.centreline
+    if answer.stations.size < min(2, len(line)):
+        return
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])

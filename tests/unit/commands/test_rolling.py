@@ -7,6 +7,7 @@ import pytest
 from rollbench.compare.commands import compare as rolling
 from rollbench.compare.commands import compare as rolling_choices
 from rollbench.compare.errors import InputError
+from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
@@ -19,7 +20,7 @@ def _coarse(monkeypatch, tmp_path):
     """Grids that take no time, and no runs but those of the test."""
     monkeypatch.setattr(runs, "LEVELS", {1: (6, 8), 2: (8, 10), 3: (10, 12)})
     monkeypatch.setattr(runs, "QUADRATURES", (24, 27))
-    monkeypatch.setattr(rolling, "shipped_store", lambda: tmp_path / "none")
+    monkeypatch.setattr(store, "shipped_store", lambda: tmp_path / "none")
 
 
 def test_compare_sets_low_order_printed_and_3d_side_by_side(command, tmp_path):
@@ -36,8 +37,8 @@ def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
     command.json("mesh-study", "lin-rotary-3", "--levels", "1", "--json", "--store", tmp_path)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
-    real = rolling.compute
-    monkeypatch.setattr(rolling, "compute", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
+    real = runs.compute
+    monkeypatch.setattr(runs, "compute", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
     rows = command.answer("mesh-study", "lin-rotary-3", "--levels", "2", "--store", tmp_path)
     assert computed == [2]
     assert {r["level"] for r in rows} == {"1", "2"}
@@ -49,14 +50,14 @@ def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
 
 def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     """What ends a study later loses no grid that was done before."""
-    real = rolling.compute
+    real = runs.compute
 
     def until_the_second(scene, level, *rest):
         if level == 2:
             raise KeyboardInterrupt
         return real(scene, level, *rest)
 
-    monkeypatch.setattr(rolling, "compute", until_the_second)
+    monkeypatch.setattr(runs, "compute", until_the_second)
     with pytest.raises(KeyboardInterrupt):
         rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
@@ -90,4 +91,4 @@ def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="name them apart"):
-        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", "rolling study", {})
+        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", {})

@@ -2,6 +2,7 @@
 
 import pytest
 
+from rollbench.compare.cases.makers import page
 from rollbench.compare.models import modelling
 from rollbench.compare.models.model_form import point
 from rollbench.compare.models.registry import MODELS
@@ -29,7 +30,7 @@ def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict(found) -> None:
 
 def test_the_first_page_counts_what_passes_the_gate(found, monkeypatch) -> None:
     monkeypatch.setattr(modelling, "RUNGS", [MODELS["refined"], MODELS["lin"]])
-    monkeypatch.setattr(overview, "offered", lambda _: ())
+    monkeypatch.setattr(page, "first_page", lambda _: {})
     study = Study()
     study.computed[(modelling.ladder,)] = modelling.climb(study.scene(CASE), found, study.stores)
     rows = overview.quantity_table(study).rows
