@@ -39,7 +39,7 @@ def table_1(sheet, study):
 from rollbench.compare.evidence import evidence
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.evidence import evidence
-from rollbench.compare.sections.finding_table import printed_table
+from rollbench.compare.sections.verdicts import printed_table
 from rollbench.reports.content import Section
 def section(study, step):
     """Section of the report."""
