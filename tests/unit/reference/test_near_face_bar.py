@@ -10,6 +10,7 @@ from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import beside_face, total
+from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.grid_parts import AWAY, LIP_FILE, left_out, read_lip, too_large
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
@@ -114,7 +115,7 @@ def test_it_is_said_by_name() -> None:
     assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
     words = total(scene, found, inputs=False)
     assert f"of it {largest:.2f} % at {place} beside the nut's free face" in words.text
-    assert words.as_json()["beside_free_face_at"] == place
+    assert as_json(words)["beside_free_face_at"] == place
     far = study.reference("unseen-25x5")
     assert beside_face(far) == (0.0, "")
     assert "free face" not in total(study.scene("unseen-25x5"), far, inputs=False).text
