@@ -72,6 +72,7 @@ def export(
     if deck:
         if part or format or level != 1 or ball is not None:
             raise ArgumentError("deck", deck, "no `part`, `format`, `level` or `ball` with it", "leave them out")
+        need_packages("scikit-fem")
         from rollbench.compare.studies.export import write_deck
 
         return print_answer(
@@ -101,6 +102,8 @@ def run_export(
     file that cannot be written; all except the last two before anything is meshed, as is a screw's field where the scene
     holds or loads it beyond the low end of its 3D stretch.
     """
+    need_gmsh()
+    need_packages("scikit-fem")
     from rollbench.compare.studies.export import BLOCK, BODIES, SOCKETS, part_mesh, parts_of, result_fields
     from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, reduced, write_mesh
 
@@ -108,8 +111,6 @@ def run_export(
         raise ArgumentError("part", part, ", ".join(parts_of(scene)), "choose one of these")
     if form and form not in FORMATS:
         raise ArgumentError("format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
-    need_gmsh()
-    need_packages("scikit-fem")
     if out is None:
         out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
     elif out.suffix == "":
@@ -166,6 +167,7 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
     missing or a file cannot be written, Refusal for sets of rollers, which have no groove, and for parts without a wall.
     """
     need_gmsh()
+    need_packages("scikit-fem")
     from rollbench.compare.studies.export import placed_sets
     from rollbench.meshes.exchange.step_files import write_step
 
