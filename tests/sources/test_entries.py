@@ -42,8 +42,9 @@ def wrong(e):
     p = e.printed
     if p.value is None:
         return [replace(e, holds=not e.holds)]
-    off = e.compared + math.copysign(2.0 * p.tolerance, e.compared - p.value)
-    others = [off] if p.cls != "band" else [p.low - 2.0 * p.tolerance, p.high + 2.0 * p.tolerance]
+    step = 2.0 * p.tolerance or 1e-6 * abs(p.value)  # an exact number has no tolerance
+    off = e.compared + math.copysign(step, e.compared - p.value)
+    others = [off] if p.cls != "band" else [p.low - step, p.high + step]
     return [replace(e, **{"as_printed" if p.cls == "as-printed" else "value": other}) for other in others]
 
 
