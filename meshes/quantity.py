@@ -1,4 +1,4 @@
-"""Records whose fields state what they hold: JSON, tables, manual and library read it there, and nowhere else."""
+"""Records whose fields state what they hold; JSON, tables and the manual read it there."""
 
 from __future__ import annotations
 
