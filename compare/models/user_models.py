@@ -81,9 +81,13 @@ def origin(name: str) -> str:
 
 @cache
 def load(name: str) -> UserModel:
-    """The function of an installed model. Raises ArgumentError where its package cannot be imported or has no function
-    there."""
+    """The function of an installed model. Raises ArgumentError where several packages have a model of that name, or its
+    package cannot be imported or has no function there."""
+    from importlib.metadata import entry_points
+
     point = installed()[name]
+    if others := [other.value for other in entry_points(group=GROUP, name=name) if other.value != point.value]:
+        raise _broken(point, f"{', '.join(others)} has that name too")
     try:
         function = point.load()
     except Exception as error:  # whatever the user's package raises when it is imported

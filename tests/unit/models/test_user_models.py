@@ -11,6 +11,7 @@ import pytest
 from tests.copies import ROOT
 
 import rollbench
+from rollbench.compare.errors import InputError
 from rollbench.compare.models import user_models
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
@@ -40,6 +41,10 @@ def installed(tmp_path, monkeypatch):
     yield install
     monkeypatch.undo()
     forget()
+
+
+#: A model that nothing carries.
+ZEROS = "import numpy as np\n\n\ndef model(scene):\n    return np.zeros((scene.ball_count, 4))\n"
 
 
 def forget():
@@ -179,6 +184,15 @@ def test_a_name_of_ours_stays_ours(installed, command):
     installed("raise RuntimeError('loaded')", name="mei")
     assert "models of other packages" not in json.loads(command("list", "--json")[1])
     assert command("solve", "lin-case1", "--model", "mei")[0] == 0
+
+
+def test_a_name_of_two_packages_is_refused(installed):
+    installed(ZEROS, "first_module:model")
+    installed(ZEROS, "second_module:model")
+    with pytest.raises(
+        InputError, match="module:model.*module:model has that name too"
+    ):
+        rollbench.solve("lin-case1", "mine")
 
 
 def test_several_sets_on_one_shaft_are_refused_in_one_line(installed, command):
