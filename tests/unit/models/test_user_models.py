@@ -189,9 +189,7 @@ def test_a_name_of_ours_stays_ours(installed, command):
 def test_a_name_of_two_packages_is_refused(installed):
     installed(ZEROS, "first_module:model")
     installed(ZEROS, "second_module:model")
-    with pytest.raises(
-        InputError, match="module:model.*module:model has that name too"
-    ):
+    with pytest.raises(InputError, match="has that name too"):
         rollbench.solve("lin-case1", "mine")
 
 
