@@ -1,9 +1,8 @@
 """How screw, nut and balls of the 3D reference answer contact forces.
 
-One side of the balls: its groove's and ball's patches, condensed, and what a contact of that side answers by itself.
-
-Bodies: meshed bodies with a socket at every contact,
-condensed to the modes of their patches; the shaft beyond the 3D stretch of the screw.
+Bodies are meshed with a socket at every contact and condensed to the modes of their patches, and so is the shaft beyond the
+3D stretch of the screw. What a contact answers by itself is condensed once for each flank: the patches of its groove and
+its ball.
 """
 
 from __future__ import annotations

@@ -1,21 +1,18 @@
 """Tapered rollers: their line contact, a bearing's row, and a roller cut into slices.
 
-Line contact of a roller between two raceways: half-width, pressure, approach and its closed-form inverse.
-
-The contact itself is Hertz's: b^2 = 4 q R / (pi E*), p_0 = 2 q / (pi b), q the load per length, R the relative radius. The
-approach of a line contact is not a property of the contact: in plane strain it grows with the logarithm of the depth to
-which it is measured. Here from the roller's centre (Johnson, Contact Mechanics, 1985, 5.57) to a depth in the ring (5.58),
+The contact of a roller with a raceway is Hertz's line contact: b^2 = 4 q R / (pi E*), p_0 = 2 q / (pi b), q the load per
+length, R the relative radius. The approach of a line contact is not a property of the contact: in plane strain it grows
+with the logarithm of the depth to which it is measured. Here from the roller's centre (Johnson, Contact Mechanics, 1985,
+5.57) to a depth in the ring (5.58),
 
     delta = q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1]  +  q (1 - nu^2)/(pi E) [2 ln(2 d/b) - nu/(1 - nu)],
 
 at both races. With b ~ sqrt(q) that is delta = q (g - S ln q): not a power law, though its slope is near the exponents 1.1
 and 10/9 that are used for rollers.
 
-Tapered roller bearing: geometry on one apex, ribs, thrust and combined load, contact areas.
-
-Rigid rings, roller seated on the rib, no friction, no tilt of one ring against the other. Every cone of the bearing has its
-apex on the axis; at the mean generator's length l from it the roller, cup and cone have the radii of curvature
-l tan(gamma), l tan(alpha), l tan(alpha - 2 gamma), so that no pitch diameter has to be given.
+A bearing's row has rigid rings, its rollers seated on the rib, no friction, no tilt of one ring against the other. Every
+cone of the bearing has its apex on the axis; at the mean generator's length l from it the roller, cup and cone have the
+radii of curvature l tan(gamma), l tan(alpha), l tan(alpha - 2 gamma), so that no pitch diameter has to be given.
 
 Balance of one roller along and across its own axis: the loads of both races are equal, Q, and the rib takes 2 Q sin(gamma).
 The cone receives its thrust from race and rib together: Q sin(alpha - 2 gamma) + 2 Q sin(gamma) cos(alpha - gamma) =
