@@ -8,10 +8,8 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import steering
 from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, rack
-from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
-from rollbench.compare.sections.verdicts import printed_table
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -153,7 +151,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "Lash tests and steering gear (Lin 4.2)",
         (
             Text(ABOUT, bullets=True),
-            printed_table("steering-gear", "Section 4.2: printed and computed", evidence(study, "lin-4.2.1")),
             figures[0],
             Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
             figures[1],

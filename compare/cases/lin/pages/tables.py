@@ -260,8 +260,8 @@ def mesh_figure(study: Study) -> Figure:
         Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log="xy"),
     )
     caption = (
-        "Against the finest level; pale lines: the low-order model. The coarsest point has the source's element sizes: 0.08 mm at the contacts of the "
-        "screw, 0.13 and 0.05 mm at those of two balls."
+        "Against the finest level; pale lines: the low-order model. The coarsest point has the source's element sizes: "
+        "0.08 mm at the contacts of the screw, 0.13 and 0.05 mm at those of two balls."
     )
     return Figure("lin-mesh", "Error over the size of the cells", panels, caption)
 
@@ -280,7 +280,8 @@ def answers_rows(study: Study) -> Iterator[Row]:
             shown = " / ".join(entry("lin-2.4.1", key).printed for key in keys) if model == "lin" else ""
             loaded = value[value > 0.0]
             yield {
-                Quantity("case", "case study", "", "s"): f"{k}: {name}",
+                Quantity("case", "case study", "", "s"): str(k),
+                "scene": name,
                 Quantity("model", "answer", "", "s"): model,
                 Quantity("max", "largest load", "N", ".2f"): float(loaded.max()),
                 Quantity("min", "smallest load", "N", ".2f"): float(loaded.min()),
@@ -289,14 +290,13 @@ def answers_rows(study: Study) -> Iterator[Row]:
                 Quantity("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
                 Quantity("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
                 Quantity("printed", "printed: against ANSYS, maximum / RMS", "%", "s"): shown,
-                Quantity("command", "command", "", "s"): f"rollbench compare {name}",
             }
 
 
 def answers_table(study: Study) -> Table:
     """Table of `answers_rows`."""
     title = "Case studies: loads and errors, as rollbench compare prints them"
-    return Table.of("lin-answers", title, answers_rows(study))
+    return Table.of("lin-answers", title, answers_rows(study), "Again by: rollbench compare lin-case1, and so on.")
 
 
 FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
