@@ -72,7 +72,8 @@ def report(
         need_packages(*PAGES)  # some of which the next line imports
         from rollbench.compare.report.verify import run_page
 
-        given = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh, "scheduler": where and where.scheduler}
+        given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
+        given["scheduler"] = where and where.scheduler
         for name, value in given.items():
             if value:
                 raise ArgumentError(name, str(value), "without a scene", "leave it out")
@@ -81,8 +82,9 @@ def report(
         raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.report.report import make_report
 
-    kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source or ""}
-    return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
+    kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    kinds |= {"source": source or "", "against": against}
+    return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), **kinds))
 
 
 @app.command

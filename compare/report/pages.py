@@ -38,8 +38,6 @@ PAGES = {
     "entries": "Every printed entry",
 }
 
-WHOLE = ("entries",)
-
 #: Verdicts that say nothing of a model, and others as a sentence has them.
 APART = {"input": "inputs", "identity": "identities"}
 
@@ -122,9 +120,7 @@ def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
     for part in SECTIONS:
         if part.name in by_name:
             by_page.setdefault(part.page, []).extend(by_name[part.name])
-    return [
-        Page(name, PAGES[name] or group[0].title, group, conclusion(group), name in WHOLE) for name, group in by_page.items()
-    ]
+    return [Page(name, PAGES[name] or group[0].title, group, conclusion(group)) for name, group in by_page.items()]
 
 
 def conclusion(sections: Sequence[Section]) -> str:

@@ -179,7 +179,8 @@ def make_report(
     quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
     store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
     holds them; everything: the costly sections too; against: an earlier report, to list what moved; source: the page of
-    this case alone, from stored runs; say: takes the lines of progress. Run times are those of the measuring run that is kept; with ``fresh`` of a new one.
+    this case alone, from stored runs; say: takes the lines of progress. Run times are those of the measuring run that is
+    kept; with ``fresh`` of a new one.
     Raises InputError for a bad section name or folder.
     """
     need_packages(*PAGES, "scikit-fem")
@@ -265,14 +266,7 @@ def report(
     Raises InputError, Refusal where the scene does not solve.
     """
     folder = Path(out)
-    choices = {
-        "only": only,
-        "quick": quick,
-        "stored": stored,
-        "fresh": fresh,
-        "everything": everything,
-        "source": source,
-    }
+    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
         raise ArgumentError(given[0], "given", "without a scene", "leave it out")
