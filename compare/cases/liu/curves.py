@@ -62,9 +62,7 @@ def _ensemble(half_range: int) -> Ensemble:
 def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
     """Median and central 99 % of the drawn screws over the load, in a unit."""
     of = [_ensemble(half_range).of(quantity, f) / unit for f in loads]
-    low, middle, high = (
-        [float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY)
-    )
+    low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
         Series("ours, 99 % of draws", list(loads), low, "band", high),
         Series("ours, median", list(loads), middle, "line", emphasis=True),
@@ -194,7 +192,9 @@ def loads_2() -> Figure:
     """Figure 16: loads of the balls with errors of +-2 um."""
     panel = Panel("±2 µm", BALLS, "normal load / N", _ranges(2, (500.0, 1000.0, 5000.0)), zero=True)
     caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
-    return Figure("liu-figure-16", "The source's Figure 16: loads of the balls, errors of ±2 µm", (panel,), caption, columns=1)
+    return Figure(
+        "liu-figure-16", "The source's Figure 16: loads of the balls, errors of ±2 µm", (panel,), caption, columns=1
+    )
 
 
 def loads_by_range() -> Figure:
@@ -208,8 +208,8 @@ def loads_by_range() -> Figure:
     return Figure("liu-figure-17", title, panels, caption)
 
 
-def loaded_balls(found: dict[str, float]) -> Figure:
-    """Figure 18: loaded balls over the load, with the printed counts of 4.3."""
+def loaded_balls(found: dict[str, float], words: str) -> Figure:
+    """Figure 18: loaded balls over the load, with the printed counts of 4.3; words: how these compare."""
     panels = []
     for h in liu.RANGES:
         keys = [k for k in found if k.startswith((f"loaded_{h}_", f"unloaded_{h}_"))]
@@ -217,7 +217,7 @@ def loaded_balls(found: dict[str, float]) -> Figure:
         counts = [liu.balls() - found[k] if k.startswith("un") else found[k] for k in keys]
         series = (*_spread(h, "loaded", 1.0, LOADS[:-2]), _printed(at, counts))
         panels.append(Panel(f"±{h} µm", "axial load / N", "loaded balls", series, zero=True))
-    caption = f"Printed: the counts of the text; where it counts unloaded balls, 78 less them. {SPREAD}"
+    caption = f"Printed: the counts of the text; where it counts unloaded balls, 78 less them: {words} {SPREAD}"
     title = "The source's Figure 18: loaded balls over the load"
     return Figure("liu-figure-18", title, panels, caption, columns=3, same_y=True)
 
@@ -244,14 +244,14 @@ def _printed_stiffness(found: dict[str, float], which: int | str, label: str) ->
     return _printed([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
 
 
-def stiffness(found: dict[str, float]) -> Figure:
-    """Figure 20: stiffness over the load, with the printed values of 4.4."""
+def stiffness(found: dict[str, float], words: str) -> Figure:
+    """Figure 20: stiffness over the load, with the printed values of 4.4; words: how these compare."""
     free, panels = _without(lambda f: _free_of_errors(f)[1]), []
     for h in liu.RANGES:
         marks = [_printed_stiffness(found, h, "printed"), _printed_stiffness(found, 0, "printed, none")]
         series = (*_spread(h, "stiffness", 1e8), free, *marks)
         panels.append(Panel(f"±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, zero=True))
-    caption = f"Ours is the tangent; the step of load of (22) is not printed, and a secant lies above the tangent. {SPREAD}"
+    caption = f"Ours is the tangent; the step of load of (22) is not printed, and a secant lies above the tangent. {words} {SPREAD}"
     title = "The source's Figure 20: axial stiffness over the load"
     return Figure("liu-figure-20", title, panels, caption, columns=3, same_y=True)
 
