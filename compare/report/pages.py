@@ -71,6 +71,7 @@ PLACED = (
     Listed("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
     Listed("sheets", "cases", "sections.sheets", quick=True, runs=True),
     Listed("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
+    Listed("lin", "lin", "cases.lin.pages.tables"),
     Listed("cases", "lin", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
     Listed("reconstruction", "lin", "cases.lin.pages.reconstruction", runs=True),
     Listed("overview", "accuracy", "report.overview", quick=True, runs=True),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from math import degrees, radians
@@ -136,18 +136,21 @@ def _modulus(sheet: Sheet, young: float) -> None:
     sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def table_3_7(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_7(sheet: Sheet, study: Study) -> None:
     """Table 3.7 and the text around it: plain reading and inferred reading."""
     for case in THETA:
-        _pair_of_3_7(sheet, case)
+        solid = source_cases.in_3d(study, source_cases.PAIR_SCENES[case])
+        _pair_of_3_7(sheet, case, solid)
         force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
         sheet.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        sheet.words(f"ansys_{case}", "another program; the 3D model of this project is in table rolling-pairs")
-        words = "another machine and language; run times of this project are in table timing-friction"
-        sheet.words(f"time_{case}", words)
+        sheet.number(f"ansys_{case}", None, "another program", reference=solid.get("force 1-2 N"))
+        sheet.words(f"time_{case}", "another machine and language")
+        sheet.words(f"time_ansys_{case}", "another machine and program")
+    printed = [value_of("lin-3.5", "error_numerical"), *(value_of("lin-3.7", f"difference_{case}") for case in THETA)]
+    sheet.number("within", max(printed), "the largest of the printed differences")
 
 
-def _pair_of_3_7(sheet: Sheet, case: str) -> None:
+def _pair_of_3_7(sheet: Sheet, case: str, solid: Mapping[str, float]) -> None:
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = pair(case, "plain"), pair(case, "inferred")
     implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
@@ -159,11 +162,12 @@ def _pair_of_3_7(sheet: Sheet, case: str) -> None:
         f"and increase imply {implied:.0f} N of contact load a ball, the plain reading has {as_text.load.mean():.0f} N, "
         f"the inferred one {oversized.load.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
+        reference=solid.get("force 1-2 N"),
     )
     values = increase(as_text), increase(oversized)
     off = [float(error_percent(value, percent)) for value in values]
     words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
-    sheet.number(f"increase_{case}", values[0], words, reading=values[1])
+    sheet.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
 
 
 def _both(as_text: float, oversized: float) -> str:

@@ -1,0 +1,257 @@
+"""The tables of a source as it prints them, each number with what is computed for it.
+
+``layout.toml`` of a case holds the layout: number, title, columns, rows with their label and a key for each column. A table
+of results stands twice: in the source's own layout, printed and computed side by side, and with a row for each number.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+
+from rollbench.compare.case import Case
+from rollbench.compare.errors import InputError
+from rollbench.compare.evidence import Evidence, computations, source
+from rollbench.compare.measure import error_percent
+from rollbench.compare.printed import entry
+from rollbench.compare.sections.verdicts import shown_error
+from rollbench.reports.content import Quantity, Row, Table
+
+#: Cells of a row by printed entry ("table:key"), beside those that all rows have.
+More = Mapping[str, Row]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A table as its source prints it: case, number, title, the printed table that most of its numbers are filed in, kind
+    (``inputs``, ``results``, ``sentences``), headings of the columns, rows: label, and for each column the name of a
+    printed entry ("table:key", empty for an empty cell)."""
+
+    case: str
+    number: str
+    title: str
+    printed: str
+    kind: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[str, ...]], ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of its printed entries."""
+        return [name for _, names in self.rows for name in names if name]
+
+    def stem(self, what: str = "") -> str:
+        """Name of its table in the report, by what that shows."""
+        return "-".join(filter(None, (self.case, self.number, what)))
+
+    @property
+    def heading(self) -> str:
+        """Number and title as the source has them."""
+        return f"Table {self.number}: {self.title}" if self.number[:1].isdigit() or len(self.number) < 5 else self.title
+
+
+def layouts(case: Case) -> list[Layout]:
+    """The layouts of a case, in order. Raises InputError for one with a wrong row."""
+    path = case.folder / "layout.toml"
+    return [_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
+
+
+def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
+    rows = []
+    for label, *keys in one["rows"]:
+        names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
+        for name in filter(None, names):
+            try:
+                entry(*name.split(":"))
+            except KeyError as error:
+                raise InputError(path, one["number"], name, "a printed entry", "mend the layout") from error
+        rows.append((label, names))
+    return Layout(case, one["number"], one["title"], one["printed"], one["kind"], tuple(one["columns"]), tuple(rows))
+
+
+def as_printed_digits(value: float | None, printed: str) -> str:
+    """A value with the digits of a printed number.
+
+    >>> as_printed_digits(1.81234e-7, "1.812e-7"), as_printed_digits(2.3456, "2.30"), as_printed_digits(None, "1")
+    ('1.812e-7', '2.35', '–')
+    """
+    if value is None:
+        return "–"
+    if "e" in printed:
+        mantissa = printed.partition("e")[0]
+        digits, _, power = f"{value:.{len(mantissa.partition('.')[2])}e}".partition("e")
+        return f"{digits}e{int(power)}"
+    text = f"{value:.{max(0, -int(Decimal(printed).as_tuple().exponent))}f}"
+    return text.removeprefix("-") if not float(text) else text
+
+
+def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
+    """The table in the source's own layout: for each column the printed number and ours, to the digits printed; ours: texts
+    for entries whose value is another one, such as a time."""
+    rows: list[Row] = []
+    for label, names in layout.rows:
+        row: Row = {Quantity("label", "", "", "s"): label}
+        units = dict.fromkeys(found[name].printed.unit for name in names if name)
+        row[Quantity("unit", "unit", "", "s")] = ", ".join(filter(None, units))
+        for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
+            row[Quantity(f"printed-{k}", f"{head}, printed", "", "s")] = found[name].printed.printed if name else ""
+            text = ours.get(name) if name in ours else ours_of(found[name]) if name else ""
+            row[Quantity(f"ours-{k}", f"{head}, ours", "", "s")] = text
+        rows.append(row)
+    note = "Ours: by the low-order model, with the source's faults repeated where the verdict is only as printed."
+    return Table.of(layout.stem(), layout.heading, rows, note, unfolded=True)
+
+
+def ours_of(f: Evidence) -> str:
+    """What is held against a printed number, to its digits; of another program's result the 3D value."""
+    value = f.reference if f.compared is None else f.compared
+    return as_printed_digits(value, f.printed.printed) if f.printed.printed else "–"
+
+
+#: What a row of a printed number says.
+PRINTED, RIGHT = Quantity("printed", "printed", "", "s"), Quantity("right", "low-order, ours", "", "g5")
+FAULTY = Quantity("faulty", "with the source's faults", "", "g5")
+READING = Quantity("reading", "inferred reading", "", "g5")
+SOLID = Quantity("solid", "3D, ours", "", "s")
+OFF = {
+    "right": Quantity("off", "ours against printed", "%", "+.2f"),
+    "faulty": Quantity("off_faulty", "with faults against printed", "%", "+.2f"),
+    "reading": Quantity("off_reading", "inferred against printed", "%", "+.2f"),
+}
+AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
+HOW, SCENES = Quantity("how", "how it is computed", "", "s"), Quantity("scenes", "scenes, or why none", "", "s")
+
+
+def compared(
+    layout: Layout,
+    found: Mapping[str, Evidence],
+    more: More,
+    why: Mapping[str, str],
+    columns: Sequence[str] = (),
+    note: str = "",
+) -> Table:
+    """A row for each result of a layout, in its order; more: further cells by entry; why: by entry why there is no 3D
+    value; columns: entries that stand in cells of other rows. Columns that no row fills are left out."""
+    rows: list[Row] = []
+    for label, names in layout.rows:
+        for head, name in zip(layout.columns, names, strict=True):
+            if name and name not in columns and found[name].printed.cls != "input":
+                rows.append(_compared(label, head, found[name], more.get(name, {}), why.get(name, "")))
+    return Table.of(layout.stem("compared"), f"{layout.heading}: printed and computed", _tidy(rows), note, unfolded=True)
+
+
+def _compared(label: str, head: str, f: Evidence, more: Row, why: str) -> Row:
+    p = f.printed
+    off = {"right": _off(f.value, p.value), "faulty": _off(f.as_printed, p.value), "reading": _off(f.reading, p.value)}
+    return {
+        Quantity("label", "number", "", "s"): label,
+        Quantity("column", "column", "", "s"): "" if head == "Value" else head,
+        PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
+        RIGHT: _round_off(f.value),
+        FAULTY: _round_off(f.as_printed),
+        READING: f.reading,
+        SOLID: f"{f.reference:.5g}" if f.reference is not None else why,
+        OFF["right"]: off["right"],
+        OFF["faulty"]: off["faulty"],
+        OFF["reading"]: off["reading"],
+        AGAINST: _off(f.value, f.reference),
+        **more,
+        "verdict": f.verdict,
+        HOW: f"table how-{p.table}",
+        Quantity("remark", "remark", "", "s"): f.reason,
+    }
+
+
+def _off(value: float | None, reference: float | None) -> float | None:
+    return None if value is None or reference is None else shown_error(float(error_percent(value, reference)))
+
+
+def _round_off(value: float | None) -> float | None:
+    return 0.0 if value is not None and abs(value) < 1e-9 else value
+
+
+def _tidy(rows: Sequence[Row]) -> list[Row]:
+    """Rows without columns that none of them fills."""
+    filled = {q for row in rows for q, value in row.items() if value not in (None, "")}
+    order = dict.fromkeys(q for row in rows for q in row)
+    return [{q: row.get(q) for q in order if q in filled} for row in rows]
+
+
+def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
+    """An input table: printed, as the scene has it, remark."""
+    rows: list[Row] = [
+        {
+            Quantity("label", "parameter (symbol)", "", "s"): label,
+            Quantity("printed", "printed value", "", "s"): f.printed.printed,
+            Quantity("unit", "unit", "", "s"): f.printed.unit,
+            Quantity("scene", "scene", "", "g5"): f.value,
+            Quantity("name", "in scene", "", "s"): ", ".join(computations()[f.printed.table].origin(f.printed)[0]),
+            "verdict": f.verdict,
+            HOW: f"table how-{f.printed.table}",
+            Quantity("remark", "remark", "", "s"): f.reason,
+        }
+        for label, (name,) in layout.rows
+        for f in (found[name],)
+    ]
+    return Table.of(layout.stem(), layout.heading, rows, unfolded=True)
+
+
+def how(tables: Iterable[str]) -> Iterator[Table]:
+    """For each printed table how its numbers are computed: scenes, function, test, command."""
+    for name in tables:
+        one = computations()[name]
+        rows: list[Row] = [
+            {
+                Quantity("keys", "entries", "", "s"): pattern,
+                SCENES: behind if isinstance(behind, str) else ", ".join(behind),
+                Quantity("function", "computed by", "", "s"): one.function,
+                Quantity("test", "asserted in", "", "s"): one.test or "–",
+                Quantity("command", "again by", "", "s"): f"rollbench check --printed --only {name}",
+            }
+            for pattern, behind in one.behind
+        ]
+        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed", rows)
+
+
+def by_place(found: Sequence[Evidence]) -> Table:
+    """How many numbers every table and section of the sources prints, how many of them are results, how many come out."""
+    groups: dict[str, list[Evidence]] = {}
+    for f in found:
+        groups.setdefault(source(f.printed), []).append(f)
+    rows = []
+    for title, of_source in groups.items():
+        rows.append(_counted(f"{title}, all", of_source))
+        places: dict[str, list[Evidence]] = {}
+        for f in of_source:
+            places.setdefault(f.printed.place, []).append(f)
+        rows += [_counted(place, entries) for place, entries in places.items()]
+    note = (
+        "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
+        "printed has every entry."
+    )
+    return Table.of("printed-by-table", "Printed values by table and section, and how many come out", rows, note)
+
+
+def _counted(place: str, found: Sequence[Evidence]) -> Row:
+    """A row of `by_place`."""
+    numbers = [f for f in found if not f.printed.claim]
+    claims = [f for f in found if f.printed.claim]
+    tally = Counter(f.verdict for f in numbers)
+    borne = sum(f.verdict in ("reproduced", "band") for f in claims)
+    return {
+        Quantity("place", "source, table or section", "", "s"): place,
+        Quantity("printed", "printed values", "", "s"): len(numbers),
+        Quantity("inputs", "inputs", "", "s"): tally["input"],
+        Quantity("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
+        Quantity("results", "results", "", "s"): len(numbers) - tally["input"] - tally["identity"],
+        Quantity("reproduced", "come out", "", "s"): tally["reproduced"],
+        Quantity("faulty", "only with the source's fault", "", "s"): tally["only as printed"],
+        Quantity("band", "within a band", "", "s"): tally["band"],
+        Quantity("contradicted", "contradicted", "", "s"): tally["contradicted"],
+        Quantity("open", "not identifiable", "", "s"): tally["not identifiable"],
+        Quantity("claims", "claims borne out", "", "s"): f"{borne} of {len(claims)}" if claims else "",
+    }
