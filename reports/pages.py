@@ -47,6 +47,9 @@ LONG = 20
 #: Columns from which a table is set closer.
 WIDE = 8
 
+#: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
+HOW = "how"
+
 #: Keys of columns that stay on a phone, where others are hidden.
 VERDICTS = ("class", "verdict", "status")
 
@@ -87,7 +90,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     ``tables`` and ``figures``."""
     environment = templates()
     writer = _Writer(folder, say, _places(report))
-    environment.filters.update(typeset=typeset, linked=writer.linked)
+    environment.filters.update(typeset=typeset, linked=writer.linked, place=lambda name: writer.places.get(name, ""))
     pages = [_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
@@ -228,6 +231,7 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
     """A table as a page shows it, without columns that are empty, folded where it is long. Writes its CSV."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled(table)
+    shown = [c for c in shown if c.key != HOW]
     numbers = [is_number(column, table) for column in shown]
     measured = [k for k, number in enumerate(numbers) if number and k]
     errors = (k for k in measured if shown[k].label.startswith(("error", "largest error")))
@@ -245,8 +249,9 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
         [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
         for row in table.rows
     ]
-    for row in cells:
+    for row, record in zip(cells, table.rows, strict=True):
         for cell, head in zip(row, heads, strict=True):
+            cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
             cell["align"] += " aside" if head["align"].endswith(" aside") else ""
     remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
     note = "\n".join(filter(None, [table.note, remark]))

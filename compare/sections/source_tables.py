@@ -27,12 +27,13 @@ More = Mapping[str, Row]
 
 @dataclass(frozen=True)
 class Layout:
-    """A table as its source prints it: case, number, title, the printed table that most of its numbers are filed in, kind
+    """A table as its source prints it: case, number, what it is of, title, the printed table that most of its numbers are filed in, kind
     (``inputs``, ``results``, ``sentences``), headings of the columns, rows: label, and for each column the name of a
     printed entry ("table:key", empty for an empty cell)."""
 
     case: str
     number: str
+    short: str
     title: str
     printed: str
     kind: str
@@ -50,8 +51,14 @@ class Layout:
 
     @property
     def heading(self) -> str:
-        """Number and title as the source has them."""
-        return f"Table {self.number}: {self.title}" if self.number[:1].isdigit() or len(self.number) < 5 else self.title
+        """Its number and what it is of."""
+        return self.short if self.kind == "sentences" else f"Table {self.number}: {self.short}"
+
+    @property
+    def digits(self) -> int:
+        """Significant digits that show all those that it prints: five at least."""
+        texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
+        return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
 
 def layouts(case: Case) -> list[Layout]:
@@ -70,7 +77,8 @@ def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
             except KeyError as error:
                 raise InputError(path, one["number"], name, "a printed entry", "mend the layout") from error
         rows.append((label, names))
-    return Layout(case, one["number"], one["title"], one["printed"], one["kind"], tuple(one["columns"]), tuple(rows))
+    texts = (one[key] for key in ("number", "short", "title", "printed", "kind"))
+    return Layout(case, *texts, tuple(one["columns"]), tuple(rows))
 
 
 def as_printed_digits(value: float | None, printed: str) -> str:
@@ -93,37 +101,39 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
     """The table in the source's own layout: for each column the printed number and ours, to the digits printed; ours: texts
     for entries whose value is another one, such as a time."""
     rows: list[Row] = []
-    for label, names in layout.rows:
+    units = [{found[name].printed.unit for name in names if name} for _, names in layout.rows]
+    apart = all(len(several) == 1 for several in units)  # else a unit stands with its number
+    for (label, names), several in zip(layout.rows, units, strict=True):
         row: Row = {Quantity("label", "", "", "s"): label}
-        units = dict.fromkeys(found[name].printed.unit for name in names if name)
-        row[Quantity("unit", "unit", "", "s")] = ", ".join(filter(None, units))
+        if apart:
+            row[Quantity("unit", "unit", "", "s")] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
-            row[Quantity(f"printed-{k}", f"{head}, printed", "", "s")] = found[name].printed.printed if name else ""
-            text = ours.get(name) if name in ours else ours_of(found[name]) if name else ""
+            unit = "" if apart or not name else found[name].printed.unit
+            printed = f"{found[name].printed.printed} {unit}".rstrip() if name else ""
+            row[Quantity(f"printed-{k}", f"{head}, printed", "", "s")] = printed
+            text = ours[name] if name in ours else f"{ours_of(found[name])} {unit}".rstrip() if name else ""
             row[Quantity(f"ours-{k}", f"{head}, ours", "", "s")] = text
         rows.append(row)
-    note = "Ours: by the low-order model, with the source's faults repeated where the verdict is only as printed."
-    return Table.of(layout.stem(), layout.heading, rows, note, unfolded=True)
+    note = "Ours: by the low-order model, with the source's faults repeated where they change it; of ANSYS numbers by 3D."
+    return Table.of(layout.stem(), layout.title, rows, note, unfolded=True)
 
 
 def ours_of(f: Evidence) -> str:
-    """What is held against a printed number, to its digits; of another program's result the 3D value."""
-    value = f.reference if f.compared is None else f.compared
-    return as_printed_digits(value, f.printed.printed) if f.printed.printed else "–"
+    """What stands at a printed number, to its digits: with the source's faults where they change it, else right; of another
+    program's result the 3D value."""
+    values = (f.as_printed, f.value, f.reference)
+    return as_printed_digits(next((v for v in values if v is not None), None), f.printed.printed)
 
 
-#: What a row of a printed number says.
-PRINTED, RIGHT = Quantity("printed", "printed", "", "s"), Quantity("right", "low-order, ours", "", "g5")
-FAULTY = Quantity("faulty", "with the source's faults", "", "g5")
-READING = Quantity("reading", "inferred reading", "", "g5")
-SOLID = Quantity("solid", "3D, ours", "", "s")
+#: What a row of a printed number says, besides the values of ours.
+PRINTED, SOLID = Quantity("printed", "printed", "", "s"), Quantity("solid", "3D, ours", "", "s")
 OFF = {
     "right": Quantity("off", "ours against printed", "%", "+.2f"),
     "faulty": Quantity("off_faulty", "with faults against printed", "%", "+.2f"),
     "reading": Quantity("off_reading", "inferred against printed", "%", "+.2f"),
 }
 AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
-HOW, SCENES = Quantity("how", "how it is computed", "", "s"), Quantity("scenes", "scenes, or why none", "", "s")
+SCENES = Quantity("scenes", "scenes, or why none", "", "s")
 
 
 def compared(
@@ -136,38 +146,45 @@ def compared(
 ) -> Table:
     """A row for each result of a layout, in its order; more: further cells by entry; why: by entry why there is no 3D
     value; columns: entries that stand in cells of other rows. Columns that no row fills are left out."""
+    further = dict.fromkeys(q for cells in more.values() for q in cells)
     rows: list[Row] = []
+    remarks: dict[str, int] = {}
     for label, names in layout.rows:
         for head, name in zip(layout.columns, names, strict=True):
             if name and name not in columns and found[name].printed.cls != "input":
-                rows.append(_compared(label, head, found[name], more.get(name, {}), why.get(name, "")))
-    return Table.of(layout.stem("compared"), f"{layout.heading}: printed and computed", _tidy(rows), note, unfolded=True)
+                f = found[name]
+                row = _compared(layout, f, why.get(name, "")) | dict.fromkeys(further) | more.get(name, {})
+                remark = remarks.setdefault(f.reason, len(remarks) + 1) if f.reason else None
+                first: Row = {Quantity("label", "number", "", "s"): label}
+                first[Quantity("column", "column", "", "s")] = "" if head == "Value" else head
+                last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
+                rows.append(first | row | last | {Quantity("remark", "remark", "", "s"): remark})
+    notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
+    title = f"{layout.heading}, every number printed and computed"
+    text = "\n".join(filter(None, notes))
+    return Table.of(layout.stem("compared"), title, _tidy(rows), text, unfolded=True)
 
 
-def _compared(label: str, head: str, f: Evidence, more: Row, why: str) -> Row:
-    p = f.printed
+def _compared(layout: Layout, f: Evidence, why: str) -> Row:
+    p, form = f.printed, f"g{layout.digits}"
     off = {"right": _off(f.value, p.value), "faulty": _off(f.as_printed, p.value), "reading": _off(f.reading, p.value)}
     return {
-        Quantity("label", "number", "", "s"): label,
-        Quantity("column", "column", "", "s"): "" if head == "Value" else head,
         PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
-        RIGHT: _round_off(f.value),
-        FAULTY: _round_off(f.as_printed),
-        READING: f.reading,
-        SOLID: f"{f.reference:.5g}" if f.reference is not None else why,
+        Quantity("right", "low-order, ours", "", form): _round_off(f.value),
+        Quantity("faulty", "with the source's faults", "", form): _round_off(f.as_printed),
+        Quantity("reading", "inferred reading", "", form): f.reading,
+        SOLID: f"{_round_off(f.reference) or 0.0:.{layout.digits}g}" if f.reference is not None else why,
         OFF["right"]: off["right"],
         OFF["faulty"]: off["faulty"],
         OFF["reading"]: off["reading"],
         AGAINST: _off(f.value, f.reference),
-        **more,
-        "verdict": f.verdict,
-        HOW: f"table how-{p.table}",
-        Quantity("remark", "remark", "", "s"): f.reason,
     }
 
 
 def _off(value: float | None, reference: float | None) -> float | None:
-    return None if value is None or reference is None else shown_error(float(error_percent(value, reference)))
+    if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
+        return None
+    return shown_error(float(error_percent(value, reference)))
 
 
 def _round_off(value: float | None) -> float | None:
@@ -188,16 +205,16 @@ def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
             Quantity("label", "parameter (symbol)", "", "s"): label,
             Quantity("printed", "printed value", "", "s"): f.printed.printed,
             Quantity("unit", "unit", "", "s"): f.printed.unit,
-            Quantity("scene", "scene", "", "g5"): f.value,
+            Quantity("scene", "scene", "", "s"): as_printed_digits(f.value, f.printed.printed),
             Quantity("name", "in scene", "", "s"): ", ".join(computations()[f.printed.table].origin(f.printed)[0]),
             "verdict": f.verdict,
-            HOW: f"table how-{f.printed.table}",
+            "how": f"how-{f.printed.table}",
             Quantity("remark", "remark", "", "s"): f.reason,
         }
         for label, (name,) in layout.rows
         for f in (found[name],)
     ]
-    return Table.of(layout.stem(), layout.heading, rows, unfolded=True)
+    return Table.of(layout.stem(), layout.title, rows, unfolded=True)
 
 
 def how(tables: Iterable[str]) -> Iterator[Table]:

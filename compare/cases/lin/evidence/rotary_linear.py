@@ -128,6 +128,8 @@ def table_3_2(sheet: Sheet, study: Study) -> None:
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
         name, unit = IN_3D.get(key, ("", 1.0))
         value = solid[case].get(name)
+        if key == "P_sum":
+            unit, value = 1e-3, sum(v for what, v in solid[case].items() if what.startswith("loss ")) or None
         sheet.number(row.key, true, words, as_printed=faulty, reference=None if value is None else unit * value)
 
 
@@ -209,7 +211,7 @@ def table_3_4(sheet: Sheet, study: Study) -> None:
         faulty = None if mated else balanced
         solid = source_cases.in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
         sheet.number(f"{case}_eps{ball}_numerical", balanced if mated else diagonal, as_printed=faulty, reference=solid)
-        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]))
+        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
 
 def misprinted_force() -> float:
@@ -234,7 +236,7 @@ def table_3_5(sheet: Sheet, study: Study) -> None:
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
         sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads, reference=solid[case])
         sheet.number(f"{case}_force_ansys", None, reference=solid[case])
-        sheet.number(f"{case}_force_analytic", formula[case], of_formula)
+        sheet.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
     ansys, numerical = (value_of("lin-3.5", f"a_force_{name}") for name in ("ansys", "numerical"))
     sheet.number("error_numerical", float(error_percent(numerical, ansys)))
     off = abs(float(error_percent(formula["a"], ansys)))
