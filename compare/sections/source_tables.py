@@ -9,7 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
@@ -45,6 +45,11 @@ class Layout:
         """Names of its printed entries."""
         return [name for _, names in self.rows for name in names if name]
 
+    @property
+    def across(self) -> list[tuple[str, ...]]:
+        """Names of its printed entries, row by row, empty for an empty cell."""
+        return [names for _, names in self.rows]
+
     def stem(self, what: str = "") -> str:
         """Name of its table in the report, by what that shows."""
         return "-".join(filter(None, (self.case, self.number, what)))
@@ -52,7 +57,7 @@ class Layout:
     @property
     def heading(self) -> str:
         """Its number and what it is of."""
-        return self.short if self.kind == "sentences" else f"Table {self.number}: {self.short}"
+        return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
     def digits(self) -> int:
@@ -98,29 +103,50 @@ def as_printed_digits(value: float | None, printed: str) -> str:
 
 
 def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
-    """The table in the source's own layout: for each column the printed number and ours, to the digits printed; ours: texts
-    for entries whose value is another one, such as a time."""
+    """The table in the source's own layout: for each column the printed number, ours, to the digits printed, and where ours
+    repeats a fault the right value; ours: texts for entries whose value is another one, such as a time."""
     rows: list[Row] = []
-    units = [{found[name].printed.unit for name in names if name} for _, names in layout.rows]
-    apart = all(len(several) == 1 for several in units)  # else a unit stands with its number
-    for (label, names), several in zip(layout.rows, units, strict=True):
-        row: Row = {Quantity("label", "", "", "s"): label}
-        if apart:
+    across, down = ([_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True)))
+    of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
+    faulty = [
+        any(name and found[name].as_printed is not None for name in names) for names in zip(*layout.across, strict=True)
+    ]
+    for (label, names), several in zip(layout.rows, across, strict=True):
+        row: Row = {Quantity("label", "", "", "s"): label} if any(label for label, _ in layout.rows) else {}
+        if of_row and any("".join(units) for units in across):
             row[Quantity("unit", "unit", "", "s")] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
-            unit = "" if apart or not name else found[name].printed.unit
-            printed = f"{found[name].printed.printed} {unit}".rstrip() if name else ""
-            row[Quantity(f"printed-{k}", f"{head}, printed", "", "s")] = printed
-            text = ours[name] if name in ours else f"{ours_of(found[name])} {unit}".rstrip() if name else ""
-            row[Quantity(f"ours-{k}", f"{head}, ours", "", "s")] = text
+            heading = next(iter(down[k])) if of_column and not of_row else ""
+            unit = "" if of_row or of_column or not name else found[name].printed.unit
+            texts = {"printed": "", "ours": "", "right": ""}
+            if name:
+                p, right = found[name].printed, found[name].value if found[name].as_printed is not None else None
+                texts = {"printed": p.printed or p.claim, "ours": ours.get(name, ours_of(found[name]))}
+                texts = {
+                    key: text if key == "ours" and name in ours else f"{text} {unit}".rstrip()
+                    for key, text in texts.items()
+                }
+                texts["right"] = "" if right is None else f"{as_printed_digits(right, p.printed)} {unit}".rstrip()
+            for key, text in texts.items():
+                if key != "right" or faulty[k]:
+                    row[Quantity(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
         rows.append(row)
-    note = "Ours: by the low-order model, with the source's faults repeated where they change it; of ANSYS numbers by 3D."
+    note = "Ours: by the low-order model, with the source's faults repeated where they change it (then the right value beside it)"
+    note += (
+        "; of ANSYS numbers by 3D." if any(f.reference is not None for f in map(found.__getitem__, layout.names)) else "."
+    )
     return Table.of(layout.stem(), layout.title, rows, note, unfolded=True)
+
+
+def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
+    return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
 def ours_of(f: Evidence) -> str:
     """What stands at a printed number, to its digits: with the source's faults where they change it, else right; of another
     program's result the 3D value."""
+    if f.printed.claim:
+        return "–" if f.holds is None else "holds" if f.holds else "does not hold"
     values = (f.as_printed, f.value, f.reference)
     return as_printed_digits(next((v for v in values if v is not None), None), f.printed.printed)
 
@@ -155,8 +181,8 @@ def compared(
                 f = found[name]
                 row = _compared(layout, f, why.get(name, "")) | dict.fromkeys(further) | more.get(name, {})
                 remark = remarks.setdefault(f.reason, len(remarks) + 1) if f.reason else None
-                first: Row = {Quantity("label", "number", "", "s"): label}
-                first[Quantity("column", "column", "", "s")] = "" if head == "Value" else head
+                first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
+                first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
                 last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
                 rows.append(first | row | last | {Quantity("remark", "remark", "", "s"): remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
@@ -272,3 +298,22 @@ def _counted(place: str, found: Sequence[Evidence]) -> Row:
         Quantity("open", "not identifiable", "", "s"): tally["not identifiable"],
         Quantity("claims", "claims borne out", "", "s"): f"{borne} of {len(claims)}" if claims else "",
     }
+
+
+def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
+    """Every printed value of some printed tables of a case: those that its layouts have twice, as the source lays them out
+    and a row each, then inputs and results that it prints in sentences."""
+    for layout in listed:
+        if layout.printed in printed:
+            yield in_layout(layout, found, {})
+            if any(found[name].printed.cls != "input" for name in layout.names):
+                yield replace(compared(layout, found, {}, {}), unfolded=False)
+    laid = {name for layout in listed for name in layout.names}
+    rest = [f.printed for f in found.values() if f.printed.table in printed and f.printed.name not in laid]
+    for what in ("inputs", "numbers and claims"):
+        of = [p for p in rest if (p.cls == "input") == (what == "inputs")]
+        rows = tuple((f"{p.label} ({p.place.partition(', ')[2]})", (p.name,)) for p in of)
+        if rows:
+            title = f"{what[:1].upper()}{what[1:]} of the text"
+            layout = Layout(printed[-1], "text", title, title, printed[-1], "sentences", ("Value",), rows)
+            yield inputs(layout, found) if what == "inputs" else compared(layout, found, {}, {})
