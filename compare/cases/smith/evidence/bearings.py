@@ -122,8 +122,8 @@ SHEET_DIFFERENCE = 0.9013479
 #: The sheet's newtons to a pound.
 SHEET_POUND = 4.448
 
-#: Curvature differences of table 2-1, its inputs.
-DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))
+#: Curvature differences of table 2-1, its inputs, without the line contact's in the last row.
+DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))[:-1]
 
 #: Curvature differences that approach the line contact.
 NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
@@ -155,6 +155,7 @@ def table_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table tak
         e.number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
             e.number(f"{name}_{i}", value)
+    e.number(f"F_{len(DIFFERENCES)}", 1.0)
     limit = np.array([contact_parameters(f) for f in NEARLY_LINE])
     for name, column, sign in (("delta", 0, -1.0), ("a", 1, 1.0), ("b", 2, -1.0)):
         steps = np.diff(np.log(limit[:, column])) * sign
@@ -177,7 +178,8 @@ def _inputs(e: Sheet) -> None:
         e.number(key, value / INCH)
         e.number(f"{key}_mm", 1e3 * value)
     e.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
-    e.numbers({"B": b.centre_distance / b.ball_diameter, "alpha_0": degrees(b.free_angle)})
+    curvature = b.centre_distance / b.ball_diameter
+    e.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
     e.number("alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(SHEET_LOAD).angle)):.2f} deg under 2040 lbf")
 
 
@@ -199,6 +201,10 @@ def _cells(e: Sheet) -> None:
     e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=source.stiffness)
     e.number("alpha", degrees(angle), as_printed=degrees(source.angle))
     e.number("alpha_rad", angle, as_printed=source.angle)
+    free, loaded = (np.cos(np.radians(e.printed(key))) for key in ("alpha_0", "alpha"))
+    normal = e.printed("B") * e.printed("D_mm") * (free / loaded - 1.0)
+    rest = e.printed("Q_N") - e.printed("K_n") * normal**1.5
+    e.words("balance", f"Q_n - K_n delta_n^1.5 of the printed cells is {rest:.2g} N")
     e.number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
     inner, outer = (float(a) / INCH**2 for a in s.areas())
     words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {e.printed('area') / inner:.1f} times"
@@ -262,6 +268,7 @@ def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
+        e.number(f"load_{n}", float(n))
         e.number(f"measured_{n}", float(value))
         e.number(f"theory_{n}", float(value), as_printed=sheet_tangent(float(n)))
     off = np.array([float(error_percent(t, m)) for t, m in zip(theory, measured, strict=True)])
