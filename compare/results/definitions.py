@@ -24,6 +24,7 @@ from rollbench.compare.results.data import (
     FrictionPlay,
     Statistics,
 )
+from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.torque import LoadTorque
@@ -76,6 +77,11 @@ TABLES = (
             ("stiffness.", scene_json.StiffnessAt),
             ("centreline[].", scene_json.CentrelinePoint),
         ),
+    ),
+    Table(
+        "Load curve",
+        "Of `solve --curve`; the load goes from one sign to the other in place of the scene's loads.",
+        (("", LoadCurve), ("points[].", CurvePoint)),
     ),
     Table(
         "Contact, ellipse and static safety",
