@@ -21,6 +21,7 @@ from rollbench.compare.results.data import (
     FrictionBall,
     FrictionBand,
     FrictionCases,
+    FrictionOnset,
     FrictionPlay,
     Statistics,
 )
@@ -112,7 +113,7 @@ TABLES = (
         "Friction",
         "Torques act about the screw's axis. Their error is dominated by the coefficient of friction, which is an input: "
         "see `band`.",
-        (("band.", FrictionBand), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
+        (("band.", FrictionBand), ("onset.", FrictionOnset), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
     ),
     Table(
         "How far to trust it",

@@ -428,7 +428,8 @@ def bearing_figure() -> Figure:
 SCREW_TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
 
 SCREW_NOTES = {
-    "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
+    "lin-3.7": "Judged by the text as it stands, which gives other numbers; a load state that would give these is inferred "
+    "from them, and its values stand behind.",
     "lin-3.4.4": "Compared with the band that the assumptions give; the right value is that of theta = 3 deg.",
 }
 
