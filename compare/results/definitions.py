@@ -21,9 +21,11 @@ from rollbench.compare.results.data import (
     FrictionBall,
     FrictionBand,
     FrictionCases,
+    FrictionOnset,
     FrictionPlay,
     Statistics,
 )
+from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.torque import LoadTorque
@@ -78,6 +80,11 @@ TABLES = (
         ),
     ),
     Table(
+        "Load curve",
+        "Of `solve --curve`; the load goes from one sign to the other in place of the scene's loads.",
+        (("", LoadCurve), ("points[].", CurvePoint)),
+    ),
+    Table(
         "Contact, ellipse and static safety",
         "Of the contact of the highest pressure, by Hertz' theory of its load and curvatures: an ellipse of a ball, a "
         "strip of a roller.",
@@ -106,7 +113,7 @@ TABLES = (
         "Friction",
         "Torques act about the screw's axis. Their error is dominated by the coefficient of friction, which is an input: "
         "see `band`.",
-        (("band.", FrictionBand), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
+        (("band.", FrictionBand), ("onset.", FrictionOnset), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
     ),
     Table(
         "How far to trust it",

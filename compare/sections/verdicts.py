@@ -58,10 +58,10 @@ def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quant
         (True, Quantity("unit", "unit", "", "s")),
         (True, Quantity("printed", "printed", "", "s")),
         (faulty, Quantity("as_printed", "as printed, computed", "", form)),
-        (inferred, Quantity("reading", "inferred reading", "", form)),
         (True, Quantity("right", "right (plain reading)" if inferred else "right", "", form)),
-        (inferred, Quantity("reading_error", "inferred against printed", "%", ".2f")),
         (True, Quantity("error", "error", "%", "g3")),
+        (inferred, Quantity("reading", "inferred reading", "", form)),
+        (inferred, Quantity("reading_error", "inferred against printed", "%", ".2f")),
         (True, Quantity("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)

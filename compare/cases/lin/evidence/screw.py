@@ -15,8 +15,10 @@ from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
+from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.bearing import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
 from rollbench.lowfi.friction.screw.groove import Mode
@@ -35,7 +37,7 @@ from rollbench.lowfi.friction.screw.run import (
     summarise,
 )
 from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
-from rollbench.lowfi.friction.whole.losses import Onset, contact_onset
+from rollbench.lowfi.friction.whole.circuit import Onset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 
@@ -46,6 +48,8 @@ AMPLITUDES = tuple(source_cases.RUN_SCENES)
 ANGLES = source_cases.bearings().angle
 #: Error of the steps of a run that is small enough, as a fraction of its mean torque.
 STEP_GOAL = 0.003
+#: Level of the stored 3D runs of a pair that is taken.
+FINEST = 3
 #: Scenes of 4.3.2.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
 
@@ -143,7 +147,7 @@ def table_3_7(sheet: Sheet, study: Study) -> None:
         _pair_of_3_7(sheet, case, solid)
         force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
         sheet.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        sheet.number(f"ansys_{case}", None, "another program", reference=solid.get("force 1-2 N"))
+        _ansys_of_3_7(sheet, study, case)
         sheet.words(f"time_{case}", "another machine and language")
         sheet.words(f"time_ansys_{case}", "another machine and program")
     printed = [value_of("lin-3.5", "error_numerical"), *(value_of("lin-3.7", f"difference_{case}") for case in THETA)]
@@ -168,6 +172,15 @@ def _pair_of_3_7(sheet: Sheet, case: str, solid: Mapping[str, float]) -> None:
     off = [float(error_percent(value, percent)) for value in values]
     words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
     sheet.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
+
+
+def _ansys_of_3_7(sheet: Sheet, study: Study, case: str) -> None:
+    """The printed force of ANSYS beside that of this project's 3D rolling, in both readings."""
+    scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
+    as_text, oversized = (source_cases.in_3d(study, scene).get("force 1-2 N") for scene in scenes)
+    words = "no stored run" if as_text is None or oversized is None else _both(as_text, oversized)
+    words = f"3D rolling of elastic half spaces: {words}"
+    sheet.number(f"ansys_{case}", as_text, words, reading=oversized, reference=as_text)
 
 
 def _both(as_text: float, oversized: float) -> str:
