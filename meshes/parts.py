@@ -18,6 +18,7 @@ from rollbench.meshes.ranges import (
     Deviation,
     Duration,
     Element,
+    LoadStep,
     Filling,
     Forces,
     Harmonic,
@@ -297,6 +298,9 @@ class Ingredients:
         "current",
         "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
         "nominal",
+    )
+    load_step: LoadStep | None = usual(
+        None, "further axial load over which the model liu also takes its stiffness (Liu's 22)", "600 N"
     )
 
 

@@ -216,6 +216,7 @@ Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3
 #: A force and a moment by x, y, z.
 Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
+LoadStep = Annotated[float, Quantity("force", "0.001 N", "1000 MN", "600 N")]
 Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
 Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
 Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]

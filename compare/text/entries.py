@@ -171,18 +171,19 @@ def _axial(data: dict[str, Any], worth: ModelForm | None) -> str:
     if three is None:
         return f"{text}; no rigidity without axial load"
     why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
-    return f"{text}; {_rigidities(three, d['tangent_N_per_um'], moved, stiff)}{why}"
+    rigid = {"tangent": d["tangent_N_per_um"], "over the step of load": d.get("stepped_N_per_um")}
+    return f"{text}; {_rigidities(three, rigid, moved, stiff)}{why}"
 
 
-def _rigidities(three: dict[str, Any], tangent: float | None, moved: float | None, stiff: float | None) -> str:
-    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. moved,
-    stiff: errors [%] to expect of secant and tangent."""
+def _rigidities(three: dict[str, Any], local: dict[str, float | None], moved: float | None, stiff: float | None) -> str:
+    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. local: at
+    the load, by their names; moved, stiff: errors [%] to expect of secant and of these."""
 
     def known(*named: tuple[str, float | None], off: float | None = None) -> str:
         return ", ".join(f"{name} {shown(value, _share(value, off))}" for name, value in named if value is not None)
 
     secant = known(("secant", three["with_unequal_loads"]), off=moved)
-    by_model = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)])) or "none"
+    by_model = ", ".join(filter(None, [secant, known(*local.items(), off=stiff)])) or "none"
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
     practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
     return f"rigidity in N/um: {by_model} by this model; {formulas} by formulas at the nominal contact angle{practice}"
