@@ -341,7 +341,9 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     headings = WHOLE if several else KEPT
     tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
-    of_nut = "stiffness at the loads: tangent, by 0.1 % more load (liu: by load_step, if given), of shaft and nut; solve's rigidity is the nut's alone"
+    of_nut = (
+        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; solve's rigidity is the nut's alone"
+    )
     stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]
     return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]

@@ -40,7 +40,9 @@ from rollbench.lowfi.rating.contacts import (
     worst_roller,
 )
 from rollbench.lowfi.rating.life import Life, life, rating
+from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
+from rollbench.lowfi.rating.shaft import ShaftLimits, shaft_limits
 from rollbench.lowfi.statics.liu import row_of
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
@@ -126,6 +128,7 @@ class LoadAnswers:
     life: Life | None = quantity("life")
     ratings: Ratings | None = quantity("ratings")
     words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
+    modified: ModifiedLife | None = quantity("modified_life", default=None)
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,7 @@ class Answers:
     the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
     nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
     JSON-ready, or words why it is not computed; path: where the loads go, None without any; stepped: stiffness of Liu's
-    model over the scene's step of load [N/m]."""
+    model over the scene's step of load [N/m]; shaft: limits of a screw's shaft."""
 
     loads: LoadAnswers
     force: float
@@ -156,6 +159,7 @@ class Answers:
     friction_words: str
     path: LoadPath | None = None
     stepped: float | None = None
+    shaft: ShaftLimits | None = None
 
     @property
     def displacement(self) -> float:
@@ -183,9 +187,8 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     except ValueError as error:
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
-    return LoadAnswers(
-        worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
-    )
+    safety = None if worst is None else static_safety(scene, drawn, worst)
+    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified_life(scene, rated_life))
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -257,7 +260,8 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
         stepped = row_of(scene, member=options.member).stiffness(step)
-    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped)
+    shaft = shaft_limits(scene, result)
+    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:

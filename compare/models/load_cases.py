@@ -116,6 +116,7 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if scene.friction is not None:
         warned += overall_warnings(scene.track, scene.friction)
     warned += [*path_warnings(answers.path), *play_warnings(scene)]
+    warned += [] if answers.shaft is None else answers.shaft.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))
 

@@ -274,9 +274,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
         return {}
     three = answers.rigidities
     secant = None if three is None else three.unequal
-    axial = Axial(
-        answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words, answers.stepped
-    )
+    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words, answers.stepped)
     return {
         "loads": loads_json(one.result.load, nominal_contacts(scene, one.result)),
         "axial": as_json(axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.stepped is None else [])),
@@ -287,6 +285,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
         "friction": answers.friction,
         "friction_words": answers.friction_words or None,
         "load_path": as_json(answers.path),
+        "shaft": as_json(answers.shaft),
         "clearance": as_json(clearance_in(scene)),
     }
 

@@ -49,6 +49,7 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         ("friction", _friction(data)),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
+        *_shaft(data),
         ("error", "not estimated" if worth is None else model_form_words(worth)),
     )
 
@@ -285,8 +286,35 @@ def _life(data: dict[str, Any]) -> str:
     return (
         f"L10 {life_words(d)} of this load distribution, equivalent load "
         f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
-        f"{d['standard']}, not a maker's"
+        f"{d['standard']}, not a maker's{_modified(data.get('modified_life'))}"
     )
+
+
+def _modified(d: dict[str, Any] | None) -> str:
+    """The modified life, empty where the scene gives nothing of it."""
+    if d is None:
+        return ""
+    lubricated = "" if d["a_ISO"] is None else f", a_ISO {shown(d['a_ISO'])} (C_u {shown(d['fatigue_load_limit_N'])} N)"
+    million, share = shown(d["Lnm_million_revolutions"]), d["reliability_percent"]
+    return f"; modified {million} million revolutions for {share:g} %: a_1 {shown(d['a_1'])}{lubricated}"
+
+
+def _shaft(data: dict[str, Any]) -> list[tuple[str, str]]:
+    """Limits of the shaft, nothing where there are none."""
+    d = data["shaft"]
+    if d is None:
+        return []
+    turns = (
+        "" if d["speed_rpm"] is None else f"; it turns at {shown(d['speed_rpm'])} rpm, DN {shown(d['dn_mm_rpm'])} mm/min"
+    )
+    return [
+        (
+            "shaft",
+            f"{shown(d['length_mm'])} mm, {d['ends']}: buckles under {shown(d['buckling_N'])} N (allowed "
+            f"{shown(d['allowed_compression_N'])} N, {shown(d['compression_N'])} N press), whirls at "
+            f"{shown(d['critical_speed_rpm'])} rpm (allowed {shown(d['allowed_speed_rpm'])} rpm){turns}",
+        )
+    ]
 
 
 def life_words(d: dict[str, Any]) -> str:

@@ -1,8 +1,9 @@
 """Self-adjusting chain of balls: axial load, random errors of balls and grooves, unilateral Hertz contacts.
 
-Liu et al. (2025), section 2.2, as a minimum. Ball j = 1..M sits between nut and screw at spacing l (equal in the source); u_j [m] is the
-axial motion of the nut against the screw there, counted from where an error-free ball just touches. The load F acts on nut
-and screw at the end of ball 1, so that the segment behind ball j carries what the balls behind it carry, in both bodies:
+Liu et al. (2025), section 2.2, as a minimum. Ball j = 1..M sits between nut and screw at spacing l (equal in the source);
+u_j [m] is the axial motion of the nut against the screw there, counted from where an error-free ball just touches. The
+load F acts on nut and screw at the end of ball 1, so that the segment behind ball j carries what the balls behind it
+carry, in both bodies:
 
     T_j = sum of f_i(u_i) over i >= j,    T_1 = F,    u_j - u_(j+1) = c T_(j+1),    c = l (1/(E A_n) + 1/(E A_s)),
 

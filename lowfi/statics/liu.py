@@ -172,7 +172,16 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
         centreline_z=stations,
         centreline=line,
         equilibrium=_balance(row.force, axial),
-        solver=SolverReport(steps, steps, residual, perf_counter() - start, m, m - 1, "compiled" if compiled else "interpreted", "axial chain"),
+        solver=SolverReport(
+            steps,
+            steps,
+            residual,
+            perf_counter() - start,
+            m,
+            m - 1,
+            "compiled" if compiled else "interpreted",
+            "axial chain",
+        ),
         assumed=(*scene.assumed, *ASSUMPTIONS),
         left_out=LEFT_OUT,
         warnings=tuple(contact_warnings(own.pressure(load), own.C_a * np.cbrt(load), scene.balls.radius)),
@@ -196,7 +205,7 @@ def _screw_motion(row: Row, state: ChainState) -> Array:
 
 
 def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[Array, Array]:
-    """Stations (k,) [m] of the shaft and its axial motion (k,) [m] there: a bar up to the load, at rest beyond the balls."""
+    """Stations (k,) [m] of the shaft and its axial motion (k,) [m]: a bar up to the load, at rest beyond the balls."""
     ends = np.array([0.0, scene.screw.length, row.beyond])
     outside = ends[(ends < at_balls.min()) | (ends > at_balls.max())]
     near = np.abs(outside - at_balls[0]) <= np.abs(outside - at_balls[-1])

@@ -105,8 +105,8 @@ def newton(
 ) -> tuple[int, float, float]:
     """Solve one chain; see ``lowfi.random_errors.chain`` for the equations.
 
-    errors (M,): [m]; load: positive [N]; segments (M,): compliance from the ball before [m/N]; u (M,): result, motions [m]; work (3, M): its
-    first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
+    errors (M,): [m]; load: positive [N]; segments (M,): compliance from the ball before [m/N]; u (M,): result, motions [m];
+    work (3, M): its first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
     Returns Newton steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
     """
     m = errors.size

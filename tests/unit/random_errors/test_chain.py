@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.lowfi.random_errors import chain as chains
 from rollbench.lowfi.statics.contacts import error_free_hertz

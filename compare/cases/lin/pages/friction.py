@@ -466,6 +466,21 @@ def run_table() -> Table:
     return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", screw.run_rows(), note)
 
 
+def run_reading_table() -> Table:
+    """What 3.4.4 leaves open, reading by reading, and what each misses of the printed numbers."""
+    largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
+    note = (
+        f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
+        "part the azimuth of Figure 3.23 counts, amplitude, oversize, and whether both contacts of the screw deviate; "
+        "the rule of contact is the source's (3.77) in the last rows. No reading gives all three: with theta on the "
+        "screw contact begins and ends too early; with theta that stays with the nut the largest and its angle come "
+        "out together, and the end is too late; both angles come out within 7° at two fifths of the printed torque. "
+        "Readings that were found from print confirm none of it."
+    )
+    rows = screw.reading_of_run_rows()
+    return Table.of("friction-run-readings", "Whole screw: readings of the text", rows, note, shown=None)
+
+
 def bearing_table() -> Table:
     """Table 4.2's bearings: ratio of torques under varied assumptions."""
     note = (
@@ -534,14 +549,14 @@ def screw_section(study: Study, step: Callable[[str], None]) -> Section:
     step("readings and maps of two balls")
     pairs = (readings_table(), map_figure())
     step("whole screw and what its assumptions change")
-    whole = (run_figure(), run_table())
+    whole = (run_figure(), run_reading_table(), run_table())
     step("bearings and errors")
     last = (bearing_figure(), bearing_table(), onset_table(study))
     return Section(
         "friction-screw",
         "Friction in a ball screw: two balls, a whole screw, and bearings in pairs",
         (
-            introduction(pairs[0], whole[1]),
+            introduction(pairs[0], whole[2]),
             tables["lin-3.6"],
             tables["lin-3.7"],
             *pairs,
