@@ -286,11 +286,11 @@ def _life(data: dict[str, Any]) -> str:
     return (
         f"L10 {life_words(d)} of this load distribution, equivalent load "
         f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
-        f"{d['standard']}, not a maker's{_modified(data.get('modified_life'))}"
+        f"{d['standard']}, not a maker's{modified_words(data.get('modified_life'))}"
     )
 
 
-def _modified(d: dict[str, Any] | None) -> str:
+def modified_words(d: dict[str, Any] | None) -> str:
     """The modified life, empty where the scene gives nothing of it."""
     if d is None:
         return ""

@@ -13,8 +13,9 @@ The fatigue load limit C_u is the load that brings the worst contact to 1500 MPa
 4200 MPa, times (100 mm/D_pw)^(1/2) beyond a pitch diameter of 100 mm (ISO 281, B.3.3); of a screw under equal loads,
 axially. P is the load under which C gives the same L_10.
 
-Range: kappa from 0.1 on, mineral oils and greases, hardened steel. ISO 3408-5 knows a_1 alone: a_ISO of a screw takes (2)
-of a radial bearing up to 45 deg of contact angle, of a thrust bearing above, and is an extension of the standard.
+Range: kappa from 0.1 on, mineral oils and greases, hardened steel. ISO 3408-5 knows a_1 alone: a_ISO of a screw, whose
+rating is that of a thrust bearing with other factors and whose P is axial, takes (2) of a thrust bearing, and is an
+extension of the standard.
 
 Held against print: a_1 by ISO 281's Table 12 within its rounding; k is continuous at 0.4 and 1 to 1e-4, and 2.5671 at
 0.1, where a_ISO is 0.1 under every load. SKF's a_SKF of its class Explorer, 8 and 20.7 for the bearing 6309 (catalogue
@@ -23,12 +24,12 @@ Held against print: a_1 by ISO 281's Table 12 within its rounding; k is continuo
 
 from __future__ import annotations
 
-from math import degrees, log
+from math import log
 
 import numpy as np
 
 from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.life import RADIAL_UP_TO, Life, is_thrust
+from rollbench.lowfi.rating.life import Life, is_thrust
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import Scene
@@ -76,8 +77,8 @@ def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
     """
     k = min(kappa, FULL_FILM)
     c, power = (2.2649, 0.054381) if k < 0.4 else (1.9987, 0.19087) if k < 1.0 else (1.9987, 0.071739)
-    film = max(2.5671 - c / k**power, 0.0) ** 0.83
-    left = 1.0 - film * (clean / 3.0 if thrust else clean) ** (1.0 / 3.0)
+    film = float(max(2.5671 - c / k**power, 0.0) ** 0.83)
+    left = 1.0 - film * float(np.cbrt(clean / 3.0 if thrust else clean))
     return MOST if left <= 0.0 else min(0.1 * float(left**-9.3), MOST)
 
 
@@ -87,7 +88,7 @@ def fatigue_limit(scene: Scene) -> float:
         across = 2.0 * scene.track.pitch_radius
         return static_rating(scene) / STATIC_OVER_FATIGUE * min(1.0, (0.1 / across) ** 0.5)
     of_one_newton = float(error_free_hertz(scene).pressure(np.ones(4)).max())
-    return scene.ball_count * slope_of(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3
+    return float(scene.ball_count * slope_of(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
 
 
 def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
@@ -99,6 +100,6 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     share = 90.0 if of.reliability is None else of.reliability
     a_1, a_iso = reliability_factor(share), None
     if of.viscosity_ratio is not None and of.contamination is not None:
-        steep = is_thrust(scene) or degrees(scene.track.contact_angle) > RADIAL_UP_TO + 1e-9
-        a_iso = iso_factor(of.viscosity_ratio, of.contamination * limit / life.equivalent, thrust=steep)
+        thrust = is_thrust(scene) or scene.track.lead > 0.0
+        a_iso = iso_factor(of.viscosity_ratio, of.contamination * limit / life.equivalent, thrust=thrust)
     return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * life.revolutions, share, a_1, a_iso, limit)

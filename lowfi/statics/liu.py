@@ -144,9 +144,9 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
         state = row.solved(abs(row.force), compiled=compiled)
         force, sine, moved = state.load, sines(chain, row.errors, state), _screw_motion(row, state)
     load, angle = np.zeros((m, 4)), np.full((m, 4), np.nan)
-    flanks = [pair, 3 - pair]
-    load[np.ix_(row.order, flanks)] = force[:, None]
-    angle[np.ix_(row.order, flanks)] = np.where(force > 0.0, np.arcsin(sine), np.nan)[:, None]
+    for flank in (pair, 3 - pair):
+        load[row.order, flank] = force
+        angle[row.order, flank] = np.where(force > 0.0, np.arcsin(sine), np.nan)
     turned = np.where(np.isnan(angle), chain.contact_angle, angle)
     direction = SIGNS * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
     world = np.einsum("nsa,nak->nsk", direction, np.stack([layout.radial, layout.binormal], axis=1))

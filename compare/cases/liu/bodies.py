@@ -115,7 +115,7 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
 def axial_loads(scene: Scene) -> Array:
     """Loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
     row, load = same_screw(scene), np.zeros((scene.ball_count, 4))
-    load[np.ix_(row.order, [0, 3])] = row.solved(row.force).load[:, None]
+    load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load
 
 

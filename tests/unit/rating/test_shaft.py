@@ -146,7 +146,7 @@ def test_modified_life_multiplies():
     assert modified_life(s, base) is None
     of = Operation(reliability=95.0, viscosity_ratio=1.5, contamination=0.6)
     found = modified_life(replace(s, operation=of), base)
-    expected = iso_factor(1.5, 0.6 * fatigue_limit(s) / base.equivalent)
+    expected = iso_factor(1.5, 0.6 * fatigue_limit(s) / base.equivalent, thrust=True)
     assert found.a_iso == pytest.approx(expected)
     assert found.revolutions == pytest.approx(reliability_factor(95.0) * expected * base.revolutions)
     alone = modified_life(replace(s, operation=Operation(reliability=99.0)), base)
