@@ -15,6 +15,7 @@ from rollbench.meshes.ranges import (
     Bore,
     Clearance,
     ContactAngle,
+    Contamination,
     Deviation,
     Duration,
     Element,
@@ -22,19 +23,23 @@ from rollbench.meshes.ranges import (
     Forces,
     Harmonic,
     Lead,
+    LoadStep,
     Modulus,
     Moments,
     Percent,
     Poisson,
     Radius,
+    Reliability,
     Several,
     Size,
+    SpeedLimit,
     Spread,
     Station,
     StepGoal,
     Travel,
     Turning,
     Turns,
+    ViscosityRatio,
     Whole,
 )
 
@@ -298,6 +303,9 @@ class Ingredients:
         "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
         "nominal",
     )
+    load_step: LoadStep | None = usual(
+        None, "further axial load over which the model liu also takes its stiffness (Liu's 22)", "600 N"
+    )
 
 
 @keyed
@@ -420,6 +428,23 @@ class GateLimits:
 
 @keyed
 @dataclass(frozen=True)
+class Operation:
+    """What modifies the life, and what the return of the balls bears."""
+
+    reliability: Reliability | None = usual(None, "share that reaches the modified life, in per cent", 95)
+    viscosity_ratio: ViscosityRatio | None = usual(
+        None, "kappa of ISO 281: viscosity of the lubricant at work over that it should have (with contamination)", 1.5
+    )
+    contamination: Contamination | None = usual(
+        None,
+        "e_C of ISO 281: 1 extremely clean, 0.8 to 0.6 sealed, 0.3 to 0.1 coarsely filtered (with viscosity_ratio)",
+        0.6,
+    )
+    dn_limit: SpeedLimit = usual(76_200.0, "largest pitch diameter times speed, in mm/min, by the maker", 120_000)
+
+
+@keyed
+@dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
 
@@ -443,6 +468,7 @@ class Scene:
     circulation: Circulation | None = usual(None)
     time: Time | None = usual(None)
     gate: GateLimits = usual(GateLimits(), compare=False)
+    operation: Operation = usual(Operation(), compare=False)
 
     def __hash__(self) -> int:
         """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""

@@ -216,6 +216,11 @@ Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3
 #: A force and a moment by x, y, z.
 Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
+Reliability = Annotated[float, Quantity("number", 90, 99.95, 95)]
+Contamination = Annotated[float, Quantity("number", 0, 1, 0.6)]
+ViscosityRatio = Annotated[float, Quantity("number", 0.1, 1000, 1.5)]
+SpeedLimit = Annotated[float, Quantity("number", 1000, 1_000_000, 76_200)]
+LoadStep = Annotated[float, Quantity("force", "0.001 N", "1000 MN", "600 N")]
 Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
 Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
 Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]

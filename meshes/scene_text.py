@@ -65,6 +65,7 @@ def scene_tables(scene: Scene) -> Table:
         time=scene.time and table_of(scene.time),
         preload={"lead_offset": text_of(Deviation, offset)} if offset else {},
         gate=table_of(scene.gate),
+        operation=table_of(scene.operation),
     )
 
 

@@ -142,7 +142,7 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
     from rollbench.compare.results.load_curve import load_curve, read_course
 
     course = read_course(loads)
-    scene = next(iter(each_case(described, origin or described.name)))
+    scene: Scene | Assembly = each_case(described, origin or described.name)[0]
     with named(scene.name, origin or scene.name):
         return load_curve(scene, course, model, options)
 

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Choices:
     """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
-    table of balls, station of the stiffness and its file, file of the contact loads, seconds after which to give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
+    table of balls, station of the stiffness and its file, file of the contact loads, seconds after which to
+    give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
 
     model: str = ""
     everything: bool = False
@@ -362,7 +363,9 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     headings = WHOLE if several else KEPT
     tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
-    of_nut = "stiffness at the loads: tangent, by 0.1 % more load, of shaft and nut; solve's rigidity is the nut's alone"
+    of_nut = (
+        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; solve's rigidity is the nut's alone"
+    )
     stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]
     return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]

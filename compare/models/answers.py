@@ -40,7 +40,10 @@ from rollbench.lowfi.rating.contacts import (
     worst_roller,
 )
 from rollbench.lowfi.rating.life import Life, life, rating
+from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
+from rollbench.lowfi.rating.shaft import ShaftLimits, shaft_limits
+from rollbench.lowfi.statics.liu import row_of
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
@@ -106,7 +109,7 @@ def _outer(assembly: Assembly, row: RollingSet) -> float | None:
     return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
 
 
-#: Ladder step whose bodies give the tangent of a model; the others have none.
+#: Ladder step whose bodies give the tangent of a model; the others have none, but Liu's along the axis.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
@@ -125,6 +128,7 @@ class LoadAnswers:
     life: Life | None = quantity("life")
     ratings: Ratings | None = quantity("ratings")
     words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
+    modified: ModifiedLife | None = quantity("modified_life", default=None)
 
 
 @dataclass(frozen=True)
@@ -140,7 +144,8 @@ class Answers:
     """Answers of one low-order result. motion (6,) [m, rad]: of the screw at the nut's centre from that without loads (from
     the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
     nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
-    JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
+    JSON-ready, or words why it is not computed; path: where the loads go, None without any; stepped: stiffness of Liu's
+    model over the scene's step of load [N/m]; shaft: limits of a screw's shaft."""
 
     loads: LoadAnswers
     force: float
@@ -153,6 +158,8 @@ class Answers:
     friction: dict[str, Any] | None
     friction_words: str
     path: LoadPath | None = None
+    stepped: float | None = None
+    shaft: ShaftLimits | None = None
 
     @property
     def displacement(self) -> float:
@@ -180,9 +187,8 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     except ValueError as error:
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
-    return LoadAnswers(
-        worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
-    )
+    safety = None if worst is None else static_safety(scene, drawn, worst)
+    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified_life(scene, rated_life))
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -206,6 +212,11 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
 def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
     """Tangent stiffness at the nut's centre, None where the model has none; words where the bodies that it needs cannot be
     made, or do not come to rest."""
+    if model == "liu":
+        axial = row_of(scene, member=options.member).stiffness()
+        along = np.full((6, 6), np.nan)
+        along[2, 2] = np.nan if axial is None else axial
+        return (None, "") if axial is None else (Tangent(scene.nut.position, along, "converged"), "")
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
@@ -246,7 +257,11 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle, result.member, result.pressure)
     path = path_of_set(scene, result, bare)
-    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path)
+    step, stepped = scene.ingredients.load_step, None
+    if model == "liu" and step is not None:
+        stepped = row_of(scene, member=options.member).stiffness(step)
+    shaft = shaft_limits(scene, result)
+    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:

@@ -23,6 +23,7 @@ from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.life import EquivalentLife, Life, equivalent_life, life, over_cases
+from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -116,6 +117,7 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if scene.friction is not None:
         warned += overall_warnings(scene.track, scene.friction)
     warned += [*path_warnings(answers.path), *play_warnings(scene)]
+    warned += [] if answers.shaft is None else answers.shaft.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))
 
@@ -135,7 +137,8 @@ class Extreme:
 @record
 class Lives:
     """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
-    None with words that say why; set: its name, empty where it is the only one."""
+    None with words that say why; set: its name, empty where it is the only one; modified: the former, by reliability and
+    lubricant."""
 
     life: Life | None
     life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
@@ -144,6 +147,7 @@ class Lives:
         "standard_life_words", "why the standard does not apply", show=lambda words: words or None
     )
     set: str = ""
+    modified: ModifiedLife | None = quantity("modified_life", default=None)
 
     @property
     @Stated(
@@ -246,13 +250,14 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
     rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)
+    modified = modified_life(cycle.sets[name], rated)
     used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     try:
         standard = equivalent_life(parts, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
-        return Lives(rated, words, None, str(error), name)
-    return Lives(rated, words, standard, "" if standard is not None else "no load", name)
+        return Lives(rated, words, None, str(error), name, modified)
+    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified)
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:

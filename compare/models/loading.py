@@ -7,13 +7,13 @@ take.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar, overload
 
 import numpy as np
 
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
+from rollbench.lowfi.rating.rigidity import axial_force, slope_of
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.lowfi.statics.summary import about_origin

@@ -32,7 +32,7 @@ FAMILIES = (
         "the source's model and steps from it",
         ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
     ),
-    ("axial bars", ("mei", "mei-nut")),
+    ("axial bars", ("mei", "mei-nut", "liu")),
     ("bodies from 3D", ("condensed",)),
 )
 SOLID = "3D reference"

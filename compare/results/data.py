@@ -90,12 +90,12 @@ class FrictionPlay:
 
 @record(kw_only=True)
 class FrictionOnset:
-    """Whether neighbouring balls touch: at the speeds that they have at the static loads, where unloaded balls stand still."""
+    """Whether neighbouring balls touch at the speeds that they have at the static loads; unloaded balls stand still."""
 
     touch: bool = quantity(
         "touch",
-        "whether neighbours meet before the leading one leaves its loaded arc (of a bearing, before the balls have gone round "
-        "once); unloaded balls stand still",
+        "whether neighbours meet before the leading one leaves its loaded arc (of a bearing, before the balls have gone "
+        "round once); unloaded balls stand still",
     )
     first: float | None = quantity(
         "first_meeting_deg", "angle of the part that turns at which the first neighbours meet; null where none close in"
@@ -109,8 +109,8 @@ class FrictionOnset:
     unloaded: int = quantity("balls_without_load", "balls without load")
     factor: float | None = quantity(
         "error_factor",
-        "factor on the scene's errors of grooves and of single balls from which on neighbours touch, 0 where they do without "
-        "errors; null without errors, and where none is found up to 16",
+        "factor on the scene's errors of grooves and of single balls from which on neighbours touch, 0 where they do "
+        "without errors; null without errors, and where none is found up to 16",
         error="3 %",
     )
 

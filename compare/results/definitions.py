@@ -31,7 +31,9 @@ from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.torque import LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import EquivalentLife, Life
+from rollbench.lowfi.rating.modified import ModifiedLife
 from rollbench.lowfi.rating.rigidity import Rigidities
+from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
 from rollbench.meshes.one_arc import Clearance
 from rollbench.meshes.quantity import Stated, stated_in
@@ -102,7 +104,9 @@ TABLES = (
         "theory is in [](../theory/rating.md).",
         (
             ("life.", Life),
+            ("modified_life.", ModifiedLife),
             ("ratings.", Ratings),
+            ("shaft.", ShaftLimits),
             ("", LoadAnswers),
             ("preload.", Preload),
             ("starting_torque.", LoadTorque),

@@ -34,8 +34,8 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Course:
-    """What loads a curve is over. values: forces [N], or factors on the scene's loads; direction: unit vector of the forces;
-    at: station [m] of the screw or shaft or name of the housing that takes them, None for the usual place."""
+    """What loads a curve is over. values: forces [N], or factors on the scene's loads; direction: unit vector of the
+    forces; at: station [m] of the screw or shaft or name of the housing that takes them, None for the usual place."""
 
     values: tuple[float, ...]
     factors: bool = False
@@ -182,7 +182,7 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
     @cache
     def state(value: float) -> _State:
         here = loaded(value)
-        result = run_model(here, model, options)  # type: ignore[arg-type]
+        result = run_model(here, model, options)
         if not result.converged:
             return _State(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]

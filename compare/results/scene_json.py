@@ -170,6 +170,12 @@ class Axial:
         default=None,
     )
     words: str = quantity("tangent_words", "why there is no tangent", show=lambda words: words or None, default="")
+    stepped: float | None = quantity(
+        "stepped_N_per_um",
+        "stiffness of the model liu over ingredients.load_step, at the first loaded ball (Liu's 19 to 22)",
+        error="the model is not covered by comparisons",
+        default=None,
+    )
 
     @property
     @Stated("lost_motion_um_per_100N", "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest")
@@ -268,10 +274,10 @@ def answers_json(one: Solved) -> dict[str, Any]:
         return {}
     three = answers.rigidities
     secant = None if three is None else three.unequal
-    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words)
+    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words, answers.stepped)
     return {
         "loads": loads_json(one.result.load, nominal_contacts(scene, one.result)),
-        "axial": as_json(axial, "lost_motion_um_per_100N"),
+        "axial": as_json(axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.stepped is None else [])),
         **(as_json(three) or {"rigidities_N_per_um": None}),
         **contacts_json(answers.loads, scene.motion),
         "preload": as_json(answers.preload),
@@ -279,6 +285,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
         "friction": answers.friction,
         "friction_words": answers.friction_words or None,
         "load_path": as_json(answers.path),
+        "shaft": as_json(answers.shaft),
         "clearance": as_json(clearance_in(scene)),
     }
 
@@ -338,7 +345,7 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
         return data
     moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
     secant = answers.force / moved if moved and answers.force else None
-    data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words")
+    data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words", "stepped_N_per_um")
     data["stiffness"] = whole_stiffness(result)
     data["load_path"] = as_json(answers.path)
     if k := answers.worst_set:

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from rollbench.compare.models import loading
     from rollbench.compare.models.model_form import ModelForm
     from rollbench.lowfi.rating import life as rating
+    from rollbench.lowfi.rating.modified import ModifiedLife
+    from rollbench.lowfi.rating.shaft import ShaftLimits
 
 
 class Status(StrEnum):
@@ -215,6 +217,11 @@ class Result(Record, Balls):
     life: Life | None = None
     """Life by the contact loads; of several sets, of the set that lives shortest. None without load, and where the formulas
     do not take the scene."""
+    modified_life: ModifiedLife | None = None
+    """Life by the scene's reliability, lubricant and contamination, in 10^6 revolutions; None where it gives none, and of
+    several sets."""
+    shaft: ShaftLimits | None = None
+    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of its shaft; None of rings and several sets."""
     preload: Preload | None = None
     """Of one set; of several see each of `sets`."""
     expected_error: ExpectedError | None = None
@@ -366,6 +373,7 @@ def result_of(
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life(together.least.life, together.speed),
+        modified_life=together.least.modified,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
         tangents=tuple(tangents),
@@ -408,6 +416,8 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
+        modified_life=answers.loads.modified,
+        shaft=answers.shaft,
         preload=_preload(answers.preload),
         expected_error=expected_error(one.expected),
     )

@@ -61,6 +61,7 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
         circulation=keys.circulation,
         time=keys.time,
         gate=keys.gate,
+        operation=keys.operation,
     )
 
 

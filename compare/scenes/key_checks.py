@@ -36,6 +36,7 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     yield from _said_twice(keys)
     yield from _circuits(keys)
     yield from _preload(keys)
+    yield from _operation(keys)
 
 
 def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -254,6 +255,14 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
         value = f"{circuits} without circuit_gap"
         yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
     yield from _circulating(keys, circuits)
+
+
+def _operation(keys: SceneKeys) -> Iterator[Fault]:
+    of = keys.operation
+    if (of.viscosity_ratio is None) != (of.contamination is None):
+        given, lacking = ("viscosity_ratio", "contamination")[:: 1 if of.contamination is None else -1]
+        advice = f"a_ISO needs both: give {lacking} too, or leave {given} out"
+        yield Fault((f"operation.{given}",), "with the other of both", advice, f"without {lacking}")
 
 
 def _circulating(keys: SceneKeys, circuits: int) -> Iterator[Fault]:

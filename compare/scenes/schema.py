@@ -303,6 +303,7 @@ class SceneKeys(keys.HeadKeys):
     time: parts.Time | None = key("run in time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
     gate: parts.GateLimits = key("limits for: rollbench check", parts.GateLimits(), {"max_error": 7})
+    operation: parts.Operation = key("reliability, lubricant, limit of speed", parts.Operation(), {"reliability": 95})
 
 
 Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]

@@ -82,8 +82,8 @@ def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
             except KeyError as error:
                 raise InputError(path, one["number"], name, "a printed entry", "mend the layout") from error
         rows.append((label, names))
-    texts = (one[key] for key in ("number", "short", "title", "printed", "kind"))
-    return Layout(case, *texts, tuple(one["columns"]), tuple(rows))
+    texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
+    return Layout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
 
 
 def as_printed_digits(value: float | None, printed: str) -> str:

@@ -49,6 +49,7 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         ("friction", _friction(data)),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
+        *_shaft(data),
         ("error", "not estimated" if worth is None else model_form_words(worth)),
     )
 
@@ -171,18 +172,19 @@ def _axial(data: dict[str, Any], worth: ModelForm | None) -> str:
     if three is None:
         return f"{text}; no rigidity without axial load"
     why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
-    return f"{text}; {_rigidities(three, d['tangent_N_per_um'], moved, stiff)}{why}"
+    rigid = {"tangent": d["tangent_N_per_um"], "over the step of load": d.get("stepped_N_per_um")}
+    return f"{text}; {_rigidities(three, rigid, moved, stiff)}{why}"
 
 
-def _rigidities(three: dict[str, Any], tangent: float | None, moved: float | None, stiff: float | None) -> str:
-    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. moved,
-    stiff: errors [%] to expect of secant and tangent."""
+def _rigidities(three: dict[str, Any], local: dict[str, float | None], moved: float | None, stiff: float | None) -> str:
+    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. local: at
+    the load, by their names; moved, stiff: errors [%] to expect of secant and of these."""
 
     def known(*named: tuple[str, float | None], off: float | None = None) -> str:
         return ", ".join(f"{name} {shown(value, _share(value, off))}" for name, value in named if value is not None)
 
     secant = known(("secant", three["with_unequal_loads"]), off=moved)
-    by_model = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)])) or "none"
+    by_model = ", ".join(filter(None, [secant, known(*local.items(), off=stiff)])) or "none"
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
     practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
     return f"rigidity in N/um: {by_model} by this model; {formulas} by formulas at the nominal contact angle{practice}"
@@ -284,8 +286,35 @@ def _life(data: dict[str, Any]) -> str:
     return (
         f"L10 {life_words(d)} of this load distribution, equivalent load "
         f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
-        f"{d['standard']}, not a maker's"
+        f"{d['standard']}, not a maker's{modified_words(data.get('modified_life'))}"
     )
+
+
+def modified_words(d: dict[str, Any] | None) -> str:
+    """The modified life, empty where the scene gives nothing of it."""
+    if d is None:
+        return ""
+    lubricated = "" if d["a_ISO"] is None else f", a_ISO {shown(d['a_ISO'])} (C_u {shown(d['fatigue_load_limit_N'])} N)"
+    million, share = shown(d["Lnm_million_revolutions"]), d["reliability_percent"]
+    return f"; modified {million} million revolutions for {share:g} %: a_1 {shown(d['a_1'])}{lubricated}"
+
+
+def _shaft(data: dict[str, Any]) -> list[tuple[str, str]]:
+    """Limits of the shaft, nothing where there are none."""
+    d = data["shaft"]
+    if d is None:
+        return []
+    turns = (
+        "" if d["speed_rpm"] is None else f"; it turns at {shown(d['speed_rpm'])} rpm, DN {shown(d['dn_mm_rpm'])} mm/min"
+    )
+    return [
+        (
+            "shaft",
+            f"{shown(d['length_mm'])} mm, {d['ends']}: buckles under {shown(d['buckling_N'])} N (allowed "
+            f"{shown(d['allowed_compression_N'])} N, {shown(d['compression_N'])} N press), whirls at "
+            f"{shown(d['critical_speed_rpm'])} rpm (allowed {shown(d['allowed_speed_rpm'])} rpm){turns}",
+        )
+    ]
 
 
 def life_words(d: dict[str, Any]) -> str:

@@ -21,7 +21,7 @@ from rollbench.compare.results.scene_json import (
     sides_json,
 )
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.entries import block, entry, life_words, load_error
+from rollbench.compare.text.entries import block, entry, life_words, load_error, modified_words
 from rollbench.compare.text.printing import Column, aligned, listed, plain, text_width
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -318,6 +318,7 @@ def _life(lives: Lives, speed: float | None) -> str:
     return (
         f"{of}L10 {life_words(life_json(rated, speed) or {})} of the duty cycle, by the contact loads, the nut at "
         f"one position; rating {rated.rating:.0f} N as computed by {rated.standard}"
+        f"{modified_words(as_json(lives.modified))}"
     )
 
 

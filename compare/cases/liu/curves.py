@@ -1,5 +1,6 @@
-"""The figures of Liu et al. (2025) in the order of the source: its curves as computed here, and on them the numbers that its
-text prints. Of the curves themselves nothing is printed; drawn errors are others than the source's, which are not printed.
+"""The figures of Liu et al. (2025) in the order of the source: its curves as computed here, and on them the
+numbers that its text prints. Of the curves themselves nothing is printed; drawn errors are others than the source's,
+which are not printed.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ NO_VALUES = "The text prints no value of this figure: ours alone."
 
 def _errors(half_range: int, number: int = 0) -> Array:
     """Errors [m] of one drawn screw."""
-    return draw_errors(liu.SEED + half_range, number, 1, liu.balls(), 1e-6 * half_range)[0]
+    return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.balls(), 1e-6 * half_range)[0])
 
 
 def _over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
@@ -88,8 +89,8 @@ def deformation() -> Figure:
         title = f"{force:g} N: {int(np.count_nonzero(load == 0.0))} unloaded"
         panels.append(Panel(title, BALLS, "normal deformation / µm", (_over_balls(approach, "ours, one draw"),), zero=True))
     caption = (
-        "Printed: no ball unloaded at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; the table gives their places "
-        f"among {liu.MEMBERS} draws. {DRAWN}"
+        "Printed: no ball unloaded at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; the table gives their "
+        f"places among {liu.MEMBERS} draws. {DRAWN}"
     )
     title = "The source's Figure 11: normal deformation of the balls, errors of ±2 µm"
     return Figure("liu-figure-11", title, panels, caption, columns=3, same_y=True)
@@ -140,7 +141,10 @@ def test_table() -> Table:
                 Quantity("loaded", "loaded balls, median", "", ".0f"): float(np.median(_ensemble(3).of("loaded", force))),
             }
         )
-    note = "Displacement of the nut by (19), from where the first ball touches. The screw's section is assumed (scene liu-screw)."
+    note = (
+        "Displacement of the nut by (19), from where the first ball touches. The screw's section is assumed (scene "
+        "liu-screw)."
+    )
     return Table.of("liu-test", "Figure 13's test predicted: nothing measured is printed", rows, note)
 
 
@@ -171,8 +175,8 @@ def one_ball() -> Figure:
             printed += [q33, ratio * float(load[0])]
         panels.append(Panel(f"{words} at ball 33", BALLS, "normal load / N", (*series, _printed(at, printed)), zero=True))
     caption = (
-        "Printed: Q33, and Q78 as the printed ratio times our Q1. The lighter load of panel a is not printed; 1000 N as in b. "
-        "124.55 N at 5000 N in b is 142.55 N with two digits exchanged."
+        "Printed: Q33, and Q78 as the printed ratio times our Q1. The lighter load of panel a is not printed; 1000 N as in "
+        "b. 124.55 N at 5000 N in b is 142.55 N with two digits exchanged."
     )
     return Figure("liu-figure-15", "The source's Figure 15: one ball too small or too large", panels, caption)
 
@@ -251,7 +255,10 @@ def stiffness(found: dict[str, float], words: str) -> Figure:
         marks = [_printed_stiffness(found, h, "printed"), _printed_stiffness(found, 0, "printed, none")]
         series = (*_spread(h, "stiffness", 1e8), free, *marks)
         panels.append(Panel(f"±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, zero=True))
-    caption = f"Ours is the tangent; the step of load of (22) is not printed, and a secant lies above the tangent. {words} {SPREAD}"
+    caption = (
+        "Ours is the tangent; the step of load of (22) is not printed, and a secant lies above the tangent. "
+        f"{words} {SPREAD}"
+    )
     title = "The source's Figure 20: axial stiffness over the load"
     return Figure("liu-figure-20", title, panels, caption, columns=3, same_y=True)
 

@@ -163,7 +163,8 @@ def with_errors(scene: Scene, factor: float) -> Scene:
     errors = scene.errors
     listed = tuple((number, factor * x) for number, x in errors.balls.listed)
     balls = replace(errors.balls, listed=listed, sigma=factor * errors.balls.sigma)
-    return replace(scene, errors=replace(errors, balls=balls, **{side: times(errors.side(side)) for side in SIDES}))
+    sides: dict[str, Any] = {side: times(errors.side(side)) for side in SIDES}
+    return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
 def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
@@ -212,9 +213,15 @@ def onset_line(of: FrictionOnset, motion: Motion, errors: bool) -> Line:
         text += f": {of.closing} of {of.pairs} pairs close in, balls {of.ball} and the next meet {angle(of.first)}"
         text += "" if of.touch else ", when they have left their loaded arc or gone round"
     if of.unloaded:
-        text += f"; that is where the {count_of(of.unloaded, 'unloaded ball')} stand, {angle(of.rolling)} where they roll along"
+        text += (
+            f"; that is where the {count_of(of.unloaded, 'unloaded ball')} stand, {angle(of.rolling)} where they roll along"
+        )
     if errors:
-        from_on = "not up to 16 times the scene's errors" if of.factor is None else f"from {of.factor:.2g} times the scene's errors on"
+        from_on = (
+            "not up to 16 times the scene's errors"
+            if of.factor is None
+            else f"from {of.factor:.2g} times the scene's errors on"
+        )
         text += f"; they touch {'without errors too' if of.factor == 0.0 else from_on}"
     return "touch", text
 

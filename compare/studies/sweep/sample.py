@@ -29,7 +29,7 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.answers import unloaded_place
 from rollbench.compare.models.load_cases import cycle_life, loads_of
-from rollbench.compare.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
+from rollbench.compare.models.loading import axial_load, axial_preload, motion_asked, scaled, solve_scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -122,7 +122,7 @@ def axis_outputs(
     axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved = axial_load(assembly), along_axis(assembly, result)
+    force, moved = axial_load(assembly), motion_asked(assembly, result)[2]
 
     @cache
     def bare() -> AxisResult:
@@ -135,7 +135,9 @@ def axis_outputs(
 
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
-        "rigidity_N_per_um": lambda: _rigidity(force, moved - along_axis(assembly, bare())) if bare().converged else None,
+        "rigidity_N_per_um": lambda: (
+            _rigidity(force, moved - motion_asked(assembly, bare())[2]) if bare().converged else None
+        ),
         "preload_N": preload,
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]

@@ -292,8 +292,8 @@ class Onset:
 
     orbit (N,): angular speeds [rad/s], unloaded balls as assumed; loaded (N,): sums of contact forces [N]; pair (M, 2):
     numbers of the balls, the second at the larger azimuth; gap (M,): between them [rad]. Angles [rad] of the part that
-    turns: meeting (M,), at which they meet at these speeds (inf: never); leaving (M,), at which the leading one has left its
-    loaded arc, or the balls of a bearing have gone round once.
+    turns: meeting (M,), at which they meet at these speeds (inf: never); leaving (M,), at which the leading one has left
+    its loaded arc, or the balls of a bearing have gone round once.
     """
 
     orbit: Array

@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.motion import STATUS
 from rollbench.lowfi.friction.screw.chain import Rubs
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes, contact_spacing
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes
 from rollbench.lowfi.friction.screw.motion import contact_wrench
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.jit import CONTACT, kernels
-from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import groove_radii, reduced_lead
-from rollbench.meshes.parts import Friction, Motion, Scene
+from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
 #: What a contact loses power by: sliding of its centre across the groove, along the path, spin about the normal.

@@ -21,7 +21,7 @@ def loose(scene: Scene, gap: float) -> Scene:
 
 
 def play(gap: float) -> float:
-    """Axial play [m] of arcs at 45 deg with balls too small by a gap [m]: their centres move until the ball touches both."""
+    """Axial play [m] of arcs at 45 deg, balls too small by a gap [m]: centres move until the ball touches both."""
     apart = RING.screw.groove_radius + RING.nut.groove_radius - 2.0 * RING.balls.radius
     angle = radians(45.0)
     return 2.0 * (sqrt((apart + 2.0 * gap) ** 2 - (apart * cos(angle)) ** 2) - apart * sin(angle))

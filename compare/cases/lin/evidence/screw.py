@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from math import degrees, radians
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,10 +15,8 @@ from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
-from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.bearing import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
 from rollbench.lowfi.friction.screw.groove import Mode
@@ -240,9 +238,10 @@ def _numbers_of_run(sheet: Sheet) -> None:
         f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; the source's rule of contact"
     )
     words = f"{between}, which lets balls overlap, gives less (table friction-run-sensitivity); {steps_in_words(3.0)}"
-    sheet.number("largest", 100.0 * high.largest, words)
-    sheet.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + earlier)
-    sheet.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + earlier)
+    near = {key: f"; {nearest(key)}" for key in PRINTED_OF_RUN}
+    sheet.number("largest", 100.0 * high.largest, words + near["largest"])
+    sheet.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + earlier + near["largest_at"])
+    sheet.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + earlier + near["none_at"])
 
 
 def _claims_of_run(sheet: Sheet) -> None:
@@ -432,6 +431,74 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     ]
     return changes
 
+
+#: What 3.4.4 leaves open and was tried: the part that theta stays with (the azimuth of Figure 3.23 counts from it), its
+#: amplitude [deg], oversize [um] and pattern. Amplitude and oversize by which the printed numbers are sought confirm none.
+Reading = tuple[str, float, float, str]
+TRIED: tuple[Reading, ...] = (
+    ("screw", 2.0, 1.7, "both"),
+    ("screw", 2.6, 1.7, "both"),
+    ("screw", 3.0, 1.7, "both"),
+    ("nut", 1.5, 1.7, "both"),
+    ("nut", 2.0, 1.7, "both"),
+    ("nut", 2.25, 1.7, "both"),
+    ("nut", 3.0, 1.7, "both"),
+    ("nut", 2.25, 2.5, "both"),
+    ("nut", 3.0, 1.0, "both"),
+    ("nut", 3.0, 1.3, "both"),
+    ("screw", 3.0, 1.7, "one"),
+    ("nut", 3.0, 2.5, "one"),
+)
+#: Amplitudes [deg] by the part that theta stays with, for the source's rule of contact.
+BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
+
+
+def as_read(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
+    """The run of 3.4.4 in a reading: a row of `TRIED`."""
+    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.lin_3_4_4().pattern
+    return source_cases.lin_3_4_4(follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks)
+
+
+@cache
+def tried() -> tuple[RunSummary, ...]:
+    """What every row of `TRIED` gives, in the source's 200 steps."""
+    return tuple(summarise(equal_steps(as_read(*reading))) for reading in TRIED)
+
+
+PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
+
+
+def nearest(key: str) -> str:
+    """The reading of `TRIED` that comes nearest to a printed number, and its other numbers."""
+    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in tried()])[:, PRINTED_OF_RUN.index(key)]
+    k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
+    (follows, amplitude, oversize, pattern), s = TRIED[k], tried()[k]
+    text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
+    numbers = f"{100.0 * s.largest:.1f} % at {s.at:.0f}°, no contact from {s.none_at:.0f}°"
+    return f"nearest of {len(TRIED)} readings: {text}: {numbers} (table friction-run-readings)"
+
+
+def reading_of_run_rows() -> list[Row]:
+    """Every reading of the whole run: the three printed numbers, and how far each is from print."""
+    found: list[tuple[str, Reading, list[Any]]] = [
+        ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
+        for reading, s in zip(TRIED, tried(), strict=True)
+    ]
+    for follows, amplitude in BY_SOURCE:
+        reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
+        of_source = source_run_row(as_read(*reading))
+        found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
+    off = [Quantity(f"{q.key}_off", f"{q.label}, off print", q.unit, "+.1f") for q in RUN[2:5]]
+    printed = [value_of("lin-3.4.4", key) for key in PRINTED_OF_RUN]
+    rows = list[Row]()
+    for rule, reading, values in found:
+        known = [None if v is None or not np.isfinite(v) else float(v) for v in values]
+        missed = [None if v is None else v - p for v, p in zip(known, printed, strict=True)]
+        rows.append(dict(zip((*READING, *RUN[2:5], *off), (rule, *map(str, reading), *known, *missed), strict=True)))
+    return rows
+
+
+READING = ("rule of contact", "theta stays with", "amplitude / °", "oversize / µm", "contacts of the screw")
 
 #: What a row on the whole run says.
 RUN = (

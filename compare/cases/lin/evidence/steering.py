@@ -58,8 +58,8 @@ def with_balls(scene: Scene, pattern: str) -> Scene:
 
 
 def axial(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
-    """The axial test: loads as `rollbench solve --curve` takes them, along the axis at the screw's left end, where some of its
-    freedoms are held."""
+    """The axial test: loads as `rollbench solve --curve` takes them, along the axis at the screw's left end, where some of
+    its freedoms are held."""
     return _test(scene, f"{loads}:0mm", held)
 
 

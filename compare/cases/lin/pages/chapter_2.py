@@ -16,7 +16,6 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.chapter_2 import SCREWS, TABLE_CONFORMITY, ratio, readings, spread, unloaded
-from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study, with_groove

@@ -48,7 +48,7 @@ SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f"
 def costs(study: Study, way: str, name: str) -> Row:
     """Seconds of ours, cold and further: ``way`` of a scene, and of its 3D model."""
     low, solid = seconds(study, name, way), seconds(study, name, "3D")
-    cells = {LOW["cold"]: low.cold, LOW["further"]: low.further}
+    cells: Row = {LOW["cold"]: low.cold, LOW["further"]: low.further}
     return cells | {SOLID["cold"]: solid.cold, SOLID["further"]: solid.further, OLDER: solid.older}
 
 

@@ -149,7 +149,6 @@ def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_m
 
 
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:
-    s = scene("lin-nominal-4p1")
     with pytest.raises(ValueError, match="zero lead"):
         four_point(tilt=False, groove=replace(four_point(tilt=False).groove, lead=1e-3))
     assert four_point(tilt=False).rows[0].contacts == ALL
