@@ -30,7 +30,7 @@ UNITS = {
     "Nmm": Unit("N mm", 1e3),
     "Nm": Unit("N m"),
     "rad_s": Unit("rad/s"),
-    "mm_rpm": Unit("mm/min", 3e4 / math.pi),
+    "mm_rpm": Unit("mm rpm", 3e4 / math.pi),
     "rpm": Unit("rpm", 30.0 / math.pi),
     "percent": Unit("%"),
     "million_revolutions": Unit("million revolutions"),

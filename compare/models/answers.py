@@ -43,7 +43,6 @@ from rollbench.lowfi.rating.life import Life, life, rating
 from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
 from rollbench.lowfi.rating.shaft import ShaftLimits, shaft_limits
-from rollbench.lowfi.statics.liu import row_of
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
@@ -213,6 +212,8 @@ def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent 
     """Tangent stiffness at the nut's centre, None where the model has none; words where the bodies that it needs cannot be
     made, or do not come to rest."""
     if model == "liu":
+        from rollbench.lowfi.statics.liu import row_of  # loads the chain
+
         axial = row_of(scene, member=options.member).stiffness()
         along = np.full((6, 6), np.nan)
         along[2, 2] = np.nan if axial is None else axial
@@ -259,6 +260,8 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     path = path_of_set(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
+        from rollbench.lowfi.statics.liu import row_of  # loads the chain
+
         stepped = row_of(scene, member=options.member).stiffness(step)
     shaft = shaft_limits(scene, result)
     return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft)

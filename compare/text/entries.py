@@ -305,7 +305,7 @@ def _shaft(data: dict[str, Any]) -> list[tuple[str, str]]:
     if d is None:
         return []
     turns = (
-        "" if d["speed_rpm"] is None else f"; it turns at {shown(d['speed_rpm'])} rpm, DN {shown(d['dn_mm_rpm'])} mm/min"
+        "" if d["speed_rpm"] is None else f"; it turns at {shown(d['speed_rpm'])} rpm, DN {shown(d['dn_mm_rpm'])} mm rpm"
     )
     return [
         (

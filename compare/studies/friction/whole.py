@@ -200,11 +200,11 @@ def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
     )
 
 
-def onset_line(of: FrictionOnset, motion: Motion, errors: bool) -> Line:
-    """The same in words; errors: whether the scene has any."""
+def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
+    """The same in words; turns: the part that turns; errors: whether the scene has any."""
 
     def angle(value: float | None) -> str:
-        return "never" if value is None else f"after {three(np.degrees(value))} deg of the {motion.turns}"
+        return "never" if value is None else f"after {three(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if of.touch else 'do not touch'}"
     if of.first is None:
@@ -470,7 +470,13 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         *(band_lines(wide) if state.loaded else ()),
     ]
     if near is not None:
-        lines.append(onset_line(near, motion, with_errors(scene, 0.0) != scene))
+        lines.append(
+            onset_line(
+                near,
+                "inner ring" if state.torque.ratio == 0.0 and motion.turns == "screw" else motion.turns,
+                with_errors(scene, 0.0) != scene,
+            )
+        )
     lines.append(output.residual_line(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
         lines.append(("slip", "contacts are not flat: " + output.slip_words(slip)))

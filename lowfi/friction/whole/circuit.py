@@ -17,6 +17,7 @@ from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
 from rollbench.lowfi.friction.whole.losses import BallPath, ball_friction, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
+from rollbench.lowfi.jit import CONTACT, loaded
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -326,9 +327,9 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
     Raises ValueError for loads that did not converge, balls that overlap, and circuits that cannot be.
     """
     path = ball_path(scene, drive, scene.balls.radius)
-    balls = ball_friction(scene, contacts_of(scene, result), Friction(1.0, 1.0), drive, fast=True)
-    loaded = result.load.sum(axis=1)
-    orbit = np.where(loaded > 0.0, balls.orbit, idle * path.nominal_orbit)
+    balls = ball_friction(scene, contacts_of(scene, result), Friction(1.0, 1.0), drive, fast=loaded(CONTACT))
+    carrying = result.load.sum(axis=1)
+    orbit = np.where(carrying > 0.0, balls.orbit, idle * path.nominal_orbit)
     spacing, ring = contact_spacing(path), scene.track.lead == 0.0
     pairs, gaps, leaving = [], [], []
     for track, azimuth, ball in circuits(scene):
@@ -349,4 +350,4 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
     closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
     meets = closing > CLOSING * speed
     meeting = np.where(meets, np.maximum(gap, 0.0) * speed / np.where(meets, closing, 1.0), np.inf)
-    return Onset(orbit, loaded, pair, gap, meeting, speed * np.concatenate(leaving), balls.converged)
+    return Onset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), balls.converged)
