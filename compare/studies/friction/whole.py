@@ -172,7 +172,8 @@ def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
 
     def found(factor: float) -> bool:
         scene = with_errors(solved.scene, factor)
-        loads = run_model(scene, solved.model, solved.options)
+        options = solved.options if scene.errors.random else replace(solved.options, member=0)
+        loads = run_model(scene, solved.model, options)
         return loads.converged and contact_onset(scene, loads, drive=solved.motion).touch
 
     try:
