@@ -32,6 +32,7 @@ UNITS = {
     "rad_s": Unit("rad/s"),
     "percent": Unit("%"),
     "million_revolutions": Unit("million revolutions"),
+    "kg_mm2": Unit("kg mm2", 1e6),
     "hours": Unit("h"),
     "MPa": Unit("MPa", 1e-6),
     "mrad": Unit("mrad", 1e3),

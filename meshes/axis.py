@@ -13,8 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.fields import about, keyed, usual
-from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
-from rollbench.meshes.ranges import Bore, ContactAngle, Size, Station
+from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.ranges import (
+    Bore,
+    ContactAngle,
+    Density,
+    Duration,
+    Efficiency,
+    Inertia,
+    Mass,
+    Size,
+    Station,
+    Torque,
+)
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -114,7 +125,8 @@ class RollingSet:
     housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along
     +z against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads,
     and then locked (0: none); thrust: which thrust on the shaft the set carries; carrier: the name of the housing that its
-    inner part belongs to, as the bearing around a nut does, None for the shaft.
+    inner part belongs to, as the bearing around a nut does, None for the shaft; seals: friction torque of its seals or
+    wipers as given [N m].
     """
 
     name: str
@@ -126,6 +138,25 @@ class RollingSet:
     preload: float = usual(0.0)
     thrust: Thrust = usual("both")
     carrier: str | None = usual(None)
+    seals: float = usual(0.0)
+
+
+@keyed
+@dataclass(frozen=True)
+class Drive:
+    """What the motor of a shaft moves besides it, for the torque and the inertia of the axis.
+
+    Mass [kg], inertia [kg m^2], time [s], torque [N m], density [kg/m^3].
+    """
+
+    mass: Mass = usual(0.0, "mass that the nut moves along the shaft", "200 kg")
+    motor_inertia: Inertia = usual(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
+    time: Duration | None = usual(None, "time in which it comes evenly from rest to the speed of [motion]", "100 ms")
+    efficiency: Efficiency | None = usual(
+        None, "efficiency of the nut while it accelerates the mass; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
+    )
+    torque: Torque = usual(0.0, "friction torque of all else, as given: guides, motor, coupling", "0.5 N m")
+    density: Density = usual(7850.0, "density of the shaft", "7850 kg/m3")
 
 
 @keyed
@@ -151,8 +182,10 @@ class Assembly:
     assumed: tuple[str, ...] = usual(())
     friction: Friction | None = usual(None)
     motion: Motion | None = usual(None)
+    lubricant: Lubricant | None = usual(None)
     stiffness_at: float | str | None = usual(None)
     thermal_strain: float = usual(0.0)
+    drive: Drive = usual(Drive())
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:

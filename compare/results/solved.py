@@ -31,8 +31,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rollbench.compare.models import loading
+    from rollbench.compare.models.drive import AxisDrive
     from rollbench.compare.models.model_form import ModelForm
+    from rollbench.lowfi.bearings.torque import BallTorque
     from rollbench.lowfi.rating import life as rating
+    from rollbench.lowfi.rating.life import SystemLife
 
 
 class Status(StrEnum):
@@ -165,6 +168,8 @@ class SetResult(Balls):
     """Its life; None without load, of rollers, and where the formulas do not take it."""
     preload: Preload | None
     """Its contacts without the loads of the scene; None where that has no equilibrium."""
+    bearing_torque: BallTorque | None = None
+    """Friction torque of a bearing [N m]; None of nuts and without load."""
 
     def __repr__(self) -> str:
         """Name, kind and what is loaded."""
@@ -217,6 +222,12 @@ class Result(Record, Balls):
     do not take the scene."""
     preload: Preload | None = None
     """Of one set; of several see each of `sets`."""
+    bearing_torque: BallTorque | None = None
+    """Friction torque of a bearing of one set; None of nuts and without load."""
+    drive: AxisDrive | None = None
+    """What the motor of several sets on one shaft turns: torques [N m] and moments of inertia [kg m^2]; None of one set."""
+    axis_life: SystemLife | None = None
+    """Life of all sets that turn with the shaft together; of load cases over all of them. None of one set."""
     expected_error: ExpectedError | None = None
     """Error to expect; None of several sets, for which none is known, and of load cases: see each of them."""
     sets: Mapping[str, SetResult] = field(default_factory=dict)
@@ -366,6 +377,7 @@ def result_of(
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life(together.least.life, together.speed),
+        axis_life=together.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
         tangents=tuple(tangents),
@@ -409,6 +421,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
         preload=_preload(answers.preload),
+        bearing_torque=answers.torque,
         expected_error=expected_error(one.expected),
     )
 
@@ -438,6 +451,8 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
         axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
         worst=worst,
         life=min(lives, key=lambda life: life.L10, default=None),
+        drive=one.drive,
+        axis_life=one.life,
     )
 
 
@@ -459,6 +474,7 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         worst=None if loads is None else _worst(s.of.name, loads),
         life=_life(loads.life, speed) if isinstance(loads, LoadAnswers) else None,
         preload=None if answers is None else _preload(answers.preload),
+        bearing_torque=None if answers is None else answers.torque,
     )
 
 
