@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.fields import about, keyed, usual
-from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
 from rollbench.meshes.ranges import Bore, ContactAngle, Size, Station
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
@@ -90,7 +90,9 @@ class RollerRow:
     """One row of tapered rollers, every cone of it with its apex on the axis: number, mean diameter and effective length of
     a roller [m], half included angles of cup and roller [rad], depth of both rings to which deformation counts [m],
     material; crown: radius of the crowning at both contacts [m], infinite for straight rollers; slices of a roller;
-    azimuth of the first one [rad]."""
+    azimuth of the first one [rad]. end_radius: of the sphere of the large end [m], None where it is not known; rib_height:
+    of the contact with the rib above the cone's race [m], None for the usual one; rib_friction: coefficient of friction
+    there, None for the usual one; torque_factor: the maker's G_1 of Timken's formula, None where it is not known."""
 
     count: int
     diameter: Size
@@ -102,6 +104,10 @@ class RollerRow:
     crown: float = usual(float("inf"))
     slices: int = usual(15)
     phase: float = usual(0.0)
+    end_radius: Size | None = usual(None)
+    rib_height: Size | None = usual(None)
+    rib_friction: float | None = usual(None)
+    torque_factor: float | None = usual(None)
 
 
 @keyed
@@ -151,6 +157,7 @@ class Assembly:
     assumed: tuple[str, ...] = usual(())
     friction: Friction | None = usual(None)
     motion: Motion | None = usual(None)
+    lubricant: Lubricant | None = usual(None)
     stiffness_at: float | str | None = usual(None)
     thermal_strain: float = usual(0.0)
     kind: ClassVar[str] = "axis"

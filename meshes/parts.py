@@ -15,6 +15,7 @@ from rollbench.meshes.ranges import (
     Bore,
     Clearance,
     ContactAngle,
+    Density,
     Deviation,
     Duration,
     Element,
@@ -26,6 +27,7 @@ from rollbench.meshes.ranges import (
     Moments,
     Percent,
     Poisson,
+    PressureViscosity,
     Radius,
     Several,
     Size,
@@ -35,6 +37,7 @@ from rollbench.meshes.ranges import (
     Travel,
     Turning,
     Turns,
+    Viscosity,
     Whole,
 )
 
@@ -365,6 +368,24 @@ class Motion:
 
 @keyed
 @dataclass(frozen=True)
+class Lubricant:
+    """Oil, or base oil of a grease, at the temperature of running: kinematic viscosity [m^2/s] and density [kg/m^3] at
+    ambient pressure, rise of the viscosity's logarithm with pressure [1/Pa]."""
+
+    viscosity: Viscosity = field(metadata=about("kinematic viscosity at the temperature of running", "27 mm2/s"))
+    density: Density = usual(900.0, "density", "900 kg/m3")
+    pressure_viscosity: PressureViscosity = usual(
+        20e-9, "rise of the logarithm of the viscosity with pressure, for the film between rollers and races", "20 1/GPa"
+    )
+
+    @property
+    def dynamic_viscosity(self) -> float:
+        """Dynamic viscosity at ambient pressure [Pa s]."""
+        return self.viscosity * self.density
+
+
+@keyed
+@dataclass(frozen=True)
 class Circulation:
     """How the balls of a screw go round, for: rollbench friction.
 
@@ -443,6 +464,7 @@ class Scene:
     circulation: Circulation | None = usual(None)
     time: Time | None = usual(None)
     gate: GateLimits = usual(GateLimits(), compare=False)
+    lubricant: Lubricant | None = usual(None)
 
     def __hash__(self) -> int:
         """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""

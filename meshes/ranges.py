@@ -16,11 +16,14 @@ if TYPE_CHECKING:
     from pydantic_core import PydanticCustomError
 
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
-#: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.
+#: Units of speeds, angular speeds, times and what describes a lubricant, as factors to SI; the SI unit first.
 RATES = {
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
     "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
     "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "kinematic viscosity": {"m2/s": 1.0, "mm2/s": 1e-6, "cSt": 1e-6},
+    "density": {"kg/m3": 1.0, "g/cm3": 1e3},
+    "pressure coefficient": {"1/Pa": 1.0, "1/GPa": 1e-9},
 }
 
 
@@ -139,7 +142,7 @@ class ForceOrShare(Quantity):
 
 @dataclass(frozen=True)
 class Rate(Quantity):
-    """Range of a speed, an angular speed or a time."""
+    """Range of a speed, an angular speed, a time or what describes a lubricant."""
 
     @property
     def unit(self) -> str:
@@ -227,5 +230,9 @@ Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "6
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
 Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
+Viscosity = Annotated[float, Rate("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
+Density = Annotated[float, Rate("density", "100 kg/m3", "3000 kg/m3", "900 kg/m3")]
+PressureViscosity = Annotated[float, Rate("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
+TorqueFactor = Annotated[float, Quantity("number", 0, 100_000, 40, above=True)]
 #: Young's moduli [Pa] of solids that parts of machines are made of.
 SOLIDS = (1e9, 1e12)

@@ -61,6 +61,7 @@ def scene_tables(scene: Scene) -> Table:
         solid=table_of(scene.solid, "nut_held"),
         friction=_friction(scene.friction),
         motion=scene.motion and table_of(scene.motion),
+        lubricant=scene.lubricant and table_of(scene.lubricant),
         circulation=scene.circulation and (table_of(scene.circulation) or {"circuits": 1}),
         time=scene.time and table_of(scene.time),
         preload={"lead_offset": text_of(Deviation, offset)} if offset else {},
@@ -98,6 +99,7 @@ def axis_tables(axis: Assembly) -> Table:
         ingredients=table_of(axis.ingredients, "screw", "element_length", "arm"),
         friction=_friction(axis.friction),
         motion=axis.motion and table_of(axis.motion),
+        lubricant=axis.lubricant and table_of(axis.lubricant),
     )
 
 

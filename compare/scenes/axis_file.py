@@ -61,7 +61,7 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
     sets = tuple(_set(keys, i, raw, origin) for i in range(len(keys.sets)))
     refuse(origin, raw, list(_place_faults(keys, sets)))
     if _single(keys):
-        shared = {n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion")}
+        shared = {n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")}
         whole = _scene_keys(keys, keys.sets[0]).model_copy(update=shared)
         refuse(origin, raw, list(choice_faults(whole)))
         return scene_of(whole, name)
@@ -82,6 +82,7 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
         assumed=(*keys.assumed, *_rated(keys, sets)),
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=keys.motion,
+        lubricant=keys.lubricant,
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
     )
@@ -246,7 +247,8 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         r = one.rollers
         material = material_of(None, keys.material)
         row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
-        row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
+        given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
+        row = replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
         return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
     scene_keys = _scene_keys(keys, one)
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
