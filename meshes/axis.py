@@ -101,7 +101,9 @@ class RollerRow:
     """One row of tapered rollers, every cone of it with its apex on the axis: number, mean diameter and effective length of
     a roller [m], half included angles of cup and roller [rad], depth of both rings to which deformation counts [m],
     material; crown: radius of the crowning at both contacts [m], infinite for straight rollers; slices of a roller;
-    azimuth of the first one [rad]."""
+    azimuth of the first one [rad]. end_radius: of the sphere of the large end [m], None where it is not known; rib_height:
+    of the contact with the rib above the cone's race [m], None for the usual one; rib_friction: coefficient of friction
+    there, None for the usual one; torque_factor: the maker's G_1 of Timken's formula, None where it is not known."""
 
     count: int
     diameter: Size
@@ -113,6 +115,10 @@ class RollerRow:
     crown: float = usual(float("inf"))
     slices: int = usual(15)
     phase: float = usual(0.0)
+    end_radius: Size | None = usual(None)
+    rib_height: Size | None = usual(None)
+    rib_friction: float | None = usual(None)
+    torque_factor: float | None = usual(None)
 
 
 @keyed

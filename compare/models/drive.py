@@ -11,7 +11,8 @@ from rollbench.compare.models.friction_sums import kept_sums
 from rollbench.compare.models.registry import Options
 from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
 from rollbench.lowfi.bearings.torque import Band
-from rollbench.lowfi.rating.life import LINE_SLOPE, POINT_SLOPE, SystemLife, system_life
+from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating.life import SLOPE, SystemLife, system_life
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
@@ -151,7 +152,7 @@ def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> S
     for s, one in zip(result.sets, answers.sets, strict=True):
         life = getattr(one.loads, "life", None)
         if s.of.carrier is None and life is not None:
-            slope = LINE_SLOPE if isinstance(one.loads, RollerAnswers) else POINT_SLOPE
+            slope = roller_life.SLOPE if isinstance(one.loads, RollerAnswers) else SLOPE
             lives[one.name] = 1e6 * life.revolutions, slope
         elif s.of.carrier is None and one.loads.worst is not None:
             without.append(one.name)

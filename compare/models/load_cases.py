@@ -23,7 +23,7 @@ from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating.life import POINT_SLOPE, EquivalentLife, Life, SystemLife, equivalent_life, life, over_cases, system_life
+from rollbench.lowfi.rating.life import SLOPE, EquivalentLife, Life, SystemLife, equivalent_life, life, over_cases, system_life
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -238,7 +238,7 @@ def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
     known = {x.set: x.life.revolutions for x in lives if x.life is not None and x.set in turning}
     if not known:
         return None
-    together = 1e-6 * system_life([(1e6 * life, POINT_SLOPE) for life in known.values()])
+    together = 1e-6 * system_life([(1e6 * life, SLOPE) for life in known.values()])
     without = tuple(name for name in turning if name not in known)
     return SystemLife(together, min(known, key=lambda name: known[name]), without, lead_of(cycle.scene), cycle.speed)
 

@@ -267,7 +267,8 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         r = one.rollers
         material = material_of(None, keys.material)
         row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
-        row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
+        given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
+        row = replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
         return RollingSet(  # type: ignore[arg-type]
             *shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust, seals=one.seals
         )

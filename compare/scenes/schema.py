@@ -347,6 +347,18 @@ class RollerKeys(keys.Table):
     ring_depth: ranges.Size = key("depth of both rings to which their deformation counts", example="5 mm")
     crown: ranges.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
     slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
+    end_radius: ranges.Size | None = key(
+        "radius of the sphere of the large end, for the pressure on the rib; usually 0.8 to 0.95 of its apex distance",
+        None,
+        "55 mm",
+    )
+    rib_height: ranges.Size | None = key(
+        "height of the contact with the rib above the cone's race; a tenth of the diameter if left out", None, "0.8 mm"
+    )
+    rib_friction: ranges.Coefficient | None = key(
+        "coefficient of friction of the large end on the rib; 0.1 if left out", None, 0.1
+    )
+    torque_factor: ranges.TorqueFactor | None = key("the maker's factor G1, for the torque by Timken's formula", None, 40)
 
 
 class SetKeys(keys.Table):

@@ -132,8 +132,8 @@ class Life:
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
 
 
-#: Slopes of the Weibull distribution of lives of point and line contacts (Lundberg and Palmgren 1947, 1952).
-POINT_SLOPE, LINE_SLOPE = 10.0 / 9.0, 9.0 / 8.0
+#: Slope of the Weibull distribution of lives of point contacts (Lundberg and Palmgren 1947).
+SLOPE = 10.0 / 9.0
 
 
 @record
