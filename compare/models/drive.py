@@ -10,16 +10,18 @@ from rollbench.compare.models.answers import AxisAnswers, RollerAnswers
 from rollbench.compare.models.friction_sums import kept_sums
 from rollbench.compare.models.registry import Options
 from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
-from rollbench.lowfi.bearings.torque import Band
+from rollbench.lowfi.bearings.roller_torque import roller_torque
+from rollbench.lowfi.bearings.torque import BallTorque, Band
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import SLOPE, SystemLife, system_life
-from rollbench.lowfi.statics.result import AxisResult
-from rollbench.meshes.axis import Assembly
+from rollbench.lowfi.statics.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
 #: Efficiency of a nut that accelerates a mass where the scene says none (Smith 4.3.1: typically 0.90 to 0.95).
 EFFICIENCY: Band = (0.90, 0.95)
+NOT_RUNNING = "a bearing that runs takes [lubricant] and [motion]"
 #: Of every nut, by the set's number from 0: sums of its friction, JSON-ready, or None and why.
 NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
@@ -90,7 +92,12 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
         return None
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
     turning = [i for i, s in enumerate(result.sets) if s.of.carrier is None]
-    sets = tuple(_of_nut(result, i, *nuts[i], sign) if i in nuts else _of_bearing(answers, i) for i in turning)
+    sets = tuple(
+        _of_nut(result.sets[i].of.name, *nuts[i], sign)
+        if i in nuts
+        else _of_bearing(assembly, result.sets[i], answers.sets[i].torque)
+        for i in turning
+    )
     seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of(assembly)
     running = _budget(drive.torque, [s.running for s in sets], seals)
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
@@ -128,22 +135,25 @@ def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
     return low, high
 
 
-def _of_nut(result: AxisResult, i: int, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
+def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
     """Of a nut: what drives the shaft the way that it turns, the same from rest (Coulomb's friction)."""
-    name = result.sets[i].of.name
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, why or "no balance of friction found")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
     return SetDrive(name, (torque, torque), (torque, torque))
 
 
-def _of_bearing(answers: AxisAnswers, i: int) -> SetDrive:
+def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
     """Of a bearing: its friction, nothing without load."""
-    one = answers.sets[i]
-    if one.torque is None:
-        return SetDrive(one.name, (0.0, 0.0), (0.0, 0.0))
-    words = "" if one.torque.running is not None else "a bearing's torque while it runs takes [lubricant] and [motion]"
-    return SetDrive(one.name, one.torque.running, one.torque.starting, words)
+    ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
+    if torque is not None:
+        ends = torque.running, torque.starting
+    elif isinstance(s.of.parts, RollerRow) and s.line_loads is not None:
+        speed = None if assembly.motion is None else assembly.motion.speed
+        if (row := roller_torque(s.of.parts, s.line_loads, speed, assembly.lubricant)) is not None:
+            low, high = (row.torque if x is None else x for x in (row.low, row.high))
+            ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
+    return SetDrive(s.of.name, *ends, "" if ends[0] is not None else NOT_RUNNING)
 
 
 def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:

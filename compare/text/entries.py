@@ -101,17 +101,16 @@ def band(ends: Sequence[float] | None, digits: int = 3) -> str:
 
 def _torques(rows: list[tuple[str, BallTorque | None]]) -> list[tuple[str, str]]:
     """The entry on the friction torques of bearings: what each sentence begins with, and its torque."""
-    each = []
-    for name, torque in rows:
-        if torque is None:
-            continue
-        data = as_json(torque) or {}
-        runs = "running not known without [lubricant] and [motion]"
-        if data["running_Nmm"] is not None:
-            parts = f"lubricant {band(data['viscous_Nmm'])}, load {band(data['load_Nmm'])}"
-            runs = f"{band(data['running_Nmm'])} N mm running ({parts})"
-        each.append(f"{name}{band(data['starting_Nmm'])} N mm to start, {runs}")
-    return [("bearings", f"by Palmgren, lowest to highest published coefficients: {'; '.join(each)}")] if each else []
+    known = [(name, as_json(torque) or {}) for name, torque in rows if torque is not None]
+    if not known:
+        return []
+    each = [
+        f"{name}{band(data['starting_Nmm'])}" + (f", {band(runs)}" if (runs := data["running_Nmm"]) else "")
+        for name, data in known
+    ]
+    runs = "to start, to run" if known[0][1]["running_Nmm"] else "to start (to run: with [lubricant] and [motion])"
+    words = f"friction torque in N mm {runs}, by Palmgren, lowest to highest published coefficients"
+    return [("bearings" if known[0][0] else "bearing", f"{words}: {'; '.join(each)}")]
 
 
 def drive_lines(drive: dict[str, Any] | None) -> list[tuple[str, str]]:
@@ -119,11 +118,12 @@ def drive_lines(drive: dict[str, Any] | None) -> list[tuple[str, str]]:
     if drive is None:
         return []
     speeding = drive["accelerating_torque_Nmm"]
-    text = f"torque {band(drive['running_torque_Nmm'])} N mm at constant speed, {band(drive['starting_torque_Nmm'])} from rest"
+    runs = f"torque in N mm {band(drive['running_torque_Nmm'])} at constant speed"
+    text = f"{runs}, {band(drive['starting_torque_Nmm'])} from rest"
     text += "" if speeding is None else f", {band(speeding)} while it comes to speed"
     given = [f"{name} {shown(drive[key])} N mm" for name, key in (("seals", "seals_Nmm"), ("other", "other_Nmm")) if drive[key]]
     text += f"; with {', '.join(given)} as given" if given else ""
-    why = "; ".join(f"{x['name']}: {x['words']}" for x in drive["sets"] if x["words"])
+    why = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
     inertia = f"{shown(drive['inertia_kg_mm2'])} kg mm2: shaft {shown(drive['shaft_inertia_kg_mm2'])}"
     inertia += f", reflected mass {shown(drive['reflected_inertia_kg_mm2'])}" if drive["reflected_inertia_kg_mm2"] else ""
     return [("drive", f"{text}; not known: {why}" if why else text), ("inertia", inertia)]
