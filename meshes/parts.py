@@ -16,9 +16,11 @@ from rollbench.meshes.ranges import (
     Clearance,
     ContactAngle,
     Contamination,
+    Density,
     Deviation,
     Duration,
     Element,
+    Factor0,
     Filling,
     Forces,
     Harmonic,
@@ -28,6 +30,7 @@ from rollbench.meshes.ranges import (
     Moments,
     Percent,
     Poisson,
+    PressureViscosity,
     Radius,
     Reliability,
     Several,
@@ -39,6 +42,7 @@ from rollbench.meshes.ranges import (
     Travel,
     Turning,
     Turns,
+    Viscosity,
     ViscosityRatio,
     Whole,
 )
@@ -373,6 +377,28 @@ class Motion:
 
 @keyed
 @dataclass(frozen=True)
+class Lubricant:
+    """Oil, or base oil of a grease, at the temperature of running: kinematic viscosity [m^2/s] and density [kg/m^3] at
+    ambient pressure, rise of the viscosity's logarithm with pressure [1/Pa]; how it gets to rows of balls."""
+
+    viscosity: Viscosity = field(metadata=about("kinematic viscosity at the temperature of running", "27 mm2/s"))
+    density: Density = usual(900.0, "density", "900 kg/m3")
+    pressure_viscosity: PressureViscosity = usual(
+        20e-9, "rise of the logarithm of the viscosity with pressure, for the film between rollers and races", "20 1/GPa"
+    )
+    supply: Literal["grease", "oil mist", "oil bath", "oil jet"] = usual(
+        "grease", "how rows of balls are lubricated, for Palmgren's factor f0", "oil bath"
+    )
+    factor: Factor0 | None = usual(None, "the maker's factor f0 of a row of balls, in place of the published range", 2)
+
+    @property
+    def dynamic_viscosity(self) -> float:
+        """Dynamic viscosity at ambient pressure [Pa s]."""
+        return self.viscosity * self.density
+
+
+@keyed
+@dataclass(frozen=True)
 class Circulation:
     """How the balls of a screw go round, for: rollbench friction.
 
@@ -469,6 +495,7 @@ class Scene:
     time: Time | None = usual(None)
     gate: GateLimits = usual(GateLimits(), compare=False)
     operation: Operation = usual(Operation(), compare=False)
+    lubricant: Lubricant | None = usual(None)
 
     def __hash__(self) -> int:
         """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""

@@ -25,6 +25,7 @@ from rollbench.compare.models.loading import (
     preload,
 )
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
+from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import (
     Contact,
@@ -51,8 +52,8 @@ from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
-from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres
-from rollbench.meshes.parts import Scene, Support
+from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres, is_one_arc
+from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Part of the way from the middle of the play to its end from which on a ring is called to be at the end.
@@ -144,7 +145,8 @@ class Answers:
     the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
     nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
     JSON-ready, or words why it is not computed; path: where the loads go, None without any; stepped: stiffness of Liu's
-    model over the scene's step of load [N/m]; shaft: limits of a screw's shaft."""
+    model over the scene's step of load [N/m]; shaft: limits of a screw's shaft; torque: of a bearing, by Palmgren's
+    formulas."""
 
     loads: LoadAnswers
     force: float
@@ -159,6 +161,7 @@ class Answers:
     path: LoadPath | None = None
     stepped: float | None = None
     shaft: ShaftLimits | None = None
+    torque: BallTorque | None = None
 
     @property
     def displacement(self) -> float:
@@ -264,7 +267,37 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
 
         stepped = row_of(scene, member=options.member).stiffness(step)
     shaft = shaft_limits(scene, result)
-    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft)
+    on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
+    torque = row_torque(scene, "deep groove", result, on_ring, loads, scene.lubricant, scene.motion)
+    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
+
+
+def row_torque(
+    parts: Scene,
+    thrust: str,
+    balls: StaticResult,
+    force: Array,
+    loads: LoadAnswers,
+    lubricant: Lubricant | None,
+    motion: Motion | None,
+) -> BallTorque | None:
+    """Friction torque of a bearing's row of balls by Palmgren's formulas; None of nuts and without load.
+
+    thrust: which it carries, of a row of one arc a groove; force (3,) [N]: of the shaft or on it; loads: its answers.
+    """
+    if parts.track.lead or loads.safety is None:
+        return None
+    kind: Kind = "four-point" if not is_one_arc(parts) else "deep groove" if thrust == "deep groove" else "angular contact"
+    inner, angle = balls.load[:, :2], balls.contact_angle[:, :2]
+    along = float(np.sum(inner * np.sin(np.where(inner > 0.0, angle, 0.0))))
+    pitch, viscous = 2.0 * parts.track.pitch_radius, None
+    if lubricant is not None and motion is not None:
+        ends = VISCOUS[kind][lubricant.supply] if lubricant.factor is None else (lubricant.factor, lubricant.factor)
+        low, high = (viscous_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
+        viscous = low, high
+    share = 1.0 / loads.safety.factor
+    radial = float(np.hypot(force[0], force[1]))
+    return ball_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
@@ -320,12 +353,13 @@ def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preloa
 @dataclass(frozen=True)
 class SetAnswers:
     """One set: its name and parts. preload: of its contacts without the loads of the scene, axially the force that it then
-    has on the shaft; None where the scene does not solve then."""
+    has on the shaft; None where the scene does not solve then; torque: of a loaded bearing."""
 
     name: str
     parts: Scene | RollerRow
     loads: LoadAnswers | RollerAnswers
     preload: Preload | None
+    torque: BallTorque | None = None
 
 
 @dataclass(frozen=True)
@@ -362,7 +396,9 @@ class AxisAnswers:
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
-    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
+    bearing = assembly.lubricant, assembly.motion
+    pairs = ((s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
+    sets = tuple(_of_set(s, without, result.member, *bearing) for s, without in pairs)
     moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
     path = path_of_sets(assembly, result, bare)
     return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
@@ -390,18 +426,21 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+def _of_set(
+    s: SetResult, bare: SetResult | None, member: int, lubricant: Lubricant | None, motion: Motion | None
+) -> SetAnswers:
     """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
-    parts = s.of.parts
+    parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
         answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
     else:
         assert s.balls is not None, "a set of balls has contacts"
         answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
+        torque = row_torque(parts, s.of.thrust, s.balls, s.force, answers, lubricant, motion)
     if bare is None:
-        return SetAnswers(s.of.name, parts, answers, None)
+        return SetAnswers(s.of.name, parts, answers, None, torque)
     loads = bare.loads[bare.loads > 0.0]
     mean = mean_load(loads) if loads.size else 0.0
     preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
-    return SetAnswers(s.of.name, parts, answers, preload)
+    return SetAnswers(s.of.name, parts, answers, preload, torque)

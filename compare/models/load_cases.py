@@ -18,11 +18,21 @@ from rollbench.compare.models.answers import (
     play_warnings,
     solve_sets,
 )
+from rollbench.compare.models.drive import AxisDrive, axis_drive, axis_life, lead_of, nut_sums
 from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating.life import EquivalentLife, Life, equivalent_life, life, over_cases
+from rollbench.lowfi.rating.life import (
+    SLOPE,
+    EquivalentLife,
+    Life,
+    SystemLife,
+    equivalent_life,
+    life,
+    over_cases,
+    system_life,
+)
 from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -71,12 +81,15 @@ class Solved:
 
 @dataclass(frozen=True)
 class SolvedAxis:
-    """Several sets on one shaft by one model, in the words of `Solved`; no error to expect is known of them."""
+    """Several sets on one shaft by one model, in the words of `Solved`; no error to expect is known of them. drive, life:
+    of all sets that turn with the shaft."""
 
     scene: Assembly
     result: AxisResult
     answers: AxisAnswers | None = None
     expected: None = None
+    drive: AxisDrive | None = None
+    life: SystemLife | None = None
 
     @property
     def contacts(self) -> tuple[LoadAnswers | RollerAnswers, ...]:
@@ -104,7 +117,11 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
     """Solve several sets and gather all answers. Raises InputError as `run_model`."""
-    return SolvedAxis(scene, *solve_sets(scene, model, options.member))
+    result, answers = solve_sets(scene, model, options.member)
+    if answers is None:
+        return SolvedAxis(scene, result)
+    drive = axis_drive(scene, result, answers, nut_sums(scene, result))
+    return SolvedAxis(scene, result, answers, None, drive, axis_life(scene, result, answers))
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
@@ -167,7 +184,7 @@ class Together:
 
     pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
     the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
-    of every set of balls, in order; speed: mean one [rad/s].
+    of every set of balls, in order; speed: mean one [rad/s]; axis_life: of several sets together.
     """
 
     pressure: Extreme | None = quantity(
@@ -194,6 +211,7 @@ class Together:
     unsolved: dict[str, str] = quantity("unsolved")
     lives: tuple[Lives, ...]
     speed: float | None
+    axis_life: SystemLife | None = quantity("axis_life", default=None)
 
     @property
     @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
@@ -219,9 +237,23 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
         _extreme(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
         {case.name: one.result.status for case, one in pairs if one.answers is None},
-        tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
+        lives := tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
         cycle.speed,
+        _axis_life(cycle, lives),
     )
+
+
+def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
+    """Life over the cycle of all sets of balls that turn with the shaft; None of one set, and where none has one."""
+    if not isinstance(cycle.scene, Assembly):
+        return None
+    turning = [s.name for s in cycle.scene.sets if s.carrier is None]
+    known = {x.set: x.life.revolutions for x in lives if x.life is not None and x.set in turning}
+    if not known:
+        return None
+    together = 1e-6 * system_life([(1e6 * life, SLOPE) for life in known.values()])
+    without = tuple(name for name in turning if name not in known)
+    return SystemLife(together, min(known, key=lambda name: known[name]), without, lead_of(cycle.scene), cycle.speed)
 
 
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
+from rollbench.compare.models.drive import AxisDrive, SetDrive
 from rollbench.compare.models.load_cases import Lives, Together
 from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, Taker
 from rollbench.compare.models.model_form import ModelForm
@@ -28,9 +29,9 @@ from rollbench.compare.results.data import (
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
-from rollbench.lowfi.bearings.torque import LoadTorque
+from rollbench.lowfi.bearings.torque import BallTorque, LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
-from rollbench.lowfi.rating.life import EquivalentLife, Life
+from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
 from rollbench.lowfi.rating.modified import ModifiedLife
 from rollbench.lowfi.rating.rigidity import Rigidities
 from rollbench.lowfi.rating.shaft import ShaftLimits
@@ -110,6 +111,7 @@ TABLES = (
             ("", LoadAnswers),
             ("preload.", Preload),
             ("starting_torque.", LoadTorque),
+            ("axis_life.", SystemLife),
             ("contact_lost.", LiftOff),
         ),
     ),
@@ -117,7 +119,16 @@ TABLES = (
         "Friction",
         "Torques act about the screw's axis. Their error is dominated by the coefficient of friction, which is an input: "
         "see `band`.",
-        (("band.", FrictionBand), ("onset.", FrictionOnset), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
+        (
+            ("band.", FrictionBand),
+            ("onset.", FrictionOnset),
+            ("play.", FrictionPlay),
+            ("bearing_torque.", BallTorque),
+            ("drive.", AxisDrive),
+            ("drive.sets[].", SetDrive),
+            ("", Friction),
+            ("", FrictionBall),
+        ),
     ),
     Table(
         "How far to trust it",

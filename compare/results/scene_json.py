@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.bearings.torque import LoadTorque
 
 #: Answers that each set has for itself.
-OF_A_SET = ("sides", "preload", "starting_torque", "clearance")
+OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance")
 #: Force [N] whose change of sign lost motion is given for.
 LOST_BY = 100.0
 
@@ -287,6 +287,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
         "load_path": as_json(answers.path),
         "shaft": as_json(answers.shaft),
         "clearance": as_json(clearance_in(scene)),
+        **({} if scene.track.lead else {"bearing_torque": as_json(answers.torque)}),
     }
 
 
@@ -323,6 +324,7 @@ def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) ->
     if not isinstance(answers.parts, Scene):
         return data
     data["clearance"] = as_json(clearance_in(answers.parts, s.of.thrust))
+    data |= {} if answers.parts.track.lead else {"bearing_torque": as_json(answers.torque)}
     return data | {"starting_torque": starting_torque(s, answers)}
 
 
@@ -348,6 +350,7 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
     data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words", "stepped_N_per_um")
     data["stiffness"] = whole_stiffness(result)
     data["load_path"] = as_json(answers.path)
+    data |= {"drive": as_json(one.drive), "axis_life": as_json(one.life)}
     if k := answers.worst_set:
         of_set = set_json(result.sets[k - 1], answers.sets[k - 1], one.scene.motion)
         data |= {"worst_set": k} | {k: of_set[k] for k in of_set if k not in OF_A_SET}
@@ -461,7 +464,7 @@ def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
 def together_json(whole: Together) -> dict[str, Any]:
     """Extremes of the cases, and the lives over the cycle with words where there is none."""
     several = len(whole.lives) != 1
-    data = (as_json(whole, *([] if several else ["life_set"])) or {}) | _lives_json(whole.least, whole.speed)
+    data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)
     each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
     return data | {"sets": [*each]} if several else data
 

@@ -31,8 +31,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rollbench.compare.models import loading
+    from rollbench.compare.models.drive import AxisDrive
     from rollbench.compare.models.model_form import ModelForm
+    from rollbench.lowfi.bearings.torque import BallTorque
     from rollbench.lowfi.rating import life as rating
+    from rollbench.lowfi.rating.life import SystemLife
     from rollbench.lowfi.rating.modified import ModifiedLife
     from rollbench.lowfi.rating.shaft import ShaftLimits
 
@@ -167,6 +170,8 @@ class SetResult(Balls):
     """Its life; None without load, of rollers, and where the formulas do not take it."""
     preload: Preload | None
     """Its contacts without the loads of the scene; None where that has no equilibrium."""
+    bearing_torque: BallTorque | None = None
+    """Friction torque of a bearing [N m]; None of nuts and without load."""
 
     def __repr__(self) -> str:
         """Name, kind and what is loaded."""
@@ -224,6 +229,12 @@ class Result(Record, Balls):
     """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of its shaft; None of rings and several sets."""
     preload: Preload | None = None
     """Of one set; of several see each of `sets`."""
+    bearing_torque: BallTorque | None = None
+    """Friction torque of a bearing of one set; None of nuts and without load."""
+    drive: AxisDrive | None = None
+    """What the motor of several sets on one shaft turns: torques [N m] and moments of inertia [kg m^2]; None of one set."""
+    axis_life: SystemLife | None = None
+    """Life of all sets that turn with the shaft together; of load cases over all of them. None of one set."""
     expected_error: ExpectedError | None = None
     """Error to expect; None of several sets, for which none is known, and of load cases: see each of them."""
     sets: Mapping[str, SetResult] = field(default_factory=dict)
@@ -374,6 +385,7 @@ def result_of(
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life(together.least.life, together.speed),
         modified_life=together.least.modified,
+        axis_life=together.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
         tangents=tuple(tangents),
@@ -419,6 +431,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         modified_life=answers.loads.modified,
         shaft=answers.shaft,
         preload=_preload(answers.preload),
+        bearing_torque=answers.torque,
         expected_error=expected_error(one.expected),
     )
 
@@ -448,6 +461,8 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
         axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
         worst=worst,
         life=min(lives, key=lambda life: life.L10, default=None),
+        drive=one.drive,
+        axis_life=one.life,
     )
 
 
@@ -469,6 +484,7 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         worst=None if loads is None else _worst(s.of.name, loads),
         life=_life(loads.life, speed) if isinstance(loads, LoadAnswers) else None,
         preload=None if answers is None else _preload(answers.preload),
+        bearing_torque=None if answers is None else answers.torque,
     )
 
 

@@ -24,9 +24,20 @@ from rollbench.compare.scenes.from_keys import (
     scene_of,
     support_of,
 )
-from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults
+from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults, motion_faults
 from rollbench.compare.scenes.schema import AxisKeys, CaseHousingKeys, HousingKeys, SceneKeys, ScrewKeys, SetKeys, StiffKeys
-from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing, Joint, RollerRow, RollingSet, Stiffness, diagonal, full
+from rollbench.meshes.axis import (
+    ARRANGEMENTS,
+    Assembly,
+    Drive,
+    Housing,
+    Joint,
+    RollerRow,
+    RollingSet,
+    Stiffness,
+    diagonal,
+    full,
+)
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Scene, Screw
 from rollbench.meshes.ranges import ShareOfRating
@@ -61,7 +72,9 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
     sets = tuple(_set(keys, i, raw, origin) for i in range(len(keys.sets)))
     refuse(origin, raw, list(_place_faults(keys, sets)))
     if _single(keys):
-        shared = {n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion")}
+        shared = {
+            n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
+        }
         whole = _scene_keys(keys, keys.sets[0]).model_copy(update=shared)
         refuse(origin, raw, list(choice_faults(whole)))
         return scene_of(whole, name)
@@ -82,8 +95,10 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
         assumed=(*keys.assumed, *_rated(keys, sets)),
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=keys.motion,
+        lubricant=keys.lubricant,
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
+        drive=keys.drive,
     )
 
 
@@ -104,6 +119,7 @@ def _single(keys: AxisKeys) -> bool:
     """Whether the file describes what a file without ``[[sets]]`` can describe."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
+    more = more or one.seals or keys.drive != Drive()
     return len(keys.sets) == 1 and not more and one.balls is not None and one.thrust in (None, "both")
 
 
@@ -117,6 +133,8 @@ def kind_of_set(one: SetKeys) -> str:
 def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     """Sets and housings that lack a table, are named twice, or name what is not there; friction without a coefficient."""
     yield from friction_choice_faults(keys.friction)
+    yield from motion_faults(keys.motion)
+    yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
         yield from _set_faults(keys, i, one)
     names = [h.name for h in keys.housings]
@@ -147,6 +165,22 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
             yield Fault((f"joints[{i}].springs",), "springs or a matrix", "a joint is its stiffness", "nothing")
         if j.between[0] == j.between[1]:
             yield Fault((f"joints[{i}].between",), "two housings", "a housing is rigid: name another one")
+
+
+def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
+    """A lubricant without bearings, a mass that no nut moves, an acceleration to no speed, an efficiency of nothing."""
+    leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
+    if keys.lubricant is not None and all(kind_of_set(one) == "ball nut" for one in keys.sets):
+        advice = "friction of nuts goes by [friction]: leave the table out"
+        yield Fault(("lubricant",), "a set that is a bearing", advice, "nuts only")
+    if keys.drive.mass and len(leads) != 1:
+        found = "no nut" if not leads else f"leads of {', '.join(mm(x) for x in sorted(leads))}"
+        yield Fault(("drive.mass",), "nuts of one lead, which move it", "add the nut, or leave the mass out", found)
+    if keys.drive.time is not None and keys.motion is None:
+        yield Fault(("drive.time",), "with [motion]", 'add the speed that is reached, e.g. speed = "600 rpm"')
+    if keys.drive.efficiency is not None and not (keys.drive.mass and keys.drive.time):
+        advice = "it counts for a mass that is accelerated: add both, or leave it out"
+        yield Fault(("drive.efficiency",), "with mass and time", advice)
 
 
 def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
@@ -246,8 +280,11 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         r = one.rollers
         material = material_of(None, keys.material)
         row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
-        row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
-        return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
+        given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
+        row = replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
+        return RollingSet(  # type: ignore[arg-type]
+            *shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust, seals=one.seals
+        )
     scene_keys = _scene_keys(keys, one)
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
@@ -257,7 +294,7 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     if one.thrust is None and is_one_arc(scene):
         scene, thrust = as_one_arc(scene), "deep groove"
     scene = _of_arcs(scene, thrust)
-    own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier)
+    own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier, one.seals)
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.loading import path_words
 from rollbench.compare.models.model_form import ModelForm
-from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.quantities import as_json, count_of, shown
 from rollbench.compare.results.scene_json import answers_json, set_json, starting_torque, whole_json
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
     from rollbench.compare.models.answers import Answers, AxisAnswers
+    from rollbench.lowfi.bearings.torque import BallTorque
 
 #: Width of the labels of the block.
 LABEL = 10
@@ -47,6 +49,7 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         *_supports(one.answers),
         *_rests([("", data)]),
         ("friction", _friction(data)),
+        *_torques([("", one.answers and one.answers.torque)]),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
         *_shaft(data),
@@ -85,7 +88,57 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
         words = "in all by Palmgren's load formula (Smith 2.33), without lubricant and seals"
         lines.append(("starting", f"torque {sum(torques.values()):.3g} N mm {words}: {each}"))
-    return lines
+    lines += _torques([(f"{x.name} ", x.torque) for x in answers.sets])
+    return [*lines, *drive_lines(data.get("drive")), *_axis_life(data.get("axis_life"))]
+
+
+def band(ends: Sequence[float] | None, digits: int = 3) -> str:
+    """A range, one number where its ends agree to the digits shown."""
+    if ends is None:
+        return "not known"
+    low, high = (shown(x, digits=digits) for x in ends)
+    return low if low == high else f"{low} to {high}"
+
+
+def _torques(rows: list[tuple[str, BallTorque | None]]) -> list[tuple[str, str]]:
+    """The entry on the friction torques of bearings: what each sentence begins with, and its torque."""
+    known = [(name, as_json(torque) or {}) for name, torque in rows if torque is not None]
+    if not known:
+        return []
+    each = [
+        f"{name}{band(data['starting_Nmm'])}" + (f", {band(runs)}" if (runs := data["running_Nmm"]) else "")
+        for name, data in known
+    ]
+    runs = "to start, to run" if known[0][1]["running_Nmm"] else "to start (to run: with [lubricant] and [motion])"
+    words = f"friction torque in N mm {runs}, by Palmgren, lowest to highest published coefficients"
+    return [("bearings" if known[0][0] else "bearing", f"{words}: {'; '.join(each)}")]
+
+
+def drive_lines(drive: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """The entries on what the motor of an axis turns, from its JSON."""
+    if drive is None:
+        return []
+    speeding = drive["accelerating_torque_Nmm"]
+    runs = f"torque in N mm {band(drive['running_torque_Nmm'])} at constant speed"
+    text = f"{runs}, {band(drive['starting_torque_Nmm'])} from rest"
+    text += "" if speeding is None else f", {band(speeding)} while it comes to speed"
+    given = [
+        f"{name} {shown(drive[key])} N mm" for name, key in (("seals", "seals_Nmm"), ("other", "other_Nmm")) if drive[key]
+    ]
+    text += f"; with {', '.join(given)} as given" if given else ""
+    why = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
+    inertia = f"{shown(drive['inertia_kg_mm2'])} kg mm2: shaft {shown(drive['shaft_inertia_kg_mm2'])}"
+    inertia += f", reflected mass {shown(drive['reflected_inertia_kg_mm2'])}" if drive["reflected_inertia_kg_mm2"] else ""
+    return [("drive", f"{text}; not known: {why}" if why else text), ("inertia", inertia)]
+
+
+def _axis_life(life: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """The entry on the life of all sets together."""
+    if life is None:
+        return []
+    without = life["sets_without_life"]
+    lacking = f"; without {', '.join(without)}, of which none is known" if without else ""
+    return [("axis life", f"L10 {life_words(life)}, of all sets together; {life['shortest_set']} lives shortest{lacking}")]
 
 
 def _preloads(answers: AxisAnswers) -> str:
