@@ -22,25 +22,25 @@ from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import EquivalentLife, Life, equivalent_life, life, over_cases
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
 
 @dataclass(frozen=True)
 class OfSet:
-    """What a solved scene says of one set of balls for a duty cycle. parts: with the loads and supports of the scene; load:
-    of its contacts ``(n, 4)`` [N]; force: of the shaft on it ``(3,)`` [N]; preload: axial force [N] between two halves with
-    a lead offset."""
+    """What a solved scene says of one set for a duty cycle. parts: of balls with the loads and supports of the scene; load:
+    of its contacts ``(n, 4)`` [N], of rollers line loads ``(count, slices)`` [N/m]; force: of the shaft on it ``(3,)`` [N];
+    preload: axial force [N] between two halves with a lead offset."""
 
-    parts: Scene
+    parts: Scene | RollerRow
     load: Array
     force: Array
-    answers: LoadAnswers
     preload: float = 0.0
 
 
@@ -65,7 +65,7 @@ class Solved:
             return {}
         preload = axial_of(self.answers.preload) if self.scene.errors.lead_offset else 0.0
         force = -self.result.equilibrium.contact_force
-        return {"": OfSet(self.scene, self.result.load, force, self.answers.loads, preload)}
+        return {"": OfSet(self.scene, self.result.load, force, preload)}
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class SolvedAxis:
 
     @property
     def sets(self) -> dict[str, OfSet]:
-        """Its sets of balls by name; none where it did not converge."""
+        """Its sets by name; none where it did not converge."""
         if self.answers is None:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
@@ -92,7 +92,9 @@ class SolvedAxis:
         for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
             if isinstance(answers.parts, Scene) and isinstance(answers.loads, LoadAnswers) and s.balls is not None:
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
-                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, answers.loads)
+                out[s.of.name] = OfSet(parts, s.balls.load, -s.force)
+            elif s.line_loads is not None:
+                out[s.of.name] = OfSet(answers.parts, s.line_loads, -s.force)
         return out
 
 
@@ -118,10 +120,6 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     warned += [*path_warnings(answers.path), *play_warnings(scene)]
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))
-
-
-#: What is said of a shaft without a set of balls.
-NO_BALLS = "none: rollers are not rated"
 
 
 @dataclass(frozen=True)
@@ -163,7 +161,7 @@ class Together:
 
     pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
     the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
-    of every set of balls, in order; speed: mean one [rad/s].
+    of every set, in order; speed: mean one [rad/s].
     """
 
     pressure: Extreme | None = quantity(
@@ -200,8 +198,7 @@ class Together:
     @property
     def least(self) -> Lives:
         """Of the set that lives shortest; the first of which nothing is known, where there is one."""
-        none = Lives(None, NO_BALLS, None, NO_BALLS)
-        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions, default=none)
+        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
 def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
@@ -221,24 +218,30 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
 
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set in every case (None: it has none), or why there is
-    none; name: of the set (`DutyCycle.sets`)."""
+    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set, or line loads of rollers, in every case (None: it has
+    none), or why there is none; name: of the set (`DutyCycle.sets`)."""
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
         return None, f"none, because case {lacking[0]} has no loads"
     try:
         known = [np.zeros((1, 4)) if load is None else load for load in loads]
-        rated = life(cycle.sets[name], over_cases(known, cycle.shares))
+        parts = cycle.sets[name]
+        if isinstance(parts, RollerRow):
+            rated = roller_life.life(parts, roller_life.over_cases(known, cycle.shares))
+        else:
+            rated = life(parts, over_cases(known, cycle.shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
 
 
 def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
-    """Contact loads ``(n, 4)`` [N] of each set of balls by its name in `DutyCycle.sets`."""
+    """Contact loads ``(n, 4)`` [N] of each set of balls, line loads of each row of rollers, by names in
+    `DutyCycle.sets`."""
     if isinstance(result, StaticResult):
         return {"": result.load}
-    return {s.of.name: s.balls.load for s in result.sets if s.balls is not None}
+    found = ((s.of.name, s.line_loads if s.balls is None else s.balls.load) for s in result.sets)
+    return {name: load for name, load in found if load is not None}
 
 
 def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
@@ -248,8 +251,12 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
         return Lives(rated, words, None, words, name)
     used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
+    row = cycle.sets[name]
+    if isinstance(row, RollerRow):
+        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name)
     try:
-        standard = equivalent_life(parts, shares, forces, max(s.preload for s, _ in used))
+        scenes = [x for x in parts if isinstance(x, Scene)]
+        standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
         return Lives(rated, words, None, str(error), name)
     return Lives(rated, words, standard, "" if standard is not None else "no load", name)

@@ -26,6 +26,8 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
+from rollbench.lowfi.bearings.rib import RibContact
+from rollbench.lowfi.bearings.roller_torque import RollerTorque
 from rollbench.lowfi.bearings.torque import LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import EquivalentLife, Life
@@ -84,6 +86,7 @@ TABLES = (
         (
             ("worst_contact.", Contact),
             ("worst_contact.", RollerContact),
+            ("rib_contact.", RibContact),
             ("clearance.", Clearance),
             ("truncation.", Truncation),
             ("static_safety.", StaticSafety),
@@ -99,6 +102,7 @@ TABLES = (
             ("", LoadAnswers),
             ("preload.", Preload),
             ("starting_torque.", LoadTorque),
+            ("roller_torque.", RollerTorque),
             ("contact_lost.", LiftOff),
         ),
     ),
