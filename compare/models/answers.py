@@ -25,8 +25,11 @@ from rollbench.compare.models.loading import (
     preload,
 )
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
+from rollbench.lowfi.bearings.rib import RibContact, rib_contact
+from rollbench.lowfi.bearings.roller_torque import RollerTorque, roller_torque
 from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
+from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.contacts import (
     Contact,
     Ratings,
@@ -131,12 +134,17 @@ class LoadAnswers:
     modified: ModifiedLife | None = quantity("modified_life", default=None)
 
 
-@dataclass(frozen=True)
+@record
 class RollerAnswers:
-    """What the line loads of a row of rollers answer: the worst line contact and its static safety; None without load."""
+    """What the line loads of a row of rollers answer: the worst line contact and its static safety, the contact with
+    the rib, life and ratings, friction torque; None without load."""
 
-    worst: RollerContact | None
-    safety: StaticSafety | None
+    worst: RollerContact | None = quantity("worst_contact")
+    safety: StaticSafety | None = quantity("static_safety")
+    rib: RibContact | None = quantity("rib_contact")
+    life: Life | None = quantity("life")
+    ratings: Ratings = quantity("ratings")
+    torque: RollerTorque | None = quantity("roller_torque")
 
 
 @dataclass(frozen=True)
@@ -310,10 +318,18 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     return kept_sums(scene, result, options)
 
 
-def roller_answers(row: RollerRow, line_loads: Array) -> RollerAnswers:
-    """Answers of the line loads ``(count, slices)`` [N/m] of a row of rollers."""
+def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
+    """Answers of the line loads ``(count, slices)`` [N/m] of a row of rollers whose rings turn against one another at a
+    speed [rad/s], None where it is not known."""
     worst = worst_roller(row, line_loads)
-    return RollerAnswers(worst, None if worst is None else roller_safety(worst))
+    return RollerAnswers(
+        worst,
+        None if worst is None else roller_safety(worst),
+        rib_contact(row, line_loads.mean(axis=1) * row.length),
+        roller_life.life(row, line_loads),
+        roller_life.ratings(row),
+        roller_torque(row, line_loads, speed, lubricant),
+    )
 
 
 def _wide_grooves(scene: Scene) -> Iterator[Warned]:
@@ -396,9 +412,8 @@ class AxisAnswers:
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
-    bearing = assembly.lubricant, assembly.motion
-    pairs = ((s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
-    sets = tuple(_of_set(s, without, result.member, *bearing) for s, without in pairs)
+    unloaded = bare.sets if bare.converged else [None] * len(result.sets)
+    sets = tuple(_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
     moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
     path = path_of_sets(assembly, result, bare)
     return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
@@ -426,18 +441,17 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(
-    s: SetResult, bare: SetResult | None, member: int, lubricant: Lubricant | None, motion: Motion | None
-) -> SetAnswers:
+def _of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
     """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
     parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
-        answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
+        speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
+        answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads, speed, assembly.lubricant)
     else:
         assert s.balls is not None, "a set of balls has contacts"
         answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
-        torque = row_torque(parts, s.of.thrust, s.balls, s.force, answers, lubricant, motion)
+        torque = row_torque(parts, s.of.thrust, s.balls, s.force, answers, assembly.lubricant, assembly.motion)
     if bare is None:
         return SetAnswers(s.of.name, parts, answers, None, torque)
     loads = bare.loads[bare.loads > 0.0]

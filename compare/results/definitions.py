@@ -29,6 +29,8 @@ from rollbench.compare.results.data import (
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
+from rollbench.lowfi.bearings.rib import RibContact
+from rollbench.lowfi.bearings.roller_torque import RollerTorque
 from rollbench.lowfi.bearings.torque import BallTorque, LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
@@ -94,6 +96,7 @@ TABLES = (
         (
             ("worst_contact.", Contact),
             ("worst_contact.", RollerContact),
+            ("rib_contact.", RibContact),
             ("clearance.", Clearance),
             ("truncation.", Truncation),
             ("static_safety.", StaticSafety),
@@ -112,6 +115,7 @@ TABLES = (
             ("preload.", Preload),
             ("starting_torque.", LoadTorque),
             ("axis_life.", SystemLife),
+            ("roller_torque.", RollerTorque),
             ("contact_lost.", LiftOff),
         ),
     ),

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.bearings.torque import LoadTorque
 
 #: Answers that each set has for itself.
-OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance")
+OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
 #: Force [N] whose change of sign lost motion is given for.
 LOST_BY = 100.0
 
@@ -262,9 +262,10 @@ def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = 
     """Worst contact, truncation (of balls), static safety, life and ratings; null where there is none."""
     if isinstance(answers, RollerAnswers):
         safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
-        no_life = {"life": None, "ratings": None, "rating_refused": "life and ratings of rollers are not computed"}
-        return {"worst_contact": as_json(answers.worst), "static_safety": safety, **no_life}
-    return (as_json(answers) or {}) | {"life": life_json(answers.life, None if motion is None else motion.speed)}
+        data = (as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
+    else:
+        data = as_json(answers) or {}
+    return data | {"life": life_json(answers.life, None if motion is None else motion.speed)}
 
 
 def answers_json(one: Solved) -> dict[str, Any]:

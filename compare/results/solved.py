@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from rollbench.compare.models import loading
     from rollbench.compare.models.drive import AxisDrive
     from rollbench.compare.models.model_form import ModelForm
+    from rollbench.lowfi.bearings.rib import RibContact
+    from rollbench.lowfi.bearings.roller_torque import RollerTorque
     from rollbench.lowfi.bearings.torque import BallTorque
     from rollbench.lowfi.rating import life as rating
     from rollbench.lowfi.rating.life import SystemLife
@@ -167,7 +169,11 @@ class SetResult(Balls):
     worst: WorstContact | None
     """Its contact of the highest pressure; None without load."""
     life: Life | None
-    """Its life; None without load, of rollers, and where the formulas do not take it."""
+    """Its life; None without load, and where the formulas do not take it."""
+    rib: RibContact | None
+    """Contact of the most loaded roller with its rib; None of balls and without load."""
+    torque: RollerTorque | None
+    """Friction torque of a row of rollers [N m], by work and by Timken's formula; None of balls and without load."""
     preload: Preload | None
     """Its contacts without the loads of the scene; None where that has no equilibrium."""
     bearing_torque: BallTorque | None = None
@@ -482,7 +488,9 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         stiffness=s.stiffness if known else None,
         roller_loads=s.roller_load if known else None,
         worst=None if loads is None else _worst(s.of.name, loads),
-        life=_life(loads.life, speed) if isinstance(loads, LoadAnswers) else None,
+        life=None if loads is None else _life(loads.life, speed),
+        rib=loads.rib if isinstance(loads, RollerAnswers) else None,
+        torque=loads.torque if isinstance(loads, RollerAnswers) else None,
         preload=None if answers is None else _preload(answers.preload),
         bearing_torque=None if answers is None else answers.torque,
     )

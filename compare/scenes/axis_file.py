@@ -25,7 +25,16 @@ from rollbench.compare.scenes.from_keys import (
     support_of,
 )
 from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults, motion_faults
-from rollbench.compare.scenes.schema import AxisKeys, CaseHousingKeys, HousingKeys, SceneKeys, ScrewKeys, SetKeys, StiffKeys
+from rollbench.compare.scenes.schema import (
+    AxisKeys,
+    CaseHousingKeys,
+    HousingKeys,
+    RollerKeys,
+    SceneKeys,
+    ScrewKeys,
+    SetKeys,
+    StiffKeys,
+)
 from rollbench.meshes.axis import (
     ARRANGEMENTS,
     Assembly,
@@ -39,7 +48,7 @@ from rollbench.meshes.axis import (
     full,
 )
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
-from rollbench.meshes.parts import FREEDOMS, Ingredients, Scene, Screw
+from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
 from rollbench.meshes.ranges import ShareOfRating
 
 #: Thrusts of a row that carries one way.
@@ -200,6 +209,8 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
             yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if one.thrust is None else "")
         if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup's angle", "the cone's angle is what is left")
+        else:
+            yield from _rib_faults(f"{at}.rollers", one.rollers)
     else:
         for name, table in balls.items():
             if table is None:
@@ -228,6 +239,24 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         yield Fault((f"{at}.carrier",), "another housing than its outer part's", "a rigid body cannot roll on itself")
     if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
+
+
+def _rib_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
+    """Large ends that do not touch a rib; the angles of the row are right."""
+    if r.rib_height is not None and r.rib_height >= 0.5 * r.diameter:
+        advice = (
+            "the rib touches the end between the cone's race and the roller's axis, usually 0.05 to 0.2 of its diameter"
+        )
+        yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
+    elif r.end_radius is not None:
+        from rollbench.lowfi.bearings.rib import rib_height, rib_of
+        from rollbench.lowfi.rollers import tapered
+
+        row = _row(r, Material(2e11, 0.3))  # whose moduli the geometry does not need
+        try:
+            rib_of(tapered(row), r.end_radius, rib_height(row))
+        except ValueError as error:
+            yield Fault((f"{at}.end_radius",), str(error), "makers take 0.8 to 0.95 of the distance from the apex")
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
@@ -277,14 +306,9 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     thrust = one.thrust or "both"
     shared = (one.name, kind_of_set(one))
     if one.rollers is not None:
-        r = one.rollers
-        material = material_of(None, keys.material)
-        row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
-        given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
-        row = replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
-        return RollingSet(  # type: ignore[arg-type]
-            *shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust, seals=one.seals
-        )
+        row = _row(one.rollers, material_of(None, keys.material))
+        of_rollers = (one.housing, one.offset, one.preload, thrust)
+        return RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
     scene_keys = _scene_keys(keys, one)
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
@@ -296,6 +320,12 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     scene = _of_arcs(scene, thrust)
     own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier, one.seals)
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
+
+
+def _row(r: RollerKeys, material: Material) -> RollerRow:
+    row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
+    given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
+    return replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
 
 
 def _of_arcs(scene: Scene, thrust: str) -> Scene:

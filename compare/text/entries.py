@@ -49,7 +49,7 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         *_supports(one.answers),
         *_rests([("", data)]),
         ("friction", _friction(data)),
-        *_torques([("", one.answers and one.answers.torque)]),
+        *_torques([] if one.answers is None else [("", one.answers.torque)]),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
         *_shaft(data),
@@ -297,6 +297,34 @@ def _static(data: dict[str, Any]) -> str:
     return f"{text}; lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
 
 
+def _rib(data: dict[str, Any]) -> str:
+    d = data["rib_contact"]
+    if d is None:
+        return "no load"
+    text = f"{shown(d['load_N'])} N on the large end of roller {d['roller']}"
+    if d["pressure_MPa"] is not None:
+        axes = f"{d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm"
+        text += f", {shown(d['pressure_MPa'])} MPa on an ellipse of semi-axes {axes}"
+    return f"{text}{_noted(d)}"
+
+
+def _roller_torque(data: dict[str, Any]) -> str:
+    d = data["roller_torque"]
+    if d is None:
+        return "no load"
+    film = "" if d["film_Nmm"] is None else f"film {shown(d['film_Nmm'])}, "
+    band = "" if d["low_Nmm"] is None else f", {shown(d['low_Nmm'])} to {shown(d['high_Nmm'])} with 0.03 to 0.15 on the rib"
+    timken = "" if d["timken_Nmm"] is None else f"; {shown(d['timken_Nmm'])} N mm by Timken's formula (Smith 3.29)"
+    return (
+        f"of friction {shown(d['torque_Nmm'])} N mm by work ({film}rib {shown(d['rib_Nmm'])}, hysteresis "
+        f"{shown(d['hysteresis_Nmm'])}){band}; {shown(d['starting_torque_Nmm'])} N mm at rest{timken}{_noted(d)}"
+    )
+
+
+def _noted(d: dict[str, Any]) -> str:
+    return f"; {d['words']}" if d["words"] else ""
+
+
 def _preload(data: dict[str, Any]) -> str:
     d, lost = data["preload"], data["contact_lost"]
     if d is None:
@@ -395,4 +423,12 @@ OF_BALLS = (
     ("life", _life),
     ("ratings", _ratings),
 )
-OF_ROLLERS = (("loads", _roller_loads), ("contact", _line_contact), ("static", _static), ("life", _life))
+OF_ROLLERS = (
+    ("loads", _roller_loads),
+    ("contact", _line_contact),
+    ("static", _static),
+    ("rib", _rib),
+    ("torque", _roller_torque),
+    ("life", _life),
+    ("ratings", _ratings),
+)

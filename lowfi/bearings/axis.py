@@ -148,8 +148,8 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
 
 
 def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> float:
-    """Moment of inertia [kg m^2] that a mass [kg] on the nut adds to the screw's: m (p/(2 pi))^2/e (Smith 4.15); e: share of
-    the screw's work that reaches the nut, 1 for the inertia itself, which stores energy m v^2/2."""
+    """Moment of inertia [kg m^2] that a mass [kg] on the nut adds to the screw's: m (p/(2 pi))^2/e (Smith 4.15); e: share
+    of the screw's work that reaches the nut, 1 for the inertia itself, which stores energy m v^2/2."""
     return float(mass * (lead / (2.0 * np.pi)) ** 2 / efficiency)
 
 

@@ -15,9 +15,10 @@ axis (Meusnier), and the rib is hollow:
 
     R_f = R_s + s sin(beta)/sin(beta - theta);   relative curvatures 1/R_s and 1/R_s - 1/R_f.                          (3)
 
-So a sphere about the apex, R_s = g, fits its rib all around the rim; makers take 0.8 to 0.95 of it. By balance of the roller along
-its axis the rib carries 2 Q sin(gamma), Q the load of a race; the tilt theta of the normal, which is left out, adds its
-1/cos(theta), 0.1 to 0.3 %. Pressure and ellipse follow by Hertz (Smith 1994, 3.1.1: sphere and cylinder of the rib's radius).
+So a sphere about the apex, R_s = g, fits its rib all around the rim; makers take 0.8 to 0.95 of it. By balance of the
+roller along its axis the rib carries 2 Q sin(gamma), Q the load of a race; the tilt theta of the normal, which is left
+out, adds its 1/cos(theta), 0.1 to 0.3 %. Pressure and ellipse follow by Hertz (Smith 1994, 3.1.1: sphere and cylinder
+of the rib's radius).
 
 Motion: all axes meet in the apex and races roll without sliding, so that the roller turns about the cup's contact line
 against the cup, about the cone's against the cone. Angular speeds over that of the rings against one another:
@@ -64,15 +65,11 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
     g = bearing.apex_distance + 0.5 * bearing.length
     edge = g * float(np.sin(gamma))
     if not edge < end_radius < g:
-        raise ValueError(
-            f"an end's sphere has a radius between {1e3 * edge:.4g} mm (its rim) and {1e3 * g:.4g} mm (its apex)"
-        )
+        raise ValueError(f"above {1e3 * edge:.4g} mm, the end's own, below {1e3 * g:.4g} mm, its distance from the apex")
     s = g * float(np.cos(gamma)) - float(np.sqrt(end_radius**2 - edge**2))
     tilt = gamma - float(np.arcsin((height - s * np.sin(gamma)) / end_radius))
-    if not 0.0 < height < edge * float(np.cos(gamma)):
-        raise ValueError(f"the rib touches the end between the race and the roller's axis, {1e3 * edge:.3g} mm above it")
     if not tilt < beta:
-        raise ValueError("the end's sphere is so small that its normal at the rib does not meet the bearing's axis")
+        raise ValueError("larger: so small a sphere touches no rib of the cone")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
     return Rib(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
 
@@ -84,8 +81,8 @@ def rib_height(row: RollerRow) -> float:
 
 @record
 class RibContact:
-    """Contact of the most loaded roller with its rib. load [N]; height [m]; pressure [Pa] and semi-axes a (along the rim) and
-    b (across) [m], None where the radius of the end is not known, with words on that."""
+    """Contact of the most loaded roller with its rib. load [N]; height [m]; pressure [Pa] and semi-axes a (along the
+    rim) and b (across) [m], None where the radius of the end is not known, with words on that."""
 
     roller: int = quantity("roller", "roller of the largest load on the rib")
     load: float = quantity(
@@ -126,8 +123,8 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
 
 
 def ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
-    """Semi-axes along and across the rim [m] under loads of the rib [N], of the shape of the loads; zero where the radius of
-    the end is not known, as of a point. Raises ValueError as `rib_of`."""
+    """Semi-axes along and across the rim [m] under loads of the rib [N], of the shape of the loads; zero where the
+    radius of the end is not known, as of a point. Raises ValueError as `rib_of`."""
     root = np.cbrt(np.asarray(load, dtype=float))
     if row.end_radius is None:
         return 0.0 * root, 0.0 * root

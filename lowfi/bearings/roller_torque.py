@@ -1,18 +1,21 @@
 """Friction torque of a row of tapered rollers: by work in its contacts, and by Timken's formula beside it.
 
-Work. Relative motions follow from rolling about one apex (`lowfi.bearings.rib`, 4), so that the power P of every contact is known,
-and the torque about the bearing's axis is the sum of P/omega, omega the speed of the rings against one another:
+Work. Relative motions follow from rolling about one apex (`lowfi.bearings.rib`, 4), so that the power P of every
+contact is known, and the torque about the bearing's axis is the sum of P/omega, omega the speed of the rings against
+one another:
 
 - film between roller and race, per length and surface (Goksem and Hargreaves 1978; Harris, Rolling Bearing Analysis),
       F = 4.318 (G U)^0.658 W^0.0126 R/alpha_p,   G U = alpha_p eta u/R,   W = q/(E' R),   P = 2 u F,                  (1)
   u the rolling speed, alpha_p the pressure coefficient of the viscosity eta, R the relative radius, E' = E/(1 - nu^2):
-  int (h/2)(dp/dx) dx over the inlet. Full film, without heating there and starvation, which lessen it: an upper bound for grease.
+  int (h/2)(dp/dx) dx over the inlet. Full film, without heating there and starvation, which lessen it: an upper bound
+  for grease.
 - elastic hysteresis, a share of 1 % of the work that deforms steel (Johnson 1985, 9.1): P = 0.01 (2/3 pi) Q b Omega, Omega
   the angular speed of roller against race.
 - end on rib: P = mu F Omega <r>, F the load of the rib, <r> the mean distance of its pressure from the cone's contact line,
   about which the end turns: sliding and spin together.
 
-At rest and without lubricant there is no film: rib and hysteresis are the starting torque. Cage, seals and drag are left out.
+At rest and without lubricant there is no film: rib and hysteresis are the starting torque. Cage, seals and drag are
+left out.
 
 Timken (Smith 1994, 3.29): `lowfi.bearings.torque.taper_torque`, for thrust alone, with the maker's factor G_1.
 """
@@ -35,6 +38,9 @@ HYSTERESIS = 0.01
 #: Coefficient of friction of the end on the rib where it is not given, and the range around it: full film to boundary.
 USUAL_FRICTION, FRICTIONS = 0.1, (0.03, 0.15)
 
+#: Largest load over the mean of all rollers from which on a row carries more than thrust.
+UNEVEN = 1.1
+
 
 @record
 class RollerTorque:
@@ -55,7 +61,8 @@ class RollerTorque:
     high: float | None = quantity("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
     timken: float | None = quantity(
         "timken_Nmm",
-        "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, lubricant or speed",
+        "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "
+        "lubricant or speed",
         error="empirical; of thrust alone",
     )
     words: str = quantity("words", "what is assumed or missing", show=lambda words: words or None, default="")
@@ -104,6 +111,8 @@ def roller_torque(
         if row.torque_factor is not None:
             thrust = float(loads.sum() * np.sin(bearing.cup_angle))
             timken = taper_torque(row.torque_factor, lubricant.dynamic_viscosity, speed, thrust)
+            if float(loads.max()) > UNEVEN * float(loads.mean()):
+                words.append("Timken's formula takes the thrust alone, and leaves out the radial force")
     if row.torque_factor is None:
         words.append("no Timken's formula: rollers.torque_factor, the maker's G1, is not given")
     if row.rib_friction is None:
@@ -117,8 +126,8 @@ def roller_torque(
 
 
 def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
-    """Speed [m/s] at which both surfaces move through their contacts at places [m] along the roller: the cage runs such that
-    those with cone and cup are the same."""
+    """Speed [m/s] at which both surfaces move through their contacts at places [m] along the roller: the cage runs such
+    that those with cone and cup are the same."""
     cone, cup = np.sin(bearing.cone_angle), np.sin(bearing.cup_angle)
     return np.asarray(speed * (bearing.apex_distance + along) * cone * cup / (cone + cup))
 

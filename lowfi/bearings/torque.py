@@ -75,7 +75,8 @@ class BallTorque:
     )
     viscous: Band | None = quantity(
         "viscous_Nmm",
-        "part M0 of the lubricant: f0 (nu n)^(2/3) dm^3, lowest and highest published f0; null without [lubricant] or [motion]",
+        "part M0 of the lubricant: f0 (nu n)^(2/3) dm^3, lowest and highest published f0; null without [lubricant] or "
+        "[motion]",
         error="empirical",
         parts="[]",
     )

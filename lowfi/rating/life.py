@@ -103,11 +103,16 @@ class Life:
         form=".1f",
     )
     raceways: dict[str, float] = quantity(
-        "raceways_million_revolutions", "life of one raceway", error="as above", parts=".FLANK"
+        "raceways_million_revolutions",
+        "life of one raceway: flank of balls, inner or outer race of rollers",
+        error="as above",
+        parts=".*",
     )
     rating: float = quantity("rating_as_computed_N", "basic dynamic load rating C")
     equivalent: float = quantity(
-        "equivalent_load_N", "load under which C would give the same life, C/L10^(1/3)", error="that of the loads"
+        "equivalent_load_N",
+        "load under which C would give the same life, C/L10^(1/3), of rollers C/L10^(3/10)",
+        error="that of the loads",
     )
     standard: str = quantity("standard", "whose formulas")
     lead: float = 0.0
@@ -177,7 +182,8 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
     def excess(x: float) -> float:
         return sum((x * shortest / life) ** slope for life, slope in lives) - 1.0
 
-    return shortest * (1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12)))
+    share = 1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12))
+    return shortest * share
 
 
 def is_thrust(scene: Scene) -> bool:

@@ -1,45 +1,48 @@
 """Fatigue life and ratings of rows of rollers: ISO 281 with the loads of each roller, as ISO/TS 16281 has them.
 
-Lundberg and Palmgren's line contact (ISO/TR 1281-1), lengths in mm, forces in N, gamma = D cos(alpha)/D_pw, upper sign inner
-race, D the roller's mean diameter, D_pw the pitch diameter, L its effective length, Z rollers, alpha the cup's angle:
+Lundberg and Palmgren's line contact (ISO/TR 1281-1), lengths in mm, forces in N, gamma = D cos(alpha)/D_pw, upper sign
+inner race, D the roller's mean diameter, D_pw the pitch diameter, L its effective length, Z rollers, alpha the cup's angle:
 
-    Q_c = b_m 551.13 lambda (1 -+ gamma)^(29/27)/(1 +- gamma)^(1/4) (gamma/cos(alpha))^(2/9) D^(29/27) L^(7/9) Z^(-1/4),  (1)
+    Q_c = 551.13 b_m lambda (1 -+ gamma)^(29/27)/(1 +- gamma)^(1/4) (gamma/cos(alpha))^(2/9)
+          D^(29/27) L^(7/9) Z^(-1/4),                                                                                   (1)
 
-b_m = 1.1 of cylindrical and tapered rollers; lambda = 0.83 up to 45 deg, a radial bearing, above it 0.73 (1 - 0.15 sin(alpha)),
-a thrust bearing. lambda covers what ends and uneven loads cost. Ratings of one row:
+b_m = 1.1 of cylindrical and tapered rollers; lambda = 0.83 up to 45 deg, a radial bearing, above it 0.73 (1 - 0.15
+sin(alpha)), a thrust bearing. lambda covers what ends and uneven loads cost. Ratings of one row:
 
     C_r = 0.377 Z cos(alpha) Q_ci (1 + (1.04 ((1 - gamma)/(1 + gamma))^(143/108))^(9/2))^(-2/9)
         = b_m f_c (L cos(alpha))^(7/9) Z^(3/4) D^(29/27),                                                               (2)
     C_a = Z sin(alpha) (Q_ci^(-9/2) + Q_ce^(-9/2))^(-2/9).
 
-Life of the loads q_jk of roller j in slice k, n equal slices of the capacity q_c = Q_c n^(-7/9) each, with means of order 4 over
-the rollers where the race turns against the load (inner) and 9/2 where it stands (outer):
+Life of the loads q_jk of roller j in slice k, n equal slices of the capacity q_c = Q_c n^(-7/9) each, with means of
+order 4 over the rollers where the race turns against the load (inner) and 9/2 where it stands (outer):
 
     S = sum over races and slices of (q_e/q_c)^(9/2),   P = C S^(2/9),   L = (C/P)^(10/3) in 10^6 revolutions.          (3)
 
-The exponent is ISO 281's 10/3; that of line contacts, 4, which ISO/TS 16281 takes (S^(-8/9)), gives (C/P)^(2/3) times this life.
-ISO/TS 16281's stress concentration at the ends is left out together with the 1/lambda that it goes with: an even load has
-the life of ISO 281. Several load cases: means of order 4 at every place of a race, as `lowfi.rating.life` (4).
+The exponent is ISO 281's 10/3; that of line contacts, 4, which ISO/TS 16281 takes (S^(-8/9)), gives (C/P)^(2/3) times
+this life. ISO/TS 16281's stress concentration at the ends is left out together with the 1/lambda that it goes with: an
+even load has the life of ISO 281. Several load cases: means of order 4 at every place of a race, as `lowfi.rating.life`
+(4).
 
-Static (ISO 76): the force Q_0 that presses the cone's middle with 4,000 MPa; C_0r = Z Q_0 cos(alpha)/5, C_0a = Z Q_0 sin(alpha).
+Static (ISO 76): the force Q_0 that presses the cone's middle with 4,000 MPa; C_0r = Z Q_0 cos(alpha)/5, C_0a = Z Q_0
+sin(alpha).
 
-Equivalent load of one row for radial and axial force (ISO 281): P = F_r up to F_a = e F_r, e = 1.5 tan(alpha), then 0.4 F_r + 0.4
-cot(alpha) F_a; above 45 deg tan(alpha) F_r + F_a.
+Equivalent load of one row for radial and axial force (ISO 281): P = F_r up to F_a = e F_r, e = 1.5 tan(alpha), then 0.4
+F_r + 0.4 cot(alpha) F_a; above 45 deg tan(alpha) F_r + F_a.
 
-Range: rollers of hardened bearing steel with profiled ends, seated on their ribs, full lubrication, no plastic contact; factors
-for material, reliability and lubricant are one. These are ratings as computed, and no maker's.
+Range: rollers of hardened bearing steel with profiled ends, seated on their ribs, full lubrication, no plastic contact;
+factors for material, reliability and lubricant are one. These are ratings as computed, and no maker's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, degrees, pi, sin, tan
+from math import cos, degrees, hypot, pi, sin, tan
 
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rating.contacts import RACES, STRIBECK, Ratings
-from rollbench.lowfi.rating.life import RADIAL_UP_TO, Life
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, EquivalentLife, Life
 from rollbench.lowfi.rollers import tapered
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
@@ -75,7 +78,7 @@ def dynamic_rating(row: RollerRow) -> float:
     """Basic dynamic load rating C [N] by (2): radial up to 45 deg, above it axial."""
     inner, outer = (float(Q) for Q in race_capacities(row))
     if is_thrust(row):
-        return row.count * sin(row.cup_angle) * (inner**-4.5 + outer**-4.5) ** (-2.0 / 9.0)
+        return row.count * sin(row.cup_angle) * float((inner**-4.5 + outer**-4.5) ** (-2.0 / 9.0))
     gamma = row.diameter * cos(row.cup_angle) / tapered(row).pitch_diameter
     both = 1.0 + (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)) ** 4.5
     return 0.377 * row.count * cos(row.cup_angle) * inner * float(both ** (-2.0 / 9.0))
@@ -123,9 +126,18 @@ def over_cases(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
 
 
 def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
-    """Dynamic equivalent load P [N] of a row under radial and axial force [N] by ISO 281, radial or, above 45 deg, axial."""
+    """Dynamic equivalent load P [N] of a row under radial and axial force [N] by ISO 281: radial, above 45 deg axial."""
     if is_thrust(row):
         return tan(row.cup_angle) * radial + axial
     if axial <= 1.5 * tan(row.cup_angle) * radial:
         return radial
     return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
+
+
+def equivalent_life(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
+    """Life of cases of a row by ISO 281, (C/P_m)^(10/3), P_m the mean of order 10/3 of the equivalent loads of the
+    forces of the shaft on it ``(3,)`` [N] with their shares of the revolutions."""
+    loads = np.array([equivalent_load(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
+    top = float(loads.max())
+    mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
+    return EquivalentLife((dynamic_rating(row) / mean) ** EXPONENT, (mean,), "ISO 281")

@@ -204,8 +204,8 @@ def _answer(
     every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
     of_balls = (
         "torque",
-        f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its sets "
-        f"of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
+        f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
+        f"sets of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
     lines = [*([of_balls, _energy_line(power)] if solved else []), *drive_lines(drive), left]
