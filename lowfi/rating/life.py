@@ -177,7 +177,7 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
     sum_i (L/L_i)^e_i = 1, which is (sum L_i^-e)^(-1/e) for equal slopes. Failures are taken to be independent. Smith 4.3.6
     takes the shortest life, the upper limit.
     """
-    shortest = min(life for life, _ in lives)
+    shortest = float(min(life for life, _ in lives))
 
     def excess(x: float) -> float:
         return sum((x * shortest / life) ** slope for life, slope in lives) - 1.0
