@@ -79,14 +79,14 @@ class Quantity:
             return value
         _, unit = units.number_and_unit(str(self.example)) or ("", "")
         number = value / self._number(f"1 {unit}")
-        if unit.startswith("k") and abs(number) < 1.0:
+        if unit.startswith("kN") and abs(number) < 1.0:
             unit, number = unit[1:], 1e3 * number
         for digits in range(1, 18):
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
             if added + self._number(text) == added + value:
                 return text
-        text = f"{Decimal(repr(value)) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
-        return text if self._number(text) == value else f"{value!r} {self.unit}"
+        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
+        return text if self._number(text) == value else f"{float(value)!r} {self.unit}"
 
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
