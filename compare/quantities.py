@@ -34,7 +34,7 @@ UNITS = {
     "rpm": Unit("rpm", 30.0 / math.pi),
     "percent": Unit("%"),
     "million_revolutions": Unit("million revolutions"),
-    "kg_mm2": Unit("kg mm2", 1e6),
+    "kg_mm2": Unit("kg mm²", 1e6),
     "hours": Unit("h"),
     "MPa": Unit("MPa", 1e-6),
     "mrad": Unit("mrad", 1e3),

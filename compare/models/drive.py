@@ -158,16 +158,14 @@ def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> 
 
 def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
     """Life of all sets that turn with the shaft; None where none of them has one."""
-    lives, without = {}, []
+    lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
         life = getattr(one.loads, "life", None)
         if s.of.carrier is None and life is not None:
             slope = roller_life.SLOPE if isinstance(one.loads, RollerAnswers) else SLOPE
             lives[one.name] = 1e6 * life.revolutions, slope
-        elif s.of.carrier is None and one.loads.worst is not None:
-            without.append(one.name)
     if not lives:
         return None
     speed = None if assembly.motion is None else assembly.motion.speed
     shortest = min(lives, key=lambda name: lives[name][0])
-    return SystemLife(1e-6 * system_life([*lives.values()]), shortest, tuple(without), lead_of(assembly), speed)
+    return SystemLife(1e-6 * system_life([*lives.values()]), shortest, lead_of(assembly), speed)

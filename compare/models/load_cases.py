@@ -250,8 +250,7 @@ def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
         return None
     slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else SLOPE for name in known}
     together = 1e-6 * system_life([(1e6 * life, slopes[name]) for name, life in known.items()])
-    without = tuple(name for name in turning if name not in known)
-    return SystemLife(together, min(known, key=lambda name: known[name]), without, lead_of(cycle.parts), cycle.speed)
+    return SystemLife(together, min(known, key=lambda name: known[name]), lead_of(cycle.parts), cycle.speed)
 
 
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:

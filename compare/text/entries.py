@@ -136,9 +136,7 @@ def _axis_life(life: dict[str, Any] | None) -> list[tuple[str, str]]:
     """The entry on the life of all sets together."""
     if life is None:
         return []
-    without = life["sets_without_life"]
-    lacking = f"; without {', '.join(without)}, of which none is known" if without else ""
-    return [("axis life", f"L10 {life_words(life)}, of all sets together; {life['shortest_set']} lives shortest{lacking}")]
+    return [("axis life", f"L10 {life_words(life)}, of all sets together; {life['shortest_set']} lives shortest")]
 
 
 def _preloads(answers: AxisAnswers) -> str:

@@ -144,7 +144,7 @@ SLOPE = 10.0 / 9.0
 @record
 class SystemLife:
     """Life of parts that turn together, of which the first to fail ends it. revolutions: in 10^6; shortest: part that lives
-    shortest; without: parts of which no life is known; lead [m], 0 without a nut; speed [rad/s]."""
+    shortest; lead [m], 0 without a nut; speed [rad/s]."""
 
     revolutions: float = quantity(
         "L10_million_revolutions",
@@ -153,7 +153,6 @@ class SystemLife:
         error="that of the lives",
     )
     shortest: str = quantity("shortest_set", "set that lives shortest")
-    without: tuple[str, ...] = quantity("sets_without_life", "loaded sets of which no life is known", parts="[]")
     lead: float = 0.0
     speed: float | None = None
 
@@ -177,7 +176,7 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
     sum_i (L/L_i)^e_i = 1, which is (sum L_i^-e)^(-1/e) for equal slopes. Failures are taken to be independent. Smith 4.3.6
     takes the shortest life, the upper limit.
     """
-    shortest = float(min(life for life, _ in lives))
+    shortest: float = min(life for life, _ in lives)
 
     def excess(x: float) -> float:
         return sum((x * shortest / life) ** slope for life, slope in lives) - 1.0

@@ -36,12 +36,17 @@ COMMANDS = (
 )
 
 
+#: Of an axis: what its motor turns, and a bearing whose life nothing gives.
+AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
+
+
 def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
     one, two = (scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1
         "step": f'{one}\n[ingredients]\nload_step = "100 N"\n',
         "operation": f"{one}\n[operation]\nreliability = 95\nviscosity_ratio = 1.5\ncontamination = 0.6\n",
+        "axis": scene_text("axis-fixed-fixed").replace("[motion]", AXIS),
         "turning": f'{one}\n[motion]\nspeed = "60 rpm"\n',
         "bearings": template("support-bearings"),
         "rollers": own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'),

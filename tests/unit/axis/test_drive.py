@@ -126,8 +126,8 @@ def test_life_of_all_sets_is_shorter_than_that_of_each():
     ],
 )
 def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
+    text = catalogue.scene_text("axis-fixed-fixed").replace('[motion]\nspeed = "1200 rpm"\n', "")
     with pytest.raises(InputError) as refused:
-        text = catalogue.scene_text("axis-fixed-fixed").replace('[motion]\nspeed = "1200 rpm"\n', "")
         scene_file.read(f"{text}\n{tables}\n", "mine.toml")
     assert key in str(refused.value)
     assert advice in str(refused.value)
