@@ -179,7 +179,7 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
     shortest: float = min(life for life, _ in lives)
 
     def excess(x: float) -> float:
-        return sum((x * shortest / life) ** slope for life, slope in lives) - 1.0
+        return float(sum((x * shortest / life) ** slope for life, slope in lives)) - 1.0
 
     share = 1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12))
     return shortest * share
