@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 from rollbench.compare.models.answers import AxisAnswers, RollerAnswers
-from rollbench.compare.models.friction_sums import kept_sums
 from rollbench.compare.models.registry import Options
 from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
 from rollbench.lowfi.bearings.roller_torque import roller_torque
@@ -73,6 +72,8 @@ class AxisDrive:
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
     """Friction of every nut with the scene's coefficient, as far as it is kept or no kernel has to be compiled for it."""
+    from rollbench.compare.models.friction_sums import kept_sums
+
     out: dict[int, tuple[dict[str, Any] | None, str]] = {}
     for i, s in enumerate(result.sets):
         if isinstance(s.of.parts, Scene) and s.of.parts.track.lead and s.balls is not None:

@@ -19,7 +19,7 @@ def test_a_solve_loads_nothing_whose_answer_it_does_not_print(tmp_path):
     unasked = ("compare.studies.", "compare.cases.", "compare.sections.", "compare.report.", "compare.evidence.")
     inside = [name for name in loaded if name.count(".") > 3]  # the folders of cases are looked into for scenes
     assert not [name for name in inside if name.removeprefix("rollbench.").startswith(unasked)]
-    physics = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi")
+    physics = ("lowfi.friction", "lowfi.random_errors", "hifi")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(physics)]
     unasked = ("compare.gate.", "compare.reference.", "compare.scenes.axis_file", "lowfi.statics.axis.")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(unasked)]
