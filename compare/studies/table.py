@@ -1,0 +1,238 @@
+"""A scene at places of its keys: the full tangent stiffness, preload, pressure, life, and the error to expect at each.
+
+Keys are read as those of a sweep; ``load`` stands for the axial part of the scene's one axial load. A place that the scene
+or the model refuses, or that has no equilibrium, is a row whose status says why.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_of
+from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, known_model
+from rollbench.compare.quantities import as_json
+from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_of
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.studies.sweep import sample
+from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_over
+from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes import units
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.units import number_and_unit
+
+#: What may be asked for: words for it, and the fields of a row.
+QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "stiffness": ("6 x 6 tangent stiffness and axial rigidity", ("stiffness", "axial_rigidity_N_per_um")),
+    "displacement": ("displacement at the load", ("displacement_um",)),
+    "load": ("largest contact load", ("largest_load_N",)),
+    "preload": ("axial preload", ("preload_N",)),
+    "pressure": ("largest Hertz pressure", ("largest_pressure_MPa",)),
+    "life": ("life L10", ("life_million_revolutions",)),
+}
+USUAL = ("stiffness", "preload", "pressure", "life")
+
+#: Most places of a table, and the number from which on kernels are compiled for it.
+MOST, COMPILE_FROM = 100_000, 4
+
+#: Key that stands for the axial load.
+LOAD = "load"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a table is made of: text of the scene and the name that errors give it, keys, model, quantities, station [m] of
+    the stiffness (None: the nut's centre)."""
+
+    text: str
+    origin: str
+    scene: str
+    keys: tuple[Vary, ...]
+    over: tuple[Over, ...]
+    model: str
+    quantities: tuple[str, ...]
+    station: float | None
+
+
+def asked_for(
+    scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
+) -> Asked:
+    """What the command line or the library asks for, checked as far as it can be before anything is solved. Raises
+    InputError for an unknown scene, key, unit, quantity or model."""
+    described = scene_file.solvable(catalogue.any_scene(scene), scene)
+    shipped = scene in catalogue.scene_names()
+    text, origin = (
+        (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
+    )
+    for name in quantities:
+        if name not in QUANTITIES:
+            raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "names with commas between")
+    model = model or default_model(described)
+    _check_model(described, model, quantities)
+    raw = scene_file.read_toml(text, origin)
+    typed = read_over(over)
+    keys = tuple(replace(x, key=axial_key(raw, origin)) if x.key == LOAD else x for x in typed)
+    for vary in keys:
+        for value in vary.choices:
+            scene_tables.keys_of(changed(raw, [vary], [value]), origin)
+    if math.prod(len(x.choices) for x in keys) > MOST:
+        raise ArgumentError("over", f"{math.prod(len(x.choices) for x in keys)} places", f"up to {MOST}", "take fewer values")
+    columns = tuple(_over(x) for x in typed)
+    return Asked(text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, _station(stiffness_at))
+
+
+def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
+    if isinstance(scene, Assembly):
+        if model not in AXIS_MODELS:
+            raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
+        return
+    known_model(model, without=("condensed",))
+    if TANGENT_OF.get(model, model) not in LADDER and "stiffness" in (quantities or USUAL):
+        allowed = ", ".join((*LADDER, *TANGENT_OF))
+        advice = "it has no stiffness matrix: leave stiffness out of `quantities`, or choose another model"
+        raise ArgumentError("model", model, allowed, advice)
+
+
+def _station(given: str | float | None) -> float | None:
+    if given is None or given == "":
+        return None
+    try:
+        return float(given) if isinstance(given, int | float) else units.parse(given, "length")
+    except ValueError as error:
+        raise ArgumentError("stiffness_at", str(given), "a length with its unit", f'"400 mm"; {error}') from None
+
+
+def axial_key(raw: dict[str, Any], origin: str) -> str:
+    """The key of the axial part of the one axial load of a scene's tables. Raises ArgumentError where there are several or
+    none."""
+    rows = raw.get("loads", [])
+    axial = [k for k, row in enumerate(rows) if _axial(row)]
+    axial = axial or list(range(len(rows)))
+    if len(axial) != 1:
+        advice = 'name the key, such as "loads[0].force[2]"'
+        raise ArgumentError("over", LOAD, f"a scene with one axial load, this has {len(axial)}", advice, origin)
+    return f"loads[{axial[0]}].force[2]"
+
+
+def _axial(row: Any) -> bool:
+    """Whether a table of loads has an axial force."""
+    force = row.get("force") if isinstance(row, dict) else None
+    if not isinstance(force, list) or len(force) != 3:
+        return False
+    found = number_and_unit(str(force[2]))
+    return found is not None and float(found[0]) != 0.0
+
+
+def _over(vary: Vary) -> Over:
+    """The column of a key. Numbers are in the unit that all values have; others stay words."""
+    split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
+    spelt = {x[1] for x in split if x is not None}
+    if None in split or len(spelt) > 1:
+        return Over(vary.key, vary.key, vary.choices)
+    unit = "".join(spelt).replace(" ", "")
+    return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
+
+
+def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
+    """The row of a place; what scene or model refuse is its status."""
+    try:
+        raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
+        scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
+        if isinstance(scene, Assembly) and asked.station is not None:
+            scene = replace(scene, stiffness_at=asked.station)
+        return _solved(scene, asked, engine)
+    except InputError as error:
+        return TableRow(f"refused: {error}")
+
+
+def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
+    names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
+    result, found = sample.solve_case(scene, asked.model, engine, names)
+    if not result.converged:
+        return TableRow(str(result.status))
+    matrix, rigidity, status = None, None, CONVERGED
+    errors: dict[str, Any] = {"error_words": "no scene of several sets was compared with the 3D reference"}
+    if isinstance(scene, Scene) and isinstance(result, StaticResult):
+        sets, errors = [(scene, result)], _expected(scene, result)
+        if "stiffness" in asked.quantities:
+            station = scene.nut.position if asked.station is None else asked.station
+            tangent = tangent_of(scene, station, asked.model, Options())
+            if tangent.status == CONVERGED:
+                matrix, rigidity = tangent.matrix, tangent.rigidity("uz")
+            else:
+                status = f"no stiffness: {tangent.status}"
+    elif isinstance(result, AxisResult):
+        sets = [(s.of.parts, s.balls) for s in result.sets if s.balls is not None and isinstance(s.of.parts, Scene)]
+        if "stiffness" in asked.quantities and result.stiffness is not None:
+            matrix, axial = result.stiffness, float(result.stiffness[2, 2])
+            rigidity = axial if math.isfinite(axial) else None
+    pressure: float | None = None
+    if "pressure" in asked.quantities:
+        worst = [load_answers(of, x.load, x.contact_angle, x.member, x.pressure).worst for of, x in sets]
+        pressure = max((x.pressure for x in worst if x is not None), default=None)
+    moved = found.get("displacement_um")
+    life = found.get("life_million_revolutions")
+    return TableRow(
+        status,
+        matrix,
+        rigidity,
+        None if moved is None else 1e-6 * moved,
+        found.get("largest_load_N") if "load" in asked.quantities else None,
+        found.get("preload_N"),
+        pressure,
+        life,
+        **errors,
+    )
+
+
+def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
+    """Errors to expect of a row, by its fields."""
+    form = estimate(scene, result)
+    return {
+        "load_error": form.percent,
+        "rms_error": form.rms_percent,
+        "displacement_error": form.displacement_percent,
+        "rigidity_error": form.rigidity_percent,
+        "pressure_error": form.pressure_percent,
+        "error_words": "" if form.percent is not None else form.words[-1],
+    }
+
+
+def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Table:
+    """All rows, side by side where asked. step: hears of the progress. Raises InputError where workers are lost."""
+    raw = scene_file.read_toml(asked.text, asked.origin)
+    for path, other in displaced(raw, asked.keys):
+        step(f"{path} takes the place of the scene's {other}")
+    places = list(product(*(vary.choices for vary in asked.keys)))
+    kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
+    rows: dict[int, TableRow] = {}
+    for number, row in first_here([(row_at, (asked, place, kernels)) for place in places], engine, "places", step):
+        rows[number] = row
+        step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number]))}: {row.status}")
+    return table_of(_json(asked, [rows[k] for k in range(len(places))]))
+
+
+def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
+    """What the command prints. A quantity that nobody asked for has no key."""
+    names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
+    without = {name for _, of in QUANTITIES.values() for name in of} - names
+    places = product(*(x.values for x in asked.over))
+    heads = [dict(zip([x.column for x in asked.over], place, strict=True)) for place in places]
+    return {
+        "scene": asked.scene,
+        "model": asked.model,
+        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in asked.over],
+        "quantities": list(asked.quantities),
+        "freedoms": list(FREEDOMS),
+        "stiffness_at_mm": None if asked.station is None else 1e3 * asked.station,
+        "converged": sum(row.converged for row in rows),
+        "rows": [head | (as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
+    }
