@@ -1,5 +1,16 @@
 """The library: what ``import rollbench`` gives. Reads scenes, solves them, compares models with the 3D reference."""
 
-from rollbench.compare.api.calls import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
+from rollbench.compare.api.calls import (
+    check,
+    compare_models,
+    ensemble,
+    friction,
+    mesh_study,
+    new,
+    read,
+    solve,
+    sweep,
+    table,
+)
 
-__all__ = ["check", "compare_models", "ensemble", "friction", "mesh_study", "new", "read", "solve", "sweep"]
+__all__ = ["check", "compare_models", "ensemble", "friction", "mesh_study", "new", "read", "solve", "sweep", "table"]

@@ -34,6 +34,8 @@ def export(
     b_over_h: float = 1.5,
     growth: float = 0.4,
     stiffness: float = 2e8,
+    ross: Path | None = None,
+    modelica: Path | None = None,
 ) -> int:
     """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
     as CAD (STEP, lengths in mm), or a small scene as one deck that CalculiX runs (--deck ccx).
@@ -66,8 +68,17 @@ def export(
         Growth of the deck's element sizes per distance from the contacts.
     stiffness
         Contact pressure per overclosure of the deck, in N/mm3.
+    ross
+        Python module with a BearingElement of ROSS for each row of a table: scene is the JSON file of rollbench table.
+    modelica
+        The same table as a file for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two).
     """
     from rollbench.compare.scenes import catalogue, scene_file
+
+    if ross is not None or modelica is not None:
+        if part or format or out is not None or level != 1 or ball is not None or deck:
+            raise ArgumentError("ross, modelica", "given", "none of the options of meshes with it", "leave them out")
+        return print_answer(run_table(scene, ross, modelica))
 
     if deck:
         if part or format or level != 1 or ball is not None:
@@ -154,6 +165,24 @@ def run_export(
     lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
     if reduced(mesh, form):
         lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+    return Answer(parts=lines)
+
+
+def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
+    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and what these cannot hold."""
+    from rollbench.compare.files import replace_file
+    from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_text, read_table, ross_text
+
+    table, lines = read_table(scene), []
+    if ross is not None:
+        replace_file(ross, ross_text(table))
+        lines.append(
+            f"wrote {ross}: {', '.join(ROSS_TERMS)} of each place; ROSS drops the other {36 - len(ROSS_TERMS)} of 36 terms: tilting "
+            "stiffness, displacement with rotation, and axial with radial"
+        )
+    if modelica is not None:
+        replace_file(modelica, modelica_text(table))
+        lines.append(f"wrote {modelica}: drops no term; written by the format's definition, OpenModelica was not run")
     return Answer(parts=lines)
 
 

@@ -69,9 +69,7 @@ def asked_for(
     InputError for an unknown scene, key, unit, quantity or model."""
     described = scene_file.solvable(catalogue.any_scene(scene), scene)
     shipped = scene in catalogue.scene_names()
-    text, origin = (
-        (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
-    )
+    text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
     for name in quantities:
         if name not in QUANTITIES:
             raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "names with commas between")
@@ -84,7 +82,9 @@ def asked_for(
         for value in vary.choices:
             scene_tables.keys_of(changed(raw, [vary], [value]), origin)
     if math.prod(len(x.choices) for x in keys) > MOST:
-        raise ArgumentError("over", f"{math.prod(len(x.choices) for x in keys)} places", f"up to {MOST}", "take fewer values")
+        raise ArgumentError(
+            "over", f"{math.prod(len(x.choices) for x in keys)} places", f"up to {MOST}", "take fewer values"
+        )
     columns = tuple(_over(x) for x in typed)
     return Asked(text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, _station(stiffness_at))
 

@@ -6,7 +6,8 @@
 ((32, 4), 12)
 
 ``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``friction``; ``compare_models`` with the
-3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene;
+3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene, ``table`` of
+its stiffness over them;
 write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands by
 ``to_dict()``. ``python -m rollbench`` is the command line.
 
@@ -21,13 +22,14 @@ from warnings import warn
 
 if TYPE_CHECKING:
     from rollbench.compare import __version__
-    from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep
+    from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep, table
     from rollbench.compare.errors import InputError
     from rollbench.compare.models.user_models import ModelAnswer
     from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.solved import Result, Status
+    from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Judgement, Verdict
     from rollbench.meshes.parts import Scene
 
@@ -43,6 +45,7 @@ __all__ = [
     "Scene",
     "Status",
     "Sweep",
+    "Table",
     "Verdict",
     "__version__",
     "check",
@@ -55,6 +58,7 @@ __all__ = [
     "report",
     "solve",
     "sweep",
+    "table",
 ]
 #: Where a name of the library stands, if not in the package ``rollbench.compare.api``.
 _ELSEWHERE = {
@@ -62,6 +66,7 @@ _ELSEWHERE = {
     "Comparison": "rollbench.compare.results.comparison",
     "ModelAnswer": "rollbench.compare.models.user_models",
     "Scene": "rollbench.meshes.parts",
+    "Table": "rollbench.compare.results.table",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),

@@ -1,0 +1,194 @@
+"""A table of `rollbench.compare.studies.table` as files: CSV, JSON, Parquet, netCDF, its figure, and what ROSS and Modelica read.
+
+ROSS takes five of the 36 terms of the tangent, a CombiTable all of them. Both hold constants at each place: no damping.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.files import replace_file, write_csv, written
+from rollbench.compare.results.table import Table, place_words, table_of
+from rollbench.compare.scenes.scene_file import read_text
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.libraries import fault, pip
+from rollbench.meshes.parts import FREEDOMS
+from rollbench.reports.content import Figure, Panel, Series
+
+#: Files of a table by suffix, with the package that each needs.
+FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
+
+#: Terms of the tangent that a BearingElement of ROSS takes: its names, row and column.
+ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
+
+#: Panels of the figure, of those that the table has.
+_DRAWN = {
+    "axial_rigidity_N_per_um": "axial rigidity / N/um",
+    "preload_N": "preload / N",
+    "largest_pressure_MPa": "largest pressure / MPa",
+    "life_million_revolutions": "life L10 / million revolutions",
+    "largest_load_N": "largest contact load / N",
+    "displacement_um": "displacement / um",
+}
+
+
+def need_format(path: Path) -> None:
+    """Raise InputError for a file name of another format, or one whose package is missing."""
+    if path.suffix not in FORMATS:
+        raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
+    package = FORMATS[path.suffix]
+    if package and (reason := fault(package)):
+        raise ArgumentError("out", str(path), f"{package} for {path.suffix} ({reason})", pip(package))
+
+
+def write_table(path: Path, table: Table) -> None:
+    """Write all rows, in the format of the file's suffix. Raises InputError."""
+    columns = table.columns()
+    if path.suffix == ".csv":
+        rows = zip(*columns.values(), strict=True)
+        write_csv(path, [dict(zip(columns, row, strict=True)) for row in rows])
+    elif path.suffix == ".json":
+        replace_file(path, json.dumps(table.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    elif path.suffix == ".parquet":
+        import pyarrow
+        import pyarrow.parquet
+
+        with written(path):
+            pyarrow.parquet.write_table(pyarrow.table(columns), path)
+    else:
+        with written(path):
+            _dataset(table, columns).to_netcdf(path, engine="scipy")
+
+
+def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
+    """The table on its grid: a dimension for every key, two more for the stiffness."""
+    import xarray
+
+    dims = [x.column for x in table.over]
+    shape = [len(x.values) for x in table.over]
+    data: dict[str, Any] = {}
+    for name, column in columns.items():
+        if name not in dims and not name.startswith("K_"):
+            words = any(isinstance(x, str) for x in column)
+            values = np.array([x or "" for x in column]) if words else np.array(column, dtype=float)
+            data[name] = (dims, values.reshape(shape))
+    if any(name.startswith("K_") for name in columns):
+        data["stiffness"] = ([*dims, "force", "freedom"], table.stiffness.reshape(*shape, 6, 6))
+    coords = {x.column: list(x.values) for x in table.over} | {"force": list(FREEDOMS), "freedom": list(FREEDOMS)}
+    return xarray.Dataset(data, coords, {"scene": table.scene, "model": table.model})
+
+
+def figure(table: Table) -> Figure | None:
+    """Each quantity over the key of numbers with most values, a curve for each value of the others; None without such."""
+    over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
+    columns = table.columns()
+    names = [name for name in _DRAWN if any(x is not None for x in columns.get(name, ()))]
+    if not over or not names:
+        return None
+    along = max(over, key=lambda k: len(table.over[k].values))
+    rest = [x for k, x in enumerate(table.over) if k != along]
+    curves: dict[str, list[int]] = {}
+    for k, row in enumerate(table.values["rows"]):  # type: ignore[arg-type]
+        curves.setdefault(place_words(rest, row) if rest else "", []).append(k)  # type: ignore[arg-type]
+    x = columns[table.over[along].column]
+    panels = []
+    for name in names[:6]:
+        y = columns[name]
+        kept = {label: [k for k in at if y[k] is not None] for label, at in curves.items()}
+        series = tuple(Series(label, [x[k] for k in at], [y[k] for k in at]) for label, at in kept.items() if at)
+        panels.append(Panel("", table.over[along].column, _DRAWN[name], series))
+    left = len(table.rows) - table.converged
+    caption = f"Model {table.model}." + (f" {left} of {len(table.rows)} places have no answer." if left else "")
+    return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
+
+
+def read_table(path: str) -> Table:
+    """The table of a JSON file that ``rollbench table`` wrote. Raises InputError for another file."""
+    text = read_text(path)
+    try:
+        return table_of(json.loads(text))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        allowed = "the JSON of rollbench table"
+        raise InputError(path, "file", "something else", allowed, "write it by --out FILE.json") from None
+
+
+def ross_text(table: Table) -> str:
+    """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place has
+    a stiffness."""
+    rows: list[tuple[Any, Array]] = list(zip(table.values["rows"], _matrices(table), strict=True))  # type: ignore[arg-type]
+    kept = [(place_words(table.over, row), k) for row, k in rows if np.isfinite(k).all()]
+    lines = [
+        f"    ({place!r}, {{{', '.join(f'{name!r}: {k[at]:.9e}' for name, at in ROSS_TERMS.items())}}}),"
+        for place, k in kept
+    ]
+    return f'''"""Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.
+
+ROSS takes {len(ROSS_TERMS)} terms of the 6 x 6 tangent: {", ".join(ROSS_TERMS)}. Dropped are {36 - len(ROSS_TERMS)}: all of rx, ry and rz
+(tilting stiffness, and what couples displacement and rotation) and what couples uz with ux and uy.
+Damping is not known here: give cxx and others to `bearing`. {len(rows) - len(kept)} of {len(rows)} places have no stiffness and are left out.
+"""
+
+import ross
+
+PLACES = [
+{chr(10).join(lines)}
+]
+
+
+def bearing(n, place, cxx=0.0, **others):
+    """The bearing at node n with the stiffness of PLACES[place]."""
+    return ross.BearingElement(n=n, cxx=cxx, **PLACES[place][1], **others)
+'''
+
+
+def _matrices(table: Table) -> Array:
+    found = table.stiffness
+    if not np.isfinite(found).all(axis=(1, 2)).any():
+        advice = "make the table with the quantity stiffness"
+        raise InputError(table.scene, "stiffness", "none", "a table with a stiffness at one place or more", advice)
+    return found
+
+
+def modelica_text(table: Table) -> str:
+    """A file for Modelica.Blocks.Tables: one key gives ``table`` for CombiTable1Ds, its columns named in a comment; two give a
+    table of each column for CombiTable2Ds. Raises InputError for more keys, words as values, and a grid with gaps."""
+    axes = [x.numbers for x in table.over]
+    if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
+        allowed = "a table over one or two keys, each of two numbers or more"
+        raise InputError(table.scene, "over", f"{len(axes)} keys", allowed, "make one over fewer keys")
+    grid = [np.array(x, dtype=float) for x in axes]
+    columns = {
+        name: np.array(column, dtype=float)
+        for name, column in table.columns().items()
+        if name not in [x.column for x in table.over] and not any(isinstance(x, str) for x in column)
+    }
+    columns = {name: x for name, x in columns.items() if np.isfinite(x).any()}
+    keys = ", ".join(x.column for x in table.over)
+    head = f"#1\n# {table.scene} by rollbench, model {table.model}; over {keys}; stiffness K_force_freedom in N, m, rad\n"
+    if len(grid) == 1:
+        whole = np.column_stack([grid[0], *columns.values()])
+        whole = whole[np.isfinite(whole).all(axis=1)]
+        whole = whole[np.argsort(whole[:, 0])]
+        named = "\n".join(f"# column {k}: {name}" for k, name in enumerate((table.over[0].column, *columns), 1))
+        return f"{head}{named}\n{_block('table', whole)}"
+    order = [np.argsort(x) for x in grid]
+    parts = []
+    for name, column in columns.items():
+        values = column.reshape(len(grid[0]), len(grid[1]))[np.ix_(*order)]
+        if not np.isfinite(values).all():
+            advice = "leave the places without an answer out of the table"
+            raise InputError(table.scene, name, "places without a value", "a full grid", advice)
+        inner = np.column_stack([grid[0][order[0]], values])
+        parts.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
+    return head + "".join(parts)
+
+
+def _block(name: str, values: Array) -> str:
+    rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
+    return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"
