@@ -169,7 +169,7 @@ def run_export(
 
 
 def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
-    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and what these cannot hold."""
+    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and a grid with gaps."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_text, read_table, ross_text
 
@@ -177,8 +177,8 @@ def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
     if ross is not None:
         replace_file(ross, ross_text(table))
         lines.append(
-            f"wrote {ross}: {', '.join(ROSS_TERMS)} of each place; ROSS drops the other {36 - len(ROSS_TERMS)} of 36 terms: tilting "
-            "stiffness, displacement with rotation, and axial with radial"
+            f"wrote {ross}: {', '.join(ROSS_TERMS)} of each place; ROSS drops the other "
+            f"{36 - len(ROSS_TERMS)} of 36 terms: tilting stiffness, displacement with rotation, and axial with radial"
         )
     if modelica is not None:
         replace_file(modelica, modelica_text(table))

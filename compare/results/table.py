@@ -60,9 +60,7 @@ class TableRow:
         default=None,
     )  # fmt: skip
     load_error: float | None = quantity(
-        "expected_error_percent.load",
-        "to expect of the worst contact load here, in per cent of the mean load",
-        default=None,
+        "expected_error_percent.load", "to expect of the worst contact load, in per cent of the mean load", default=None
     )
     rms_error: float | None = quantity(
         "expected_error_percent.rms_load", "the same, root mean square of all contacts", default=None

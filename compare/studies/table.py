@@ -82,9 +82,7 @@ def asked_for(
         for value in vary.choices:
             scene_tables.keys_of(changed(raw, [vary], [value]), origin)
     if math.prod(len(x.choices) for x in keys) > MOST:
-        raise ArgumentError(
-            "over", f"{math.prod(len(x.choices) for x in keys)} places", f"up to {MOST}", "take fewer values"
-        )
+        raise ArgumentError("over", f"more than {MOST} places", f"up to {MOST}", "take fewer values")
     columns = tuple(_over(x) for x in typed)
     return Asked(text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, _station(stiffness_at))
 

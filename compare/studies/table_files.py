@@ -1,4 +1,4 @@
-"""A table of `rollbench.compare.studies.table` as files: CSV, JSON, Parquet, netCDF, its figure, and what ROSS and Modelica read.
+"""A table of `rollbench.compare.studies.table` as files: CSV, JSON, Parquet, netCDF, figure, ROSS and Modelica.
 
 ROSS takes five of the 36 terms of the tangent, a CombiTable all of them. Both hold constants at each place: no damping.
 """
@@ -119,19 +119,20 @@ def read_table(path: str) -> Table:
 
 
 def ross_text(table: Table) -> str:
-    """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place has
-    a stiffness."""
+    """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place
+    has a stiffness."""
     rows: list[tuple[Any, Array]] = list(zip(table.values["rows"], _matrices(table), strict=True))  # type: ignore[arg-type]
     kept = [(place_words(table.over, row), k) for row, k in rows if np.isfinite(k).all()]
-    lines = [
-        f"    ({place!r}, {{{', '.join(f'{name!r}: {k[at]:.9e}' for name, at in ROSS_TERMS.items())}}}),"
-        for place, k in kept
-    ]
+    terms = [{name: float(f"{k[at]:.9e}") for name, at in ROSS_TERMS.items()} for _, k in kept]
+    lines = [f"    ({place!r}, {row!r})," for (place, _), row in zip(kept, terms, strict=True)]
+    dropped, left = 36 - len(ROSS_TERMS), len(rows) - len(kept)
     return f'''"""Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.
 
-ROSS takes {len(ROSS_TERMS)} terms of the 6 x 6 tangent: {", ".join(ROSS_TERMS)}. Dropped are {36 - len(ROSS_TERMS)}: all of rx, ry and rz
-(tilting stiffness, and what couples displacement and rotation) and what couples uz with ux and uy.
-Damping is not known here: give cxx and others to `bearing`. {len(rows) - len(kept)} of {len(rows)} places have no stiffness and are left out.
+ROSS takes {len(ROSS_TERMS)} terms of the 6 x 6 tangent: {", ".join(ROSS_TERMS)}.
+Dropped are {dropped}: all of rx, ry and rz (tilting stiffness, and what
+couples displacement and rotation) and what couples uz with ux and uy.
+Damping is not known here: give cxx and others to `bearing`.
+{left} of {len(rows)} places have no stiffness and are left out.
 """
 
 import ross
@@ -156,8 +157,8 @@ def _matrices(table: Table) -> Array:
 
 
 def modelica_text(table: Table) -> str:
-    """A file for Modelica.Blocks.Tables: one key gives ``table`` for CombiTable1Ds, its columns named in a comment; two give a
-    table of each column for CombiTable2Ds. Raises InputError for more keys, words as values, and a grid with gaps."""
+    """A file for Modelica.Blocks.Tables: one key gives ``table`` for CombiTable1Ds, its columns named in comments; two give
+    a table of each column for CombiTable2Ds. Raises InputError for more keys, words as values, and a grid with gaps."""
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table over one or two keys, each of two numbers or more"

@@ -6,10 +6,9 @@
 ((32, 4), 12)
 
 ``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``friction``; ``compare_models`` with the
-3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene, ``table`` of
-its stiffness over them;
-write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands by
-``to_dict()``. ``python -m rollbench`` is the command line.
+3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene,
+``table`` of its stiffness over them; write a ``report``. Results are frozen records in SI units, tables in a notebook, and
+the JSON of the commands by ``to_dict()``. ``python -m rollbench`` is the command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
 """
