@@ -33,7 +33,8 @@ class Case:
     title: str
     #: Import name of the package with all of it.
     package: str
-    #: Module below ``package`` whose ``section(study, step)`` is its page of the report, or a package of such modules.
+    #: Module below ``package`` whose ``section(study, step)`` gives the section of its page in the report, or several in
+    #: order; or a package of such modules.
     page: str = ""
 
     @property

@@ -24,6 +24,8 @@ Kind = Literal[
     "slip",
     "jam",
     "balance",
+    "buckling",
+    "speed",
 ]
 
 

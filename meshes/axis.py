@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.fields import about, keyed, usual
-from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
-from rollbench.meshes.ranges import Bore, ContactAngle, Size, Station
+from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -90,7 +90,9 @@ class RollerRow:
     """One row of tapered rollers, every cone of it with its apex on the axis: number, mean diameter and effective length of
     a roller [m], half included angles of cup and roller [rad], depth of both rings to which deformation counts [m],
     material; crown: radius of the crowning at both contacts [m], infinite for straight rollers; slices of a roller;
-    azimuth of the first one [rad]."""
+    azimuth of the first one [rad]. end_radius: of the sphere of the large end [m], None where it is not known; rib_height:
+    of the contact with the rib above the cone's race [m], None for the usual one; rib_friction: coefficient of friction
+    there, None for the usual one; torque_factor: the maker's G_1 of Timken's formula, None where it is not known."""
 
     count: int
     diameter: Size
@@ -102,6 +104,10 @@ class RollerRow:
     crown: float = usual(float("inf"))
     slices: int = usual(15)
     phase: float = usual(0.0)
+    end_radius: Size | None = usual(None)
+    rib_height: Size | None = usual(None)
+    rib_friction: float | None = usual(None)
+    torque_factor: float | None = usual(None)
 
 
 @keyed
@@ -114,7 +120,8 @@ class RollingSet:
     housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along
     +z against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads,
     and then locked (0: none); thrust: which thrust on the shaft the set carries; carrier: the name of the housing that its
-    inner part belongs to, as the bearing around a nut does, None for the shaft.
+    inner part belongs to, as the bearing around a nut does, None for the shaft; seals: friction torque of its seals or
+    wipers as given [N m].
     """
 
     name: str
@@ -126,6 +133,25 @@ class RollingSet:
     preload: float = usual(0.0)
     thrust: Thrust = usual("both")
     carrier: str | None = usual(None)
+    seals: float = usual(0.0)
+
+
+@keyed
+@dataclass(frozen=True)
+class Drive:
+    """What the motor of a shaft moves besides it, for the torque and the inertia of the axis.
+
+    Mass [kg], inertia [kg m^2], time [s], torque [N m], density [kg/m^3].
+    """
+
+    mass: Mass = usual(0.0, "mass that the nut moves along the shaft", "200 kg")
+    motor_inertia: Inertia = usual(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
+    time: Duration | None = usual(None, "time in which it comes evenly from rest to the speed of [motion]", "100 ms")
+    efficiency: Efficiency | None = usual(
+        None, "efficiency of the nut while it accelerates the mass; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
+    )
+    torque: Torque = usual(0.0, "friction torque of all else, as given: guides, motor, coupling", "0.5 N m")
+    density: Density = usual(7850.0, "density of the shaft", "7850 kg/m3")
 
 
 @keyed
@@ -151,8 +177,10 @@ class Assembly:
     assumed: tuple[str, ...] = usual(())
     friction: Friction | None = usual(None)
     motion: Motion | None = usual(None)
+    lubricant: Lubricant | None = usual(None)
     stiffness_at: float | str | None = usual(None)
     thermal_strain: float = usual(0.0)
+    drive: Drive = usual(Drive())
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:

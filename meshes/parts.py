@@ -15,26 +15,35 @@ from rollbench.meshes.ranges import (
     Bore,
     Clearance,
     ContactAngle,
+    Contamination,
+    Density,
     Deviation,
     Duration,
     Element,
+    Factor0,
     Filling,
     Forces,
     Harmonic,
     Lead,
+    LoadStep,
     Modulus,
     Moments,
     Percent,
     Poisson,
+    PressureViscosity,
     Radius,
+    Reliability,
     Several,
     Size,
+    SpeedLimit,
     Spread,
     Station,
     StepGoal,
     Travel,
     Turning,
     Turns,
+    Viscosity,
+    ViscosityRatio,
     Whole,
 )
 
@@ -298,6 +307,9 @@ class Ingredients:
         "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
         "nominal",
     )
+    load_step: LoadStep | None = usual(
+        None, "further axial load over which the model liu also takes its stiffness (Liu's 22)", "600 N"
+    )
 
 
 @keyed
@@ -365,6 +377,28 @@ class Motion:
 
 @keyed
 @dataclass(frozen=True)
+class Lubricant:
+    """Oil, or base oil of a grease, at the temperature of running: kinematic viscosity [m^2/s] and density [kg/m^3] at
+    ambient pressure, rise of the viscosity's logarithm with pressure [1/Pa]; how it gets to rows of balls."""
+
+    viscosity: Viscosity = field(metadata=about("kinematic viscosity at the temperature of running", "27 mm2/s"))
+    density: Density = usual(900.0, "density", "900 kg/m3")
+    pressure_viscosity: PressureViscosity = usual(
+        20e-9, "rise of the logarithm of the viscosity with pressure, for the film between rollers and races", "20 1/GPa"
+    )
+    supply: Literal["grease", "oil mist", "oil bath", "oil jet"] = usual(
+        "grease", "how rows of balls are lubricated, for Palmgren's factor f0", "oil bath"
+    )
+    factor: Factor0 | None = usual(None, "the maker's factor f0 of a row of balls, in place of the published range", 2)
+
+    @property
+    def dynamic_viscosity(self) -> float:
+        """Dynamic viscosity at ambient pressure [Pa s]."""
+        return self.viscosity * self.density
+
+
+@keyed
+@dataclass(frozen=True)
 class Circulation:
     """How the balls of a screw go round, for: rollbench friction.
 
@@ -420,6 +454,23 @@ class GateLimits:
 
 @keyed
 @dataclass(frozen=True)
+class Operation:
+    """What modifies the life, and what the return of the balls bears."""
+
+    reliability: Reliability | None = usual(None, "share that reaches the modified life, in per cent", 95)
+    viscosity_ratio: ViscosityRatio | None = usual(
+        None, "kappa of ISO 281: viscosity of the lubricant at work over that it should have (with contamination)", 1.5
+    )
+    contamination: Contamination | None = usual(
+        None,
+        "e_C of ISO 281: 1 extremely clean, 0.8 to 0.6 sealed, 0.3 to 0.1 coarsely filtered (with viscosity_ratio)",
+        0.6,
+    )
+    dn_limit: SpeedLimit = usual(76_200.0, "largest pitch diameter times speed, in mm/min, by the maker", 120_000)
+
+
+@keyed
+@dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
 
@@ -443,6 +494,8 @@ class Scene:
     circulation: Circulation | None = usual(None)
     time: Time | None = usual(None)
     gate: GateLimits = usual(GateLimits(), compare=False)
+    operation: Operation = usual(Operation(), compare=False)
+    lubricant: Lubricant | None = usual(None)
 
     def __hash__(self) -> int:
         """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""

@@ -16,11 +16,16 @@ if TYPE_CHECKING:
     from pydantic_core import PydanticCustomError
 
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
-#: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.
+#: Units of speeds, angular speeds, times, masses and what describes a lubricant, as factors to SI; the SI unit first.
 RATES = {
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
     "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
     "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "kinematic viscosity": {"m2/s": 1.0, "mm2/s": 1e-6, "cSt": 1e-6},
+    "density": {"kg/m3": 1.0, "g/cm3": 1e3},
+    "pressure coefficient": {"1/Pa": 1.0, "1/GPa": 1e-9},
+    "mass": {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237},
+    "moment of inertia": {"kg m2": 1.0, "kg cm2": 1e-4, "kg mm2": 1e-6, "lb in2": 0.45359237 * 0.0254**2},
 }
 
 
@@ -74,14 +79,14 @@ class Quantity:
             return value
         _, unit = units.number_and_unit(str(self.example)) or ("", "")
         number = value / self._number(f"1 {unit}")
-        if unit.startswith("k") and abs(number) < 1.0:
+        if unit.startswith("kN") and abs(number) < 1.0:
             unit, number = unit[1:], 1e3 * number
         for digits in range(1, 18):
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
             if added + self._number(text) == added + value:
                 return text
-        text = f"{Decimal(repr(value)) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
-        return text if self._number(text) == value else f"{value!r} {self.unit}"
+        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
+        return text if self._number(text) == value else f"{float(value)!r} {self.unit}"
 
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
@@ -139,7 +144,7 @@ class ForceOrShare(Quantity):
 
 @dataclass(frozen=True)
 class Rate(Quantity):
-    """Range of a speed, an angular speed or a time."""
+    """Range of a speed, an angular speed, a time, a mass or what describes a lubricant."""
 
     @property
     def unit(self) -> str:
@@ -216,6 +221,11 @@ Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3
 #: A force and a moment by x, y, z.
 Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
+Reliability = Annotated[float, Quantity("number", 90, 99.95, 95)]
+Contamination = Annotated[float, Quantity("number", 0, 1, 0.6)]
+ViscosityRatio = Annotated[float, Quantity("number", 0.1, 1000, 1.5)]
+SpeedLimit = Annotated[float, Quantity("number", 1000, 1_000_000, 76_200)]
+LoadStep = Annotated[float, Quantity("force", "0.001 N", "1000 MN", "600 N")]
 Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
 Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
 Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
@@ -227,5 +237,14 @@ Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "6
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
 Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
+Viscosity = Annotated[float, Rate("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
+Density = Annotated[float, Rate("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]
+PressureViscosity = Annotated[float, Rate("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
+TorqueFactor = Annotated[float, Quantity("number", 0, 100_000, 40, above=True)]
+Torque = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "100 N mm")]
+Mass = Annotated[float, Rate("mass", "0 kg", "1000000 t", "200 kg")]
+Inertia = Annotated[float, Rate("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
+Factor0 = Annotated[float, Quantity("number", 0, 100, 2, above=True)]
+Efficiency = Annotated[float, Quantity("number", 0.1, 1, 0.92)]
 #: Young's moduli [Pa] of solids that parts of machines are made of.
 SOLIDS = (1e9, 1e12)

@@ -24,6 +24,7 @@ from rollbench.meshes.ranges import (
     Shift,
     Size,
     Spring,
+    Torque,
     Turn,
     Turning,
     Twist,
@@ -61,10 +62,12 @@ def scene_tables(scene: Scene) -> Table:
         solid=table_of(scene.solid, "nut_held"),
         friction=_friction(scene.friction),
         motion=scene.motion and table_of(scene.motion),
+        lubricant=scene.lubricant and table_of(scene.lubricant),
         circulation=scene.circulation and (table_of(scene.circulation) or {"circuits": 1}),
         time=scene.time and table_of(scene.time),
         preload={"lead_offset": text_of(Deviation, offset)} if offset else {},
         gate=table_of(scene.gate),
+        operation=table_of(scene.operation),
     )
 
 
@@ -98,6 +101,8 @@ def axis_tables(axis: Assembly) -> Table:
         ingredients=table_of(axis.ingredients, "screw", "element_length", "arm"),
         friction=_friction(axis.friction),
         motion=axis.motion and table_of(axis.motion),
+        lubricant=axis.lubricant and table_of(axis.lubricant),
+        drive=table_of(axis.drive),
     )
 
 
@@ -239,6 +244,7 @@ def _set(axis: Assembly, one: RollingSet, shared: Material) -> Table:
         offset=text_of(Deviation, one.offset) if one.offset else "",
         preload=text_of(Force, one.preload) if one.preload else "",
         position=text_of(Size, one.position) if rollers else "",
+        seals=text_of(Torque, one.seals) if one.seals else "",
     )
     if isinstance(parts, RollerRow):
         row = table_of(parts, "material", "phase", "depth", "crown") | {"ring_depth": text_of(Size, parts.depth)}

@@ -87,7 +87,7 @@ _TABLE = {
         "arcsec arcsecond": f"{_PI}/648000",
         "gon grad grade gradian": f"{_PI}/200",
         "turn revolution cycle circle": f"{_PI}/0.5",
-        "mil": f"{_PI}/32000",
+        "mil": f"{_PI}/3200",
     },
     "moment": {"J joule": "1", "erg": "1e-7", "ft_lb foot_pound": "1.3558179483314004"},
     "temperature difference": {

@@ -22,16 +22,16 @@ Row = dict[Quantity | str, Cell]
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; shown: how many of
-    them a page has, None for all; the CSV has all. Raises ValueError for two columns of one heading and unit, which no
-    reader of the CSV file could tell apart."""
+    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; unfolded: a page
+    shows it open however long it is. Raises ValueError for two columns of one heading and unit, which no reader of the
+    CSV file could tell apart."""
 
     name: str
     title: str
     columns: Sequence[Quantity]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
-    shown: int | None = 6
+    unfolded: bool = False
 
     def __post_init__(self) -> None:
         """Check the headings."""
@@ -42,12 +42,12 @@ class Table:
 
     @classmethod
     def of(
-        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", shown: int | None = 6
+        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
         """A table whose rows say what they hold: its columns are their quantities, in the order in which they appear."""
         listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
-        return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, shown)
+        return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
 
 
 def _quantity(named: Quantity | str) -> Quantity:
@@ -247,14 +247,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """A page of the report: name of its file, title, the sections on it, the conclusion that it opens with; whole: its
-    tables stand in full length."""
+    """A page of the report: name of its file, title, the sections on it, the conclusion that it opens with."""
 
     name: str
     title: str
     sections: Sequence[Section]
     conclusion: str = ""
-    whole: bool = False
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from rollbench.reports.content import (
     LoadedScrew,
     Page,
     PressureMap,
-    Quantity,
     Report,
     Section,
     Sketch,
@@ -42,16 +41,16 @@ SEARCH = "search.js"
 #: Characters of a table or text that the search knows.
 KNOWN = 4000
 
-#: Columns of a table that a page shows; its CSV has all of them, and all rows.
-COLUMNS = 8
+#: Rows from which a page folds a table.
+LONG = 20
 
-#: Rows beyond those of a table that it shows sooner than says that they are in its CSV.
-SPARED = 2
+#: Columns from which a table is set closer.
+WIDE = 8
 
-#: Columns of a table in full length that so small a share of its rows fills are left to the CSV.
-RARE = 0.1
+#: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
+HOW = "how"
 
-#: Keys of columns that stay where others are left to the CSV, and on a phone.
+#: Keys of columns that stay on a phone, where others are hidden.
 VERDICTS = ("class", "verdict", "status")
 
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
@@ -91,7 +90,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     ``tables`` and ``figures``."""
     environment = templates()
     writer = _Writer(folder, say, _places(report))
-    environment.filters.update(typeset=typeset, linked=writer.linked)
+    environment.filters.update(typeset=typeset, linked=writer.linked, place=lambda name: writer.places.get(name, ""))
     pages = [_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
@@ -132,14 +131,14 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
     """A page's data for the templates; writes the files of its items."""
     writer.say(f"report: {number}/{total} {page.title}")
     file = f"{page.name}.html"
-    sections = [_section(section, file, page.whole, writer) for section in page.sections]
+    sections = [_section(section, file, writer) for section in page.sections]
     writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
     return {"name": page.name, "title": page.title, "file": file, "sections": sections, "conclusion": page.conclusion}
 
 
-def _section(section: Section, file: str, whole: bool, writer: _Writer) -> dict[str, Any]:
+def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
     """A section's data for the templates; writes the files of its items."""
-    items = [_item(item, file, whole, writer) for item in section.items]
+    items = [_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
     for item in items:
@@ -168,16 +167,16 @@ def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
     wide, narrow = figures.draw(summary.figure), figures.draw(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
-    items = [_item(item, "index.html", True, writer) for item in summary.items]
+    items = [_item(item, "index.html", writer) for item in summary.items]
     return {"record": summary, "items": items, "wide": inline(wide), "narrow": inline(narrow)}
 
 
-def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]:
+def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     """An item's data for the templates; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
-        return table_view(item, whole, writer.folder)
+        return table_view(item, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
     view |= {"file": None, "drawing": None, "across": 1, "image": None, "missing": None, "turned": None}
     name = f"figures/{item.name}"
@@ -228,15 +227,11 @@ def inline(svg: str) -> Markup:
     return Markup(colour.sub(lambda c: f"var(--{theme[c[0].lower()]}, {c[0]})" if c[0].lower() in theme else c[0], element))
 
 
-def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
-    """A table as a page shows it, without columns that are empty; whole, or its first rows and columns and those of the
-    verdict. Writes its CSV, which has all of it."""
+def table_view(table: Table, folder: Path) -> dict[str, Any]:
+    """A table as a page shows it, without columns that are empty, folded where it is long. Writes its CSV."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
-    columns, empty = filled(table)
-    shown = [c for c in columns if not whole or _share(c, table) > RARE]
-    shown = shown if whole else _first(columns)
-    few = table.shown is None or len(table.rows) <= table.shown + SPARED
-    rows = table.rows if whole or few else table.rows[: table.shown]
+    shown, empty = filled(table)
+    shown = [c for c in shown if c.key != HOW]
     numbers = [is_number(column, table) for column in shown]
     measured = [k for k, number in enumerate(numbers) if number and k]
     errors = (k for k in measured if shown[k].label.startswith(("error", "largest error")))
@@ -251,35 +246,17 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
         for k, (c, number) in enumerate(zip(shown, numbers, strict=True))
     ]
     cells = [
-        [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)] for row in rows
+        [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
+        for row in table.rows
     ]
-    for row in cells:
+    for row, record in zip(cells, table.rows, strict=True):
         for cell, head in zip(row, heads, strict=True):
+            cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
             cell["align"] += " aside" if head["align"].endswith(" aside") else ""
-    remarks = [f"No row has an entry under: {'; '.join(empty)}."] if empty else []
-    if len(rows) < len(table.rows):
-        remarks.append(f"{len(rows)} of {len(table.rows)} rows; the CSV has all.")
-    if len(shown) < len(columns):
-        remarks.append(f"Only in the CSV: {', '.join(c.label for c in columns if c not in shown)}.")
-    note = "\n".join(filter(None, [table.note, *remarks]))
-    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, "whole": whole}
-
-
-def _share(column: Quantity, table: Table) -> float:
-    """Share of a table's rows that fill a column."""
-    return sum(row.get(column.key) not in (None, "", "–") for row in table.rows) / max(len(table.rows), 1)
-
-
-def _first(columns: Sequence[Quantity]) -> list[Quantity]:
-    """At most `COLUMNS` columns: those of the verdict, and the first of the others."""
-    kept = sum(c.key in VERDICTS for c in columns)
-    left = COLUMNS - kept
-    found = []
-    for column in columns:
-        if column.key in VERDICTS or left > 0:
-            found.append(column)
-            left -= column.key not in VERDICTS
-    return found
+    remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
+    note = "\n".join(filter(None, [table.note, remark]))
+    form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}
+    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, **form}
 
 
 _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}

@@ -81,6 +81,7 @@ def example(record: type) -> object:
 
 def some(hint: object) -> object:
     """A value of a type."""
+    hint = getattr(hint, "__value__", hint)  # of an alias, such as numpy's NDArray from 2.5 on
     origin, of = typing.get_origin(hint), typing.get_args(hint)
     if origin is typing.Literal:
         return of[0]

@@ -5,6 +5,7 @@ from rollbench.compare.api.calls import (
     compare_models,
     ensemble,
     friction,
+    load_curve,
     mesh_study,
     new,
     read,
@@ -13,4 +14,16 @@ from rollbench.compare.api.calls import (
     table,
 )
 
-__all__ = ["check", "compare_models", "ensemble", "friction", "mesh_study", "new", "read", "solve", "sweep", "table"]
+__all__ = [
+    "check",
+    "compare_models",
+    "ensemble",
+    "friction",
+    "load_curve",
+    "mesh_study",
+    "new",
+    "read",
+    "solve",
+    "sweep",
+    "table",
+]

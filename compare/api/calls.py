@@ -33,6 +33,7 @@ from rollbench.meshes.processes import held_to_one_thread
 if TYPE_CHECKING:
     from rollbench.compare.models.registry import Options
     from rollbench.compare.results.comparison import Comparison
+    from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.solved import Result
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
@@ -120,6 +121,31 @@ def solve_described(
     if not isinstance(described, DutyCycle):
         return result_of(solved, tangents, at_nut)
     return result_of(solved, tangents, at_nut, described, together(described, solved))
+
+
+@held_to_one_thread()
+def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0) -> LoadCurve:
+    """Displacement and stiffness over a force of either sign, lash and the stiffness outside it.
+
+    loads: as `rollbench solve --curve` takes them, ``"-3000N:3000N"``: forces in place of the scene's loads, along the axis
+    at the nut's centre (of several sets where the loads act) unless ``:x``, ``:45deg``, ``:300mm`` or the name of a housing
+    follow; ``"0:1.5"``: times all loads of the scene; model: refined unless given; member: as in `solve`. Of load cases the
+    first. Raises InputError; a load without equilibrium is a point with its status.
+    """
+    from rollbench.compare.models.registry import Options
+
+    origin = str(scene) if isinstance(scene, (str, Path)) else ""
+    return load_curve_of(_described(scene), loads, model, Options(member=member), origin)
+
+
+def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
+    """The same of a scene that is read; origin: what errors name it."""
+    from rollbench.compare.results.load_curve import load_curve, read_course
+
+    course = read_course(loads)
+    scene: Scene | Assembly = each_case(described, origin or described.name)[0]
+    with named(scene.name, origin or scene.name):
+        return load_curve(scene, course, model, options)
 
 
 @held_to_one_thread()

@@ -27,6 +27,7 @@ def bench(
     /,
     *,
     long: Flag = False,
+    source: str | None = None,
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
@@ -38,12 +39,43 @@ def bench(
         Scenes with a 3D reference whose models are timed; lin-case1 unless given, with --long all that the report compares.
     long
         Measure the levels of the 3D reference too, an hour in all on quiet cores, and neither commands nor threads.
+    source
+        Measure what the page of a case shows, such as lin, and nothing else: minutes on quiet cores.
     store
-        With --long: folder of stored runs to keep these times in, which a report then shows.
+        With --long or --source: folder of stored runs to keep these times in, which a report then shows.
     """
-    if store is not None and (names or not long):
-        raise ArgumentError("store", str(store), "with --long, without names", "a report shows times of one measuring run")
-    return print_answer(run_bench(names or (), store, long=long), as_json)
+    if source is not None and (names or long):
+        raise ArgumentError("source", source, "without names and --long", "leave them out")
+    if store is not None and (names or not (long or source)):
+        allowed = "with --long or --source, without names"
+        raise ArgumentError("store", str(store), allowed, "a report shows times of one measuring run")
+    answer = run_bench(names or (), store, long=long) if source is None else run_source(source, store)
+    return print_answer(answer, as_json)
+
+
+def run_source(source: str, store: Path | None) -> Answer:
+    """Measure what the page of a case shows. Raises InputError for a case that shows no run times."""
+    from rollbench.compare.case import every_case
+    from rollbench.compare.models.study import Study
+    from rollbench.compare.reference.store import shipped_store
+    from rollbench.compare.studies.run_times import Job, save_times
+
+    timed = {case.name: case for case in every_case() if (case.folder / "times.py").is_file()}
+    if source not in timed:
+        raise ArgumentError("source", f'"{source}"', ", ".join(timed), "name a case whose page shows run times")
+    study = Study(None if store is None else (store, shipped_store()))
+    kept = timed[source].load("times:measured_now")(study, on_terminal)
+    if store is not None:
+        save_times(store, kept, source)
+    note = "new process, empty caches; a further load case {:.3g} s"
+    jobs = [
+        Job(f"{scene}: {way}", t.cold, None, None, t.memory, None, note.format(t.warm))
+        for (scene, way), t in kept.times.items()
+    ]
+    for one in kept.levels:
+        further = note.format(one.load_case or 0.0)
+        jobs.append(Job(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
+    return Answer([asdict(job) for job in jobs], _tables(jobs))
 
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:

@@ -18,6 +18,7 @@ def report(
     /,
     *,
     only: Names = None,
+    source: str | None = None,
     out: Path = Path("rollbench-report"),
     quick: Flag = False,
     stored: Flag = False,
@@ -42,6 +43,8 @@ def report(
         runs are stored; none is computed.
     only
         Names of the sections to make; all but the costly ones unless given.
+    source
+        Name of a case, such as lin: make its page alone, from stored runs.
     out
         Folder to write to.
     quick
@@ -69,7 +72,8 @@ def report(
         need_packages(*PAGES)  # some of which the next line imports
         from rollbench.compare.report.verify import run_page
 
-        given = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "scheduler": where and where.scheduler}
+        given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
+        given["scheduler"] = where and where.scheduler
         for name, value in given.items():
             if value:
                 raise ArgumentError(name, str(value), "without a scene", "leave it out")
@@ -79,7 +83,8 @@ def report(
     from rollbench.compare.report.report import make_report
 
     kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
-    return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
+    kinds |= {"source": source or "", "against": against}
+    return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), **kinds))
 
 
 @app.command

@@ -16,7 +16,6 @@ from rollbench.compare.text.printing import Answer, on_terminal, print_answer, r
 
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis
-    from rollbench.compare.models.registry import Options
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.studies.members.members import Members
     from rollbench.lowfi.statics.result import StaticResult
@@ -29,8 +28,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Choices:
     """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
-    table of balls, station of the stiffness and its file, files of the load curve and of the contact loads, seconds after
-    which to give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
+    table of balls, station of the stiffness and its file, file of the contact loads, seconds after which to
+    give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
 
     model: str = ""
     everything: bool = False
@@ -39,7 +38,6 @@ class Choices:
     balls: bool = False
     stiffness_at: str = ""
     matrix: Path | None = None
-    curve: Path | None = None
     loads_csv: Path | None = None
     time_limit: float | None = None
     strict: bool = False
@@ -69,7 +67,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
     of_cases = [_of_case(choices, case) for case in names] or [choices]
     written: list[str] = []
     for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
-        written += _write(one, tangent, options, files)
+        written += _write(one, tangent, files)
     if choices.loads_csv is not None:
         written += _write_loads(choices.loads_csv, solved, names)
     shown = {"balls": choices.balls, "details": choices.assumptions}
@@ -89,7 +87,7 @@ def _of_case(choices: Choices, name: str) -> Choices:
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
 
-    return replace(choices, matrix=named(choices.matrix), curve=named(choices.curve))
+    return replace(choices, matrix=named(choices.matrix))
 
 
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
@@ -163,12 +161,10 @@ def _checked(choices: Choices) -> tuple[str, float]:
         from rollbench.compare.commands.solve_files import check_matrix
 
         check_matrix(choices.matrix)
-    if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
-        raise ArgumentError("curve", str(choices.curve), "a name that ends in .csv", "rename it")
-    for path in filter(None, (choices.curve, choices.loads_csv)):
+    if choices.loads_csv is not None:
         from rollbench.compare.files import need_writable
 
-        need_writable(path)
+        need_writable(choices.loads_csv)
     if not choices.stiffness_at:
         return model, 0.0
     try:
@@ -178,7 +174,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
         raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
 
 
-def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, choices: Choices) -> list[str]:
+def _write(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
     """Files that were asked for, but of loads; lines that say so. Raises InputError."""
     import numpy as np
 
@@ -195,10 +191,6 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
 
         write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
         lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
-    if choices.curve is not None:
-        from rollbench.compare.commands.solve_files import write_curve
-
-        lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines
 
 
@@ -225,7 +217,7 @@ def solve(
     balls: Flag = False,
     stiffness_at: Word = "",
     matrix: Path | None = None,
-    curve: Path | None = None,
+    curve: Annotated[Word, Parameter(allow_leading_hyphen=True)] = "",
     loads_csv: Path | None = None,
     members: int | None = None,
     csv: Path | None = None,
@@ -258,7 +250,10 @@ def solve(
     matrix
         File for that matrix: .mtx (Matrix Market) or .dmig (Nastran).
     curve
-        File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
+        Load curve, lash and stiffness outside it, in place of the answers: forces in place of the scene's loads, such as
+        "-3000N:3000N", along the axis at the nut's centre, of several sets where the loads act; ":41" makes 41 points of
+        21, ":x", ":y" or an angle such as ":45deg" turns them across, ":300mm" or a housing's name moves them. Without
+        unit, "0:1.5": times all loads of the scene.
     loads_csv
         File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
         column case.
@@ -266,7 +261,7 @@ def solve(
         Number of members to solve: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
         every ball.
     csv
-        With --members: file with one row per member.
+        With --members: file with one row per member; with --curve one per load, and a figure beside it.
     seed
         With --members: seed of the random errors in place of the scene's.
     workers
@@ -283,17 +278,44 @@ def solve(
     if members is not None:
         from rollbench.compare.reference.jobs import Engine
 
-        if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
+        if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv)):
             named = "stiffness_at, matrix, curve, loads_csv, strict"
             raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         return print_answer(run(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
-    if csv is not None or seed is not None or workers is not None:
+    if seed is not None or workers is not None or (csv is not None and not curve):
         raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
     choices = Choices(
-        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
+        model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, assumptions
     )
-    return print_answer(run_solve(scene, choices), as_json)
+    return print_answer(run_curve(scene, curve, choices, csv) if curve else run_solve(scene, choices), as_json)
+
+
+def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> Answer:
+    """Solve a scene over a course of loads, of load cases the first; exit code 1 where a load has no equilibrium. Raises
+    InputError."""
+    from rollbench.compare.api.calls import load_curve_of
+    from rollbench.compare.models.registry import Options
+    from rollbench.compare.running import checked, watched
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.text.solved import curve_lines
+
+    if choices.stiffness_at or choices.matrix or choices.loads_csv or choices.balls:
+        raise ArgumentError("stiffness_at, matrix, loads_csv, balls", "given", "without `curve`", "they are of one load")
+    model, _ = _checked(choices)
+    if csv_out is not None:
+        from rollbench.compare.files import need_writable
+
+        need_writable(csv_out)
+    options = Options(choices.everything, choices.member, condensed=choices.condensed)
+    with watched(f"{name}, load curve", checked(choices.time_limit)):
+        found = load_curve_of(catalogue.any_scene(name), text, model, options, name)
+    lines = curve_lines(found, details=choices.assumptions)
+    if csv_out is not None:
+        from rollbench.compare.commands.solve_files import write_curve
+
+        lines += write_curve(csv_out, found)
+    return Answer(found.to_dict, lines, int(not found.converged or (choices.strict and bool(found.above))), folded=True)
 
 
 def run(
@@ -341,7 +363,9 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     headings = WHOLE if several else KEPT
     tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
-    of_nut = "stiffness at the loads: tangent, by 0.1 % more load, of shaft and nut; solve's rigidity is the nut's alone"
+    of_nut = (
+        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; solve's rigidity is the nut's alone"
+    )
     stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]
     return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]

@@ -25,7 +25,11 @@ from rollbench.compare.models.loading import (
     preload,
 )
 from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
+from rollbench.lowfi.bearings.rib import RibContact, rib_contact
+from rollbench.lowfi.bearings.roller_torque import RollerTorque, roller_torque
+from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
+from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.contacts import (
     Contact,
     Ratings,
@@ -40,7 +44,9 @@ from rollbench.lowfi.rating.contacts import (
     worst_roller,
 )
 from rollbench.lowfi.rating.life import Life, life, rating
+from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
+from rollbench.lowfi.rating.shaft import ShaftLimits, shaft_limits
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
@@ -49,8 +55,8 @@ from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
-from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres
-from rollbench.meshes.parts import Scene, Support
+from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres, is_one_arc
+from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import Stated, quantity, record
 
 #: Part of the way from the middle of the play to its end from which on a ring is called to be at the end.
@@ -106,7 +112,7 @@ def _outer(assembly: Assembly, row: RollingSet) -> float | None:
     return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
 
 
-#: Ladder step whose bodies give the tangent of a model; the others have none.
+#: Ladder step whose bodies give the tangent of a model; the others have none, but Liu's along the axis.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
@@ -125,14 +131,20 @@ class LoadAnswers:
     life: Life | None = quantity("life")
     ratings: Ratings | None = quantity("ratings")
     words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
+    modified: ModifiedLife | None = quantity("modified_life", default=None)
 
 
-@dataclass(frozen=True)
+@record
 class RollerAnswers:
-    """What the line loads of a row of rollers answer: the worst line contact and its static safety; None without load."""
+    """What the line loads of a row of rollers answer: the worst line contact and its static safety, the contact with
+    the rib, life and ratings, friction torque; None without load."""
 
-    worst: RollerContact | None
-    safety: StaticSafety | None
+    worst: RollerContact | None = quantity("worst_contact")
+    safety: StaticSafety | None = quantity("static_safety")
+    rib: RibContact | None = quantity("rib_contact")
+    life: Life | None = quantity("life")
+    ratings: Ratings = quantity("ratings")
+    torque: RollerTorque | None = quantity("roller_torque")
 
 
 @dataclass(frozen=True)
@@ -140,7 +152,9 @@ class Answers:
     """Answers of one low-order result. motion (6,) [m, rad]: of the screw at the nut's centre from that without loads (from
     the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
     nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
-    JSON-ready, or words why it is not computed; path: where the loads go, None without any."""
+    JSON-ready, or words why it is not computed; path: where the loads go, None without any; stepped: stiffness of Liu's
+    model over the scene's step of load [N/m]; shaft: limits of a screw's shaft; torque: of a bearing, by Palmgren's
+    formulas."""
 
     loads: LoadAnswers
     force: float
@@ -153,6 +167,9 @@ class Answers:
     friction: dict[str, Any] | None
     friction_words: str
     path: LoadPath | None = None
+    stepped: float | None = None
+    shaft: ShaftLimits | None = None
+    torque: BallTorque | None = None
 
     @property
     def displacement(self) -> float:
@@ -180,9 +197,8 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     except ValueError as error:
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
-    return LoadAnswers(
-        worst, None if worst is None else static_safety(scene, drawn, worst), reach, rated_life, rated, words
-    )
+    safety = None if worst is None else static_safety(scene, drawn, worst)
+    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified_life(scene, rated_life))
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -206,6 +222,13 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
 def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
     """Tangent stiffness at the nut's centre, None where the model has none; words where the bodies that it needs cannot be
     made, or do not come to rest."""
+    if model == "liu":
+        from rollbench.lowfi.statics.liu import row_of  # loads the chain
+
+        axial = row_of(scene, member=options.member).stiffness()
+        along = np.full((6, 6), np.nan)
+        along[2, 2] = np.nan if axial is None else axial
+        return (None, "") if axial is None else (Tangent(scene.nut.position, along, "converged"), "")
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
@@ -246,7 +269,43 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle, result.member, result.pressure)
     path = path_of_set(scene, result, bare)
-    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path)
+    step, stepped = scene.ingredients.load_step, None
+    if model == "liu" and step is not None:
+        from rollbench.lowfi.statics.liu import row_of  # loads the chain
+
+        stepped = row_of(scene, member=options.member).stiffness(step)
+    shaft = shaft_limits(scene, result)
+    on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
+    torque = row_torque(scene, "deep groove", result, on_ring, loads, scene.lubricant, scene.motion)
+    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
+
+
+def row_torque(
+    parts: Scene,
+    thrust: str,
+    balls: StaticResult,
+    force: Array,
+    loads: LoadAnswers,
+    lubricant: Lubricant | None,
+    motion: Motion | None,
+) -> BallTorque | None:
+    """Friction torque of a bearing's row of balls by Palmgren's formulas; None of nuts and without load.
+
+    thrust: which it carries, of a row of one arc a groove; force (3,) [N]: of the shaft or on it; loads: its answers.
+    """
+    if parts.track.lead or loads.safety is None:
+        return None
+    kind: Kind = "four-point" if not is_one_arc(parts) else "deep groove" if thrust == "deep groove" else "angular contact"
+    inner, angle = balls.load[:, :2], balls.contact_angle[:, :2]
+    along = float(np.sum(inner * np.sin(np.where(inner > 0.0, angle, 0.0))))
+    pitch, viscous = 2.0 * parts.track.pitch_radius, None
+    if lubricant is not None and motion is not None:
+        ends = VISCOUS[kind][lubricant.supply] if lubricant.factor is None else (lubricant.factor, lubricant.factor)
+        low, high = (viscous_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
+        viscous = low, high
+    share = 1.0 / loads.safety.factor
+    radial = float(np.hypot(force[0], force[1]))
+    return ball_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
@@ -259,10 +318,18 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     return kept_sums(scene, result, options)
 
 
-def roller_answers(row: RollerRow, line_loads: Array) -> RollerAnswers:
-    """Answers of the line loads ``(count, slices)`` [N/m] of a row of rollers."""
+def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
+    """Answers of the line loads ``(count, slices)`` [N/m] of a row of rollers whose rings turn against one another at a
+    speed [rad/s], None where it is not known."""
     worst = worst_roller(row, line_loads)
-    return RollerAnswers(worst, None if worst is None else roller_safety(worst))
+    return RollerAnswers(
+        worst,
+        None if worst is None else roller_safety(worst),
+        rib_contact(row, line_loads.mean(axis=1) * row.length),
+        roller_life.life(row, line_loads),
+        roller_life.ratings(row),
+        roller_torque(row, line_loads, speed, lubricant),
+    )
 
 
 def _wide_grooves(scene: Scene) -> Iterator[Warned]:
@@ -302,12 +369,13 @@ def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preloa
 @dataclass(frozen=True)
 class SetAnswers:
     """One set: its name and parts. preload: of its contacts without the loads of the scene, axially the force that it then
-    has on the shaft; None where the scene does not solve then."""
+    has on the shaft; None where the scene does not solve then; torque: of a loaded bearing."""
 
     name: str
     parts: Scene | RollerRow
     loads: LoadAnswers | RollerAnswers
     preload: Preload | None
+    torque: BallTorque | None = None
 
 
 @dataclass(frozen=True)
@@ -344,7 +412,8 @@ class AxisAnswers:
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Answers of a converged result, with the further solution without loads."""
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
-    sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None, result.member) for i, s in enumerate(result.sets))
+    unloaded = bare.sets if bare.converged else [None] * len(result.sets)
+    sets = tuple(_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
     moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
     path = path_of_sets(assembly, result, bare)
     return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
@@ -372,18 +441,20 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+def _of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
     """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
-    parts = s.of.parts
+    parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
-        answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads)
+        speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
+        answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads, speed, assembly.lubricant)
     else:
         assert s.balls is not None, "a set of balls has contacts"
         answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
+        torque = row_torque(parts, s.of.thrust, s.balls, s.force, answers, assembly.lubricant, assembly.motion)
     if bare is None:
-        return SetAnswers(s.of.name, parts, answers, None)
+        return SetAnswers(s.of.name, parts, answers, None, torque)
     loads = bare.loads[bare.loads > 0.0]
     mean = mean_load(loads) if loads.size else 0.0
     preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
-    return SetAnswers(s.of.name, parts, answers, preload)
+    return SetAnswers(s.of.name, parts, answers, preload, torque)

@@ -18,29 +18,40 @@ from rollbench.compare.models.answers import (
     play_warnings,
     solve_sets,
 )
+from rollbench.compare.models.drive import AxisDrive, axis_drive, axis_life, lead_of, nut_sums
 from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating.life import EquivalentLife, Life, equivalent_life, life, over_cases
+from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating.life import (
+    SLOPE,
+    EquivalentLife,
+    Life,
+    SystemLife,
+    equivalent_life,
+    life,
+    over_cases,
+    system_life,
+)
+from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
 
 @dataclass(frozen=True)
 class OfSet:
-    """What a solved scene says of one set of balls for a duty cycle. parts: with the loads and supports of the scene; load:
-    of its contacts ``(n, 4)`` [N]; force: of the shaft on it ``(3,)`` [N]; preload: axial force [N] between two halves with
-    a lead offset."""
+    """What a solved scene says of one set for a duty cycle. parts: of balls with the loads and supports of the scene; load:
+    of its contacts ``(n, 4)`` [N], of rollers line loads ``(count, slices)`` [N/m]; force: of the shaft on it ``(3,)`` [N];
+    preload: axial force [N] between two halves with a lead offset."""
 
-    parts: Scene
+    parts: Scene | RollerRow
     load: Array
     force: Array
-    answers: LoadAnswers
     preload: float = 0.0
 
 
@@ -65,17 +76,20 @@ class Solved:
             return {}
         preload = axial_of(self.answers.preload) if self.scene.errors.lead_offset else 0.0
         force = -self.result.equilibrium.contact_force
-        return {"": OfSet(self.scene, self.result.load, force, self.answers.loads, preload)}
+        return {"": OfSet(self.scene, self.result.load, force, preload)}
 
 
 @dataclass(frozen=True)
 class SolvedAxis:
-    """Several sets on one shaft by one model, in the words of `Solved`; no error to expect is known of them."""
+    """Several sets on one shaft by one model, in the words of `Solved`; no error to expect is known of them. drive, life:
+    of all sets that turn with the shaft."""
 
     scene: Assembly
     result: AxisResult
     answers: AxisAnswers | None = None
     expected: None = None
+    drive: AxisDrive | None = None
+    life: SystemLife | None = None
 
     @property
     def contacts(self) -> tuple[LoadAnswers | RollerAnswers, ...]:
@@ -84,7 +98,7 @@ class SolvedAxis:
 
     @property
     def sets(self) -> dict[str, OfSet]:
-        """Its sets of balls by name; none where it did not converge."""
+        """Its sets by name; none where it did not converge."""
         if self.answers is None:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
@@ -92,7 +106,9 @@ class SolvedAxis:
         for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
             if isinstance(answers.parts, Scene) and isinstance(answers.loads, LoadAnswers) and s.balls is not None:
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
-                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, answers.loads)
+                out[s.of.name] = OfSet(parts, s.balls.load, -s.force)
+            elif s.line_loads is not None:
+                out[s.of.name] = OfSet(answers.parts, s.line_loads, -s.force)
         return out
 
 
@@ -103,7 +119,11 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
     """Solve several sets and gather all answers. Raises InputError as `run_model`."""
-    return SolvedAxis(scene, *solve_sets(scene, model, options.member))
+    result, answers = solve_sets(scene, model, options.member)
+    if answers is None:
+        return SolvedAxis(scene, result)
+    drive = axis_drive(scene, result, answers, nut_sums(scene, result))
+    return SolvedAxis(scene, result, answers, None, drive, axis_life(scene, result, answers))
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
@@ -116,12 +136,9 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if scene.friction is not None:
         warned += overall_warnings(scene.track, scene.friction)
     warned += [*path_warnings(answers.path), *play_warnings(scene)]
+    warned += [] if answers.shaft is None else answers.shaft.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))
-
-
-#: What is said of a shaft without a set of balls.
-NO_BALLS = "none: rollers are not rated"
 
 
 @dataclass(frozen=True)
@@ -135,7 +152,8 @@ class Extreme:
 @record
 class Lives:
     """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
-    None with words that say why; set: its name, empty where it is the only one."""
+    None with words that say why; set: its name, empty where it is the only one; modified: the former, by reliability and
+    lubricant."""
 
     life: Life | None
     life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
@@ -144,6 +162,7 @@ class Lives:
         "standard_life_words", "why the standard does not apply", show=lambda words: words or None
     )
     set: str = ""
+    modified: ModifiedLife | None = quantity("modified_life", default=None)
 
     @property
     @Stated(
@@ -163,7 +182,7 @@ class Together:
 
     pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
     the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
-    of every set of balls, in order; speed: mean one [rad/s].
+    of every set, in order; speed: mean one [rad/s]; axis_life: of several sets together.
     """
 
     pressure: Extreme | None = quantity(
@@ -190,6 +209,7 @@ class Together:
     unsolved: dict[str, str] = quantity("unsolved")
     lives: tuple[Lives, ...]
     speed: float | None
+    axis_life: SystemLife | None = quantity("axis_life", default=None)
 
     @property
     @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
@@ -200,8 +220,7 @@ class Together:
     @property
     def least(self) -> Lives:
         """Of the set that lives shortest; the first of which nothing is known, where there is one."""
-        none = Lives(None, NO_BALLS, None, NO_BALLS)
-        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions, default=none)
+        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
 def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
@@ -215,30 +234,50 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
         _extreme(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
         {case.name: one.result.status for case, one in pairs if one.answers is None},
-        tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
+        lives := tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
         cycle.speed,
+        _axis_life(cycle, lives),
     )
 
 
+def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
+    """Life over the cycle of all sets that turn with the shaft; None of one set, and where none has one."""
+    if not isinstance(cycle.parts, Assembly):
+        return None
+    turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}
+    known = {x.set: x.life.revolutions for x in lives if x.life is not None and x.set in turning}
+    if not known:
+        return None
+    slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else SLOPE for name in known}
+    together = 1e-6 * system_life([(1e6 * life, slopes[name]) for name, life in known.items()])
+    return SystemLife(together, min(known, key=lambda name: known[name]), lead_of(cycle.parts), cycle.speed)
+
+
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set in every case (None: it has none), or why there is
-    none; name: of the set (`DutyCycle.sets`)."""
+    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set, or line loads of rollers, in every case (None: it has
+    none), or why there is none; name: of the set (`DutyCycle.sets`)."""
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
         return None, f"none, because case {lacking[0]} has no loads"
     try:
         known = [np.zeros((1, 4)) if load is None else load for load in loads]
-        rated = life(cycle.sets[name], over_cases(known, cycle.shares))
+        parts = cycle.sets[name]
+        if isinstance(parts, RollerRow):
+            rated = roller_life.life(parts, roller_life.over_cases(known, cycle.shares))
+        else:
+            rated = life(parts, over_cases(known, cycle.shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
 
 
 def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
-    """Contact loads ``(n, 4)`` [N] of each set of balls by its name in `DutyCycle.sets`."""
+    """Contact loads ``(n, 4)`` [N] of each set of balls, line loads of each row of rollers, by names in
+    `DutyCycle.sets`."""
     if isinstance(result, StaticResult):
         return {"": result.load}
-    return {s.of.name: s.balls.load for s in result.sets if s.balls is not None}
+    found = ((s.of.name, s.line_loads if s.balls is None else s.balls.load) for s in result.sets)
+    return {name: load for name, load in found if load is not None}
 
 
 def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
@@ -248,11 +287,16 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
         return Lives(rated, words, None, words, name)
     used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
+    row = cycle.sets[name]
+    if isinstance(row, RollerRow):
+        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name)
+    modified = modified_life(row, rated)
     try:
-        standard = equivalent_life(parts, shares, forces, max(s.preload for s, _ in used))
+        scenes = [x for x in parts if isinstance(x, Scene)]
+        standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
-        return Lives(rated, words, None, str(error), name)
-    return Lives(rated, words, standard, "" if standard is not None else "no load", name)
+        return Lives(rated, words, None, str(error), name, modified)
+    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified)
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:

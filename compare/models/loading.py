@@ -1,19 +1,19 @@
 """What a scene does with its loads: under a factor on them, and where they go.
 
-Preload at zero load, the load at which a contact is lost, the load's curve; what supports, frames of housings and contacts
+Preload at zero load, the load at which a contact is lost; what supports, frames of housings and contacts
 take.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar, overload
 
 import numpy as np
 
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
+from rollbench.lowfi.rating.rigidity import axial_force, slope_of
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.lowfi.statics.summary import about_origin
@@ -76,19 +76,6 @@ class LiftOff:
     def force(self) -> float | None:
         """`axial`; None where no factor was found."""
         return None if self.factor is None else self.axial
-
-
-@dataclass(frozen=True)
-class CurvePoint:
-    """The scene at a factor on its loads: axial force on the nut [N], axial displacement [m] of the screw at the nut's
-    centre from that without loads, largest load of a ball or roller [N], and its result; of several sets the axial loads on
-    shaft and housings, and the displacement of what is asked about."""
-
-    factor: float
-    force: float
-    displacement: float
-    largest: float
-    result: StaticResult | AxisResult
 
 
 @overload
@@ -199,11 +186,6 @@ def axial_load(assembly: Assembly) -> float:
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
-def along_axis(assembly: Assembly, result: AxisResult) -> float:
-    """Axial displacement [m] of what is asked about."""
-    return float(motion_asked(assembly, result)[2])
-
-
 def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
     """Motion ``(6,)`` [m, rad] of what is asked about: a station of the shaft, or a housing."""
     from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
@@ -212,27 +194,6 @@ def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
     if isinstance(at, str):
         return next((h.motion for h in result.housings if h.name == at), np.zeros(6))
     return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
-
-
-def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options: Options) -> list[CurvePoint]:
-    """The scene at factors on its loads, those that converge; displacements from the one without loads where that does, of
-    several sets from the first that does."""
-    points: list[CurvePoint] = []
-    start = 0.0
-    for factor in factors:
-        loaded = scaled(scene, factor)
-        result = run_model(loaded, model, replace(options, discretisation=False))
-        if not result.converged:
-            continue
-        if isinstance(loaded, Scene) and isinstance(result, StaticResult):
-            force, u, first = axial_force(result), axial_displacement(loaded, result), factor == 0.0
-            largest = float(result.load.max())
-        elif isinstance(loaded, Assembly) and isinstance(result, AxisResult):
-            force, u, first = axial_load(loaded), along_axis(loaded, result), not points
-            largest = max((float(s.loads.max(initial=0.0)) for s in result.sets), default=0.0)
-        start = u if first else start
-        points.append(CurvePoint(factor, force, u - start, largest, result))
-    return points
 
 
 #: Part of a load below which it is called little.

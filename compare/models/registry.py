@@ -99,6 +99,12 @@ def _mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
+def _liu(scene: Scene, options: Options) -> StaticResult:
+    from rollbench.lowfi.statics.liu import solve_liu
+
+    return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
+
+
 def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
     from rollbench.lowfi.statics.axis.solve import solve_assembly
 
@@ -127,6 +133,13 @@ def axial_only(scene: Scene) -> bool:
     """Mei's model: axial loads on a beam, without preload and without a further support."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and with_beam(scene)
+
+
+def loaded_at_one_end(scene: Scene) -> bool:
+    """Liu's model: axial loads at one end of the balls, without preload, the screw free along its axis."""
+    from rollbench.lowfi.statics.liu import describes
+
+    return describes(scene)
 
 
 @dataclass(frozen=True)
@@ -266,6 +279,16 @@ _ALL = (
         partial(_mei, elastic_nut=True),
         MEI_AXIS,
         suits=axial_only,
+        compared=True,
+    ),
+    Model(
+        "liu",
+        "axial chain of balls that leave and join, contact angles that turn, elastic nut (Liu et al. 2025)",
+        "Liu: axial bars, turning contact angles",
+        "axial bars and springs whose direction turns, screw and nut loaded at one end",
+        _liu,
+        "its screw and nut are loaded at one end of one row",
+        suits=loaded_at_one_end,
         compared=True,
     ),
 )

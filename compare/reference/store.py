@@ -28,7 +28,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.condensed import geometry_digest
-from rollbench.meshes.parts import GateLimits, Scene
+from rollbench.meshes.parts import GateLimits, Operation, Scene
 from rollbench.meshes.solid import dimensions
 
 #: Largest file of a run [bytes], and deepest nesting of its brackets: the largest shipped one has a tenth, and 4.
@@ -141,6 +141,7 @@ UNSAID: dict[str, Any] = {
     "role": "",
     "members": 1,
     "gate": GateLimits(),
+    "operation": Operation(),
     **dict.fromkeys(("friction", "motion", "circulation", "time")),
 }
 

@@ -32,7 +32,7 @@ FAMILIES = (
         "the source's model and steps from it",
         ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
     ),
-    ("axial bars", ("mei", "mei-nut")),
+    ("axial bars", ("mei", "mei-nut", "liu")),
     ("bodies from 3D", ("condensed",)),
 )
 SOLID = "3D reference"
@@ -325,7 +325,7 @@ def standing_table(found: Sequence[Standing]) -> Table:
         "together within the limit. The error of the finest level itself is its grid uncertainty, and its RMS error is "
         "zero by definition."
     )
-    return Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note, shown=None)
+    return Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -399,7 +399,7 @@ def quantity_table(study: Study) -> Table:
         f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest level of the 3D reference "
         "of each scene. Last rows: against values that others print or measure (section outside)."
     )
-    return Table.of("quantities", "Every quantity and model", cells, note, shown=None)
+    return Table.of("quantities", "Every quantity and model", cells, note)
 
 
 def gate_word(study: Study, rung: Rung) -> str:

@@ -25,23 +25,18 @@ from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import fault as drawing_fault
 
-#: Pages by name: title; those of `WHOLE` show their tables in full length.
+#: Pages by name: title. A case's page has the name of the case and its title, else that of its first section.
 PAGES = {
     "reading": "How to read this report",
+    **{case.name: case.title[:1].upper() + case.title[1:] for case in every_case() if case.page},
     "cases": "Sheets of the cases",
     "accuracy": "How far off the models are",
     "reference": "How good the reference is",
     "robustness": "Stability and run time",
     "tolerances": "What errors of manufacture do",
-    "friction": "Friction",
-    "rolling": "Rolling contact",
-    "sources": "Bearings, axes and chains of balls",
-    "outside": "Measured, printed by makers, computed by others",
     "trust": "Fit for, not fit for",
     "entries": "Every printed entry",
 }
-
-WHOLE = ("entries",)
 
 #: Verdicts that say nothing of a model, and others as a sentence has them.
 APART = {"input": "inputs", "identity": "identities"}
@@ -57,7 +52,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Listed:
-    """A section of the report: its name, its page, its module in ``package``, as
+    """A part of the report, one section or several: its name, its page, its module in ``package``, as
     ``module:function`` where the function is not ``section``; quick: stands in a quick report too; runs:
     shows runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not."""
 
@@ -76,8 +71,9 @@ PLACED = (
     Listed("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
     Listed("sheets", "cases", "sections.sheets", quick=True, runs=True),
     Listed("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
-    Listed("cases", "cases", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
-    Listed("reconstruction", "cases", "cases.lin.pages.reconstruction", runs=True),
+    Listed("lin", "lin", "cases.lin.pages.tables"),
+    Listed("cases", "lin", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
+    Listed("reconstruction", "lin", "cases.lin.pages.reconstruction", runs=True),
     Listed("overview", "accuracy", "report.overview", quick=True, runs=True),
     Listed("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
     Listed("u-val", "accuracy", "sections.u_val", quick=True, runs=True, meshes=True),
@@ -85,21 +81,21 @@ PLACED = (
     Listed("pictures", "reference", "sections.pictures", meshes=True),
     Listed("verification", "reference", "sections.verification", meshes=True),
     Listed("crosscheck", "reference", "sections.verification:crosscheck_section", runs=True, meshes=True),
-    Listed("hertz", "reference", "cases.lin.pages.chapter_2:hertz_section"),
+    Listed("hertz", "lin", "cases.lin.pages.chapter_2:hertz_section"),
     Listed("stability", "robustness", "report.stability"),
-    Listed("formulations", "robustness", "cases.lin.pages.chapter_2:formulations_section"),
+    Listed("formulations", "lin", "cases.lin.pages.chapter_2:formulations_section"),
     Listed("tolerances", "tolerances", "sections.tolerances"),
-    Listed("errors", "tolerances", "cases.lin.pages.chapter_2:errors_section"),
-    Listed("manufacturing", "tolerances", "cases.lin.pages.chapter_2:manufacturing_section"),
-    Listed("friction", "friction", "cases.lin.pages.friction"),
-    Listed("steering", "friction", "cases.lin.pages.steering"),
-    Listed("friction-screw", "friction", "cases.lin.pages.friction:screw_section"),
-    Listed("rolling", "rolling", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
-    Listed("smith", "sources", "cases.smith.page"),
-    Listed("liu", "sources", "cases.liu.page"),
-    Listed("outside", "outside", "cases.makers.page"),
-    Listed("external", "outside", "cases.external.page", runs=True),
-    Listed("holding", "outside", "cases.external.holding", runs=True),
+    Listed("errors", "lin", "cases.lin.pages.chapter_2:errors_section"),
+    Listed("manufacturing", "lin", "cases.lin.pages.chapter_2:manufacturing_section"),
+    Listed("friction", "lin", "cases.lin.pages.friction"),
+    Listed("steering", "lin", "cases.lin.pages.steering"),
+    Listed("friction-screw", "lin", "cases.lin.pages.friction:screw_section"),
+    Listed("rolling", "kalker", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
+    Listed("smith", "smith", "cases.smith.page"),
+    Listed("liu", "liu", "cases.liu.page"),
+    Listed("outside", "makers", "cases.makers.page"),
+    Listed("external", "external", "cases.external.page", runs=True),
+    Listed("holding", "external", "cases.external.holding", runs=True),
     Listed("fit", "trust", "sections.fit", quick=True),
     Listed("notes", "trust", "sections.how_to_read:notes_section", quick=True, runs=True),
     Listed("verdicts", "entries", "sections.verdicts", runs=True),
@@ -108,10 +104,10 @@ PLACED = (
 
 
 def _with_cases() -> tuple[Listed, ...]:
-    """Sections in the order of the pages: with the page of each case that is not placed above, among the sources."""
-    placed = {part.module.split(".")[1] for part in PLACED if part.module.startswith("cases.")}
+    """Sections in the order of the pages: with those of each case that is not placed above."""
+    placed = {part.page for part in PLACED}
     cases = (case for case in every_case() if case.page and case.name not in placed)
-    added = [Listed(case.name, "sources", case.page, package=case.package) for case in cases]
+    added = [Listed(case.name, case.name, case.page, package=case.package) for case in cases]
     return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page)))
 
 
@@ -119,13 +115,13 @@ def _with_cases() -> tuple[Listed, ...]:
 SECTIONS = _with_cases()
 
 
-def pages(by_name: Mapping[str, Section]) -> list[Page]:
-    """The pages of sections by name, in order; those without a section are left out."""
+def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
+    """The pages of sections by the name of their part, in order; those without a section are left out."""
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
         if part.name in by_name:
-            by_page.setdefault(part.page, []).append(by_name[part.name])
-    return [Page(name, PAGES[name], group, conclusion(group), name in WHOLE) for name, group in by_page.items()]
+            by_page.setdefault(part.page, []).extend(by_name[part.name])
+    return [Page(name, PAGES[name] or group[0].title, group, conclusion(group)) for name, group in by_page.items()]
 
 
 def conclusion(sections: Sequence[Section]) -> str:

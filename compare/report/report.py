@@ -12,6 +12,7 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
+from rollbench.compare.case import every_case
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.files import need_writable
 from rollbench.compare.models.study import Study
@@ -125,6 +126,14 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
     return [part for part in SECTIONS if (part.name in only if only else part.quick or not quick)]
 
 
+def of_source(name: str) -> list[Listed]:
+    """Sections of the page of a case. Raises InputError for a case without page."""
+    with_page = [case.name for case in every_case() if case.page]
+    if name not in with_page:
+        raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "name a case that has a page")
+    return [part for part in SECTIONS if part.page == name]
+
+
 def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
@@ -138,13 +147,14 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
-def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: Study) -> dict[str, Section]:
-    """Sections by name, one after the other; with the ladder also what the model-form estimate rests on."""
-    sections: dict[str, Section] = {}
+def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: Study) -> dict[str, Sequence[Section]]:
+    """Sections by name of their part, one after the other; with the ladder also what the model-form estimate rests on."""
+    sections: dict[str, Sequence[Section]] = {}
     for part in parts:
         announce(part.name)
         module, _, function = part.module.partition(":")
-        sections[part.name] = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
+        made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
+        sections[part.name] = (made,) if isinstance(made, Section) else tuple(made)
     if "ladder" in sections:
         save_model_form(study)
     return sections
@@ -161,19 +171,24 @@ def make_report(
     fresh: bool = False,
     everything: bool = False,
     against: Path | None = None,
+    source: str = "",
     say: Step = _printed,
 ) -> Answer:
     """Run, draw and write the report; exit code 1 where the live check does not agree.
 
     quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
     store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
-    holds them; everything: the costly sections too; against: an earlier report, to list what moved;
-    say: takes the lines of progress. Run times are those of the measuring run that is kept; with ``fresh`` of a new one.
+    holds them; everything: the costly sections too; against: an earlier report, to list what moved; source: the page of
+    this case alone, from stored runs; say: takes the lines of progress. Run times are those of the measuring run that is
+    kept; with ``fresh`` of a new one.
     Raises InputError for a bad section name or folder.
     """
     need_packages(*PAGES, "scikit-fem")
     before = None if against is None else tables(against)
-    wanted = wanted_parts(only, quick=quick)
+    for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
+        if source and value:
+            raise ArgumentError(name, str(value), "without `source`", "leave it out")
+    wanted, stored = (of_source(source), True) if source else (wanted_parts(only, quick=quick), stored)
     if fresh and stored:
         raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
     from rollbench.reports.pages import write
@@ -206,12 +221,12 @@ def make_report(
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
-    missed += lacking(sections.values())
+    missed += lacking(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
         facts["live check"] = str(checked)
-    without = "" if only else f", without {', '.join(part.name for part in SECTIONS if not part.quick)}"
+    without = "" if only or source else f", without {', '.join(part.name for part in SECTIONS if not part.quick)}"
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
@@ -242,15 +257,16 @@ def report(
     stored: bool = False,
     fresh: bool = False,
     everything: bool = False,
+    source: str = "",
 ) -> Written:
     """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
 
-    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``);
+    only, quick, stored, fresh, everything, source: of the whole report, as the command's options (everything: ``--all``);
     reference: of a page, your own in place of the 3D reference.
     Raises InputError, Refusal where the scene does not solve.
     """
     folder = Path(out)
-    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
         raise ArgumentError(given[0], "given", "without a scene", "leave it out")
@@ -265,7 +281,7 @@ def report(
     if reference is not None:
         raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
 
-    how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     answer = make_report(only, folder, store=Path(store), say=LOG.info, **how)
     passed = answer.code == 0
     return Written({"page": str(index), "passed": passed}, "", tuple(map(str, answer.parts)), page=index, passed=passed)

@@ -150,7 +150,13 @@ def others_than(reference: Reference) -> list[Point]:
 def answers_of(b: Beside) -> dict[str, Any]:
     """What the loads of a model or of the reference answer, as JSON has it; null where there is no such answer."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
-    axial = as_json(Axial(b.force, b.displacement, stiff), "tangent_N_per_um", "tangent_words", "lost_motion_um_per_100N")
+    axial = as_json(
+        Axial(b.force, b.displacement, stiff),
+        "tangent_N_per_um",
+        "tangent_words",
+        "stepped_N_per_um",
+        "lost_motion_um_per_100N",
+    )
     return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
 
 

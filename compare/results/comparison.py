@@ -26,6 +26,7 @@ from rollbench.compare.results.solved import ExpectedError, expected_error
 from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
 #: What is compared of each case and set, by the names of their scene and set.
@@ -410,9 +411,9 @@ class CycleSummary:
 
 
 def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
-    """Of each set: largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6
-    revolutions] of every model and of the reference; null where a case has none."""
-    return [_summary(cycle, name, each) for name in cycle.sets]
+    """Of each set of balls: largest error of the model that the verdicts speak of, its case, and the lives over the
+    cycle [10^6 revolutions] of every model and of the reference; null where a case has none."""
+    return [_summary(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
 
 
 def _summary(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:

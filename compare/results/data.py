@@ -89,6 +89,33 @@ class FrictionPlay:
 
 
 @record(kw_only=True)
+class FrictionOnset:
+    """Whether neighbouring balls touch at the speeds that they have at the static loads; unloaded balls stand still."""
+
+    touch: bool = quantity(
+        "touch",
+        "whether neighbours meet before the leading one leaves its loaded arc (of a bearing, before the balls have gone "
+        "round once); unloaded balls stand still",
+    )
+    first: float | None = quantity(
+        "first_meeting_deg", "angle of the part that turns at which the first neighbours meet; null where none close in"
+    )
+    ball: int | None = quantity("ball", "the first of these two, at the smaller azimuth")
+    rolling: float | None = quantity(
+        "first_meeting_rolling_deg", "the same where unloaded balls roll along at the nominal speed"
+    )
+    closing: int = quantity("closing_pairs", "neighbours that close in")
+    pairs: int = quantity("pairs", "neighbours in all circuits")
+    unloaded: int = quantity("balls_without_load", "balls without load")
+    factor: float | None = quantity(
+        "error_factor",
+        "factor on the scene's errors of grooves and of single balls from which on neighbours touch, 0 where they do "
+        "without errors; null without errors, and where none is found up to 16",
+        error="3 %",
+    )
+
+
+@record(kw_only=True)
 class FrictionCases:
     """Friction of the load cases of a duty cycle together."""
 
@@ -184,6 +211,8 @@ class Friction(Data):
     """Every ball; empty of load cases and of kinds that do not list their balls so."""
     band: FrictionBand | None = None
     """Torques over the coefficients that are measured with lubricants; None where they are not asked for."""
+    onset: FrictionOnset | None = None
+    """Whether neighbouring balls touch; None where balls overlap or their circuits cannot be, and of several sets."""
     play: FrictionPlay | None = None
     """What play changes; None where the scene states preload or play."""
     warnings: tuple[str, ...] = ()
@@ -214,6 +243,7 @@ def friction_of(data: Mapping[str, Any]) -> Friction:
         **known,
         balls=tuple(FrictionBall(**from_json(FrictionBall, row)) for row in data.get("balls", ()) if converged),
         band=None if not data.get("band") else FrictionBand(**from_json(FrictionBand, data["band"])),
+        onset=None if not data.get("onset") else FrictionOnset(**from_json(FrictionOnset, data["onset"])),
         play=None if not data.get("play") else FrictionPlay(**from_json(FrictionPlay, data["play"])),
         warnings=warnings,
         cases=cases,

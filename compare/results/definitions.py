@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
+from rollbench.compare.models.drive import AxisDrive, SetDrive
 from rollbench.compare.models.load_cases import Lives, Together
 from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, Taker
 from rollbench.compare.models.model_form import ModelForm
@@ -21,15 +22,21 @@ from rollbench.compare.results.data import (
     FrictionBall,
     FrictionBand,
     FrictionCases,
+    FrictionOnset,
     FrictionPlay,
     Statistics,
 )
+from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
-from rollbench.lowfi.bearings.torque import LoadTorque
+from rollbench.lowfi.bearings.rib import RibContact
+from rollbench.lowfi.bearings.roller_torque import RollerTorque
+from rollbench.lowfi.bearings.torque import BallTorque, LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
-from rollbench.lowfi.rating.life import EquivalentLife, Life
+from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
+from rollbench.lowfi.rating.modified import ModifiedLife
 from rollbench.lowfi.rating.rigidity import Rigidities
+from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
 from rollbench.meshes.one_arc import Clearance
 from rollbench.meshes.quantity import Stated, stated_in
@@ -78,12 +85,18 @@ TABLES = (
         ),
     ),
     Table(
+        "Load curve",
+        "Of `solve --curve`; the load goes from one sign to the other in place of the scene's loads.",
+        (("", LoadCurve), ("points[].", CurvePoint)),
+    ),
+    Table(
         "Contact, ellipse and static safety",
         "Of the contact of the highest pressure, by Hertz' theory of its load and curvatures: an ellipse of a ball, a "
         "strip of a roller.",
         (
             ("worst_contact.", Contact),
             ("worst_contact.", RollerContact),
+            ("rib_contact.", RibContact),
             ("clearance.", Clearance),
             ("truncation.", Truncation),
             ("static_safety.", StaticSafety),
@@ -95,10 +108,14 @@ TABLES = (
         "theory is in [](../theory/rating.md).",
         (
             ("life.", Life),
+            ("modified_life.", ModifiedLife),
             ("ratings.", Ratings),
+            ("shaft.", ShaftLimits),
             ("", LoadAnswers),
             ("preload.", Preload),
             ("starting_torque.", LoadTorque),
+            ("axis_life.", SystemLife),
+            ("roller_torque.", RollerTorque),
             ("contact_lost.", LiftOff),
         ),
     ),
@@ -106,7 +123,16 @@ TABLES = (
         "Friction",
         "Torques act about the screw's axis. Their error is dominated by the coefficient of friction, which is an input: "
         "see `band`.",
-        (("band.", FrictionBand), ("play.", FrictionPlay), ("", Friction), ("", FrictionBall)),
+        (
+            ("band.", FrictionBand),
+            ("onset.", FrictionOnset),
+            ("play.", FrictionPlay),
+            ("bearing_torque.", BallTorque),
+            ("drive.", AxisDrive),
+            ("drive.sets[].", SetDrive),
+            ("", Friction),
+            ("", FrictionBall),
+        ),
     ),
     Table(
         "How far to trust it",

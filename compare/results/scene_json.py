@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.bearings.torque import LoadTorque
 
 #: Answers that each set has for itself.
-OF_A_SET = ("sides", "preload", "starting_torque", "clearance")
+OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
 #: Force [N] whose change of sign lost motion is given for.
 LOST_BY = 100.0
 
@@ -170,6 +170,12 @@ class Axial:
         default=None,
     )
     words: str = quantity("tangent_words", "why there is no tangent", show=lambda words: words or None, default="")
+    stepped: float | None = quantity(
+        "stepped_N_per_um",
+        "stiffness of the model liu over ingredients.load_step, at the first loaded ball (Liu's 19 to 22)",
+        error="the model is not covered by comparisons",
+        default=None,
+    )
 
     @property
     @Stated("lost_motion_um_per_100N", "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest")
@@ -256,9 +262,10 @@ def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = 
     """Worst contact, truncation (of balls), static safety, life and ratings; null where there is none."""
     if isinstance(answers, RollerAnswers):
         safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
-        no_life = {"life": None, "ratings": None, "rating_refused": "life and ratings of rollers are not computed"}
-        return {"worst_contact": as_json(answers.worst), "static_safety": safety, **no_life}
-    return (as_json(answers) or {}) | {"life": life_json(answers.life, None if motion is None else motion.speed)}
+        data = (as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
+    else:
+        data = as_json(answers) or {}
+    return data | {"life": life_json(answers.life, None if motion is None else motion.speed)}
 
 
 def answers_json(one: Solved) -> dict[str, Any]:
@@ -268,10 +275,10 @@ def answers_json(one: Solved) -> dict[str, Any]:
         return {}
     three = answers.rigidities
     secant = None if three is None else three.unequal
-    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words)
+    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words, answers.stepped)
     return {
         "loads": loads_json(one.result.load, nominal_contacts(scene, one.result)),
-        "axial": as_json(axial, "lost_motion_um_per_100N"),
+        "axial": as_json(axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.stepped is None else [])),
         **(as_json(three) or {"rigidities_N_per_um": None}),
         **contacts_json(answers.loads, scene.motion),
         "preload": as_json(answers.preload),
@@ -279,7 +286,9 @@ def answers_json(one: Solved) -> dict[str, Any]:
         "friction": answers.friction,
         "friction_words": answers.friction_words or None,
         "load_path": as_json(answers.path),
+        "shaft": as_json(answers.shaft),
         "clearance": as_json(clearance_in(scene)),
+        **({} if scene.track.lead else {"bearing_torque": as_json(answers.torque)}),
     }
 
 
@@ -316,6 +325,7 @@ def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) ->
     if not isinstance(answers.parts, Scene):
         return data
     data["clearance"] = as_json(clearance_in(answers.parts, s.of.thrust))
+    data |= {} if answers.parts.track.lead else {"bearing_torque": as_json(answers.torque)}
     return data | {"starting_torque": starting_torque(s, answers)}
 
 
@@ -338,9 +348,10 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
         return data
     moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
     secant = answers.force / moved if moved and answers.force else None
-    data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words")
+    data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words", "stepped_N_per_um")
     data["stiffness"] = whole_stiffness(result)
     data["load_path"] = as_json(answers.path)
+    data |= {"drive": as_json(one.drive), "axis_life": as_json(one.life)}
     if k := answers.worst_set:
         of_set = set_json(result.sets[k - 1], answers.sets[k - 1], one.scene.motion)
         data |= {"worst_set": k} | {k: of_set[k] for k in of_set if k not in OF_A_SET}
@@ -454,7 +465,7 @@ def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
 def together_json(whole: Together) -> dict[str, Any]:
     """Extremes of the cases, and the lives over the cycle with words where there is none."""
     several = len(whole.lives) != 1
-    data = (as_json(whole, *([] if several else ["life_set"])) or {}) | _lives_json(whole.least, whole.speed)
+    data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)
     each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
     return data | {"sets": [*each]} if several else data
 

@@ -31,8 +31,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rollbench.compare.models import loading
+    from rollbench.compare.models.drive import AxisDrive
     from rollbench.compare.models.model_form import ModelForm
+    from rollbench.lowfi.bearings.rib import RibContact
+    from rollbench.lowfi.bearings.roller_torque import RollerTorque
+    from rollbench.lowfi.bearings.torque import BallTorque
     from rollbench.lowfi.rating import life as rating
+    from rollbench.lowfi.rating.life import SystemLife
+    from rollbench.lowfi.rating.modified import ModifiedLife
+    from rollbench.lowfi.rating.shaft import ShaftLimits
 
 
 class Status(StrEnum):
@@ -162,9 +169,15 @@ class SetResult(Balls):
     worst: WorstContact | None
     """Its contact of the highest pressure; None without load."""
     life: Life | None
-    """Its life; None without load, of rollers, and where the formulas do not take it."""
+    """Its life; None without load, and where the formulas do not take it."""
+    rib: RibContact | None
+    """Contact of the most loaded roller with its rib; None of balls and without load."""
+    torque: RollerTorque | None
+    """Friction torque of a row of rollers [N m], by work and by Timken's formula; None of balls and without load."""
     preload: Preload | None
     """Its contacts without the loads of the scene; None where that has no equilibrium."""
+    bearing_torque: BallTorque | None = None
+    """Friction torque of a bearing [N m]; None of nuts and without load."""
 
     def __repr__(self) -> str:
         """Name, kind and what is loaded."""
@@ -215,8 +228,19 @@ class Result(Record, Balls):
     life: Life | None = None
     """Life by the contact loads; of several sets, of the set that lives shortest. None without load, and where the formulas
     do not take the scene."""
+    modified_life: ModifiedLife | None = None
+    """Life by the scene's reliability, lubricant and contamination, in 10^6 revolutions; None where it gives none, and of
+    several sets."""
+    shaft: ShaftLimits | None = None
+    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of its shaft; None of rings and several sets."""
     preload: Preload | None = None
     """Of one set; of several see each of `sets`."""
+    bearing_torque: BallTorque | None = None
+    """Friction torque of a bearing of one set; None of nuts and without load."""
+    drive: AxisDrive | None = None
+    """What the motor of several sets on one shaft turns: torques [N m] and moments of inertia [kg m^2]; None of one set."""
+    axis_life: SystemLife | None = None
+    """Life of all sets that turn with the shaft together; of load cases over all of them. None of one set."""
     expected_error: ExpectedError | None = None
     """Error to expect; None of several sets, for which none is known, and of load cases: see each of them."""
     sets: Mapping[str, SetResult] = field(default_factory=dict)
@@ -366,6 +390,8 @@ def result_of(
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life(together.least.life, together.speed),
+        modified_life=together.least.modified,
+        axis_life=together.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
         tangents=tuple(tangents),
@@ -408,7 +434,10 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
+        modified_life=answers.loads.modified,
+        shaft=answers.shaft,
         preload=_preload(answers.preload),
+        bearing_torque=answers.torque,
         expected_error=expected_error(one.expected),
     )
 
@@ -438,6 +467,8 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
         axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
         worst=worst,
         life=min(lives, key=lambda life: life.L10, default=None),
+        drive=one.drive,
+        axis_life=one.life,
     )
 
 
@@ -457,8 +488,11 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         stiffness=s.stiffness if known else None,
         roller_loads=s.roller_load if known else None,
         worst=None if loads is None else _worst(s.of.name, loads),
-        life=_life(loads.life, speed) if isinstance(loads, LoadAnswers) else None,
+        life=None if loads is None else _life(loads.life, speed),
+        rib=loads.rib if isinstance(loads, RollerAnswers) else None,
+        torque=loads.torque if isinstance(loads, RollerAnswers) else None,
         preload=None if answers is None else _preload(answers.preload),
+        bearing_torque=None if answers is None else answers.torque,
     )
 
 

@@ -24,11 +24,31 @@ from rollbench.compare.scenes.from_keys import (
     scene_of,
     support_of,
 )
-from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults
-from rollbench.compare.scenes.schema import AxisKeys, CaseHousingKeys, HousingKeys, SceneKeys, ScrewKeys, SetKeys, StiffKeys
-from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing, Joint, RollerRow, RollingSet, Stiffness, diagonal, full
+from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults, motion_faults
+from rollbench.compare.scenes.schema import (
+    AxisKeys,
+    CaseHousingKeys,
+    HousingKeys,
+    RollerKeys,
+    SceneKeys,
+    ScrewKeys,
+    SetKeys,
+    StiffKeys,
+)
+from rollbench.meshes.axis import (
+    ARRANGEMENTS,
+    Assembly,
+    Drive,
+    Housing,
+    Joint,
+    RollerRow,
+    RollingSet,
+    Stiffness,
+    diagonal,
+    full,
+)
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
-from rollbench.meshes.parts import FREEDOMS, Ingredients, Scene, Screw
+from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
 from rollbench.meshes.ranges import ShareOfRating
 
 #: Thrusts of a row that carries one way.
@@ -61,7 +81,9 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
     sets = tuple(_set(keys, i, raw, origin) for i in range(len(keys.sets)))
     refuse(origin, raw, list(_place_faults(keys, sets)))
     if _single(keys):
-        shared = {n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion")}
+        shared = {
+            n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
+        }
         whole = _scene_keys(keys, keys.sets[0]).model_copy(update=shared)
         refuse(origin, raw, list(choice_faults(whole)))
         return scene_of(whole, name)
@@ -82,8 +104,10 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
         assumed=(*keys.assumed, *_rated(keys, sets)),
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=keys.motion,
+        lubricant=keys.lubricant,
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
+        drive=keys.drive,
     )
 
 
@@ -104,6 +128,7 @@ def _single(keys: AxisKeys) -> bool:
     """Whether the file describes what a file without ``[[sets]]`` can describe."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
+    more = more or one.seals or keys.drive != Drive()
     return len(keys.sets) == 1 and not more and one.balls is not None and one.thrust in (None, "both")
 
 
@@ -117,6 +142,8 @@ def kind_of_set(one: SetKeys) -> str:
 def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     """Sets and housings that lack a table, are named twice, or name what is not there; friction without a coefficient."""
     yield from friction_choice_faults(keys.friction)
+    yield from motion_faults(keys.motion)
+    yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
         yield from _set_faults(keys, i, one)
     names = [h.name for h in keys.housings]
@@ -149,6 +176,22 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
             yield Fault((f"joints[{i}].between",), "two housings", "a housing is rigid: name another one")
 
 
+def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
+    """A lubricant without bearings, a mass that no nut moves, an acceleration to no speed, an efficiency of nothing."""
+    leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
+    if keys.lubricant is not None and all(kind_of_set(one) == "ball nut" for one in keys.sets):
+        advice = "friction of nuts goes by [friction]: leave the table out"
+        yield Fault(("lubricant",), "a set that is a bearing", advice, "nuts only")
+    if keys.drive.mass and len(leads) != 1:
+        found = "no nut" if not leads else f"leads of {', '.join(mm(x) for x in sorted(leads))}"
+        yield Fault(("drive.mass",), "nuts of one lead, which move it", "add the nut, or leave the mass out", found)
+    if keys.drive.time is not None and keys.motion is None:
+        yield Fault(("drive.time",), "with [motion]", 'add the speed that is reached, e.g. speed = "600 rpm"')
+    if keys.drive.efficiency is not None and not (keys.drive.mass and keys.drive.time):
+        advice = "it counts for a mass that is accelerated: add both, or leave it out"
+        yield Fault(("drive.efficiency",), "with mass and time", advice)
+
+
 def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
     at = f"sets[{i}]"
     yield from arrangement_faults(at, one)
@@ -166,6 +209,8 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
             yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if one.thrust is None else "")
         if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup's angle", "the cone's angle is what is left")
+        else:
+            yield from _rib_faults(f"{at}.rollers", one.rollers)
     else:
         for name, table in balls.items():
             if table is None:
@@ -194,6 +239,24 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         yield Fault((f"{at}.carrier",), "another housing than its outer part's", "a rigid body cannot roll on itself")
     if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
+
+
+def _rib_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
+    """Large ends that do not touch a rib; the angles of the row are right."""
+    if r.rib_height is not None and r.rib_height >= 0.5 * r.diameter:
+        advice = (
+            "the rib touches the end between the cone's race and the roller's axis, usually 0.05 to 0.2 of its diameter"
+        )
+        yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
+    elif r.end_radius is not None:
+        from rollbench.lowfi.bearings.rib import rib_height, rib_of
+        from rollbench.lowfi.rollers import tapered
+
+        row = _row(r, Material(2e11, 0.3))  # whose moduli the geometry does not need
+        try:
+            rib_of(tapered(row), r.end_radius, rib_height(row))
+        except ValueError as error:
+            yield Fault((f"{at}.end_radius",), str(error), "makers take 0.8 to 0.95 of the distance from the apex")
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
@@ -243,11 +306,9 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     thrust = one.thrust or "both"
     shared = (one.name, kind_of_set(one))
     if one.rollers is not None:
-        r = one.rollers
-        material = material_of(None, keys.material)
-        row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
-        row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
-        return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
+        row = _row(one.rollers, material_of(None, keys.material))
+        of_rollers = (one.housing, one.offset, one.preload, thrust)
+        return RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
     scene_keys = _scene_keys(keys, one)
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
@@ -257,8 +318,14 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     if one.thrust is None and is_one_arc(scene):
         scene, thrust = as_one_arc(scene), "deep groove"
     scene = _of_arcs(scene, thrust)
-    own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier)
+    own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier, one.seals)
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
+
+
+def _row(r: RollerKeys, material: Material) -> RollerRow:
+    row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
+    given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
+    return replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
 
 
 def _of_arcs(scene: Scene, thrust: str) -> Scene:

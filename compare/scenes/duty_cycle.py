@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
@@ -68,11 +68,11 @@ class DutyCycle:
         return self.parts.assumed
 
     @property
-    def sets(self) -> dict[str, Scene]:
-        """Parts of each set of balls by name; of the only one without a name."""
+    def sets(self) -> dict[str, Scene | RollerRow]:
+        """Parts of each set by name; of the only one without a name."""
         if isinstance(self.parts, Scene):
             return {"": self.parts}
-        return {s.name: s.parts for s in self.parts.sets if isinstance(s.parts, Scene)}
+        return {s.name: s.parts for s in self.parts.sets}
 
     @property
     def shares(self) -> tuple[float, ...]:

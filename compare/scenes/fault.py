@@ -105,7 +105,7 @@ def _find(raw: Any, path: str) -> Any:
 Keys = TypeVar("Keys", bound=BaseModel)
 
 #: Tables and keys on which no body, support or load depends.
-APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate"}
+APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate", "operation"}
 
 #: What pydantic calls an unknown key of a table, and of a record.
 EXTRA = ("extra_forbidden", "unexpected_keyword_argument")

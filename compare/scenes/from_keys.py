@@ -57,10 +57,12 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
         members=keys.members,
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=keys.motion,
+        lubricant=keys.lubricant,
         role=keys.role,
         circulation=keys.circulation,
         time=keys.time,
         gate=keys.gate,
+        operation=keys.operation,
     )
 
 

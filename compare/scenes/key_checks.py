@@ -9,7 +9,7 @@ from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.compare.scenes.from_keys import ball_total, centres_apart
 from rollbench.compare.scenes.keys import GrooveKeys
 from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
-from rollbench.meshes.parts import Time
+from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import MAX_BALLS
 from rollbench.meshes.section import MERGE
 
@@ -28,14 +28,23 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     yield from _holding_faults(keys)
     yield from _ball_choice_faults(keys)
     yield from _support_faults(keys)
-    if keys.motion is not None and keys.motion.speed == 0.0:
-        advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
-        yield Fault(("motion.speed",), "any angular speed but zero", advice)
+    yield from motion_faults(keys.motion)
+    if keys.lubricant is not None and keys.track.lead != 0.0:
+        advice = "friction of a nut goes by [friction]: leave the table out"
+        yield Fault(("lubricant",), "a bearing (track.lead of 0 mm)", advice, "a ball screw with [lubricant]")
     yield from friction_choice_faults(keys.friction)
     yield from _circuit_choice_faults(keys)
     yield from _said_twice(keys)
     yield from _circuits(keys)
     yield from _preload(keys)
+    yield from _operation(keys)
+
+
+def motion_faults(motion: Motion | None) -> Iterator[Fault]:
+    """A speed of zero."""
+    if motion is not None and motion.speed == 0.0:
+        advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
+        yield Fault(("motion.speed",), "any angular speed but zero", advice)
 
 
 def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -254,6 +263,14 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
         value = f"{circuits} without circuit_gap"
         yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
     yield from _circulating(keys, circuits)
+
+
+def _operation(keys: SceneKeys) -> Iterator[Fault]:
+    of = keys.operation
+    if (of.viscosity_ratio is None) != (of.contamination is None):
+        given, lacking = ("viscosity_ratio", "contamination")[:: 1 if of.contamination is None else -1]
+        advice = f"a_ISO needs both: give {lacking} too, or leave {given} out"
+        yield Fault((f"operation.{given}",), "with the other of both", advice, f"without {lacking}")
 
 
 def _circulating(keys: SceneKeys, circuits: int) -> Iterator[Fault]:

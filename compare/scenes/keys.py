@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from rollbench.meshes.ranges import (
     MAX_BALLS,
+    RATES,
     SOLIDS,
     Coefficient,
     Conformity,
@@ -20,6 +21,7 @@ from rollbench.meshes.ranges import (
     Poisson,
     Quantity,
     Radius,
+    Rate,
     Size,
     Turning,
 )
@@ -227,5 +229,6 @@ def _as_in_a_file(default: Any, node: dict[str, Any]) -> Any:
     if isinstance(default, list):
         return [_as_in_a_file(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:
-        return Quantity(node["x-dimension"], 0, 0, node["examples"][0]).written(default)
+        of = Rate if node["x-dimension"] in RATES else Quantity
+        return of(node["x-dimension"], 0, 0, node["examples"][0]).written(default)
     return default

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from rollbench.compare.scenes import keys
 from rollbench.compare.scenes.keys import either, key, with_radius
 from rollbench.meshes import parts, ranges
-from rollbench.meshes.axis import Segment
+from rollbench.meshes.axis import Drive, Segment
 from rollbench.meshes.parts import Flange, Friction, Motion, NutHeld
 from rollbench.meshes.ranges import ForceOrShare, Quantity, Rate, ShareOfRating
 
@@ -299,10 +299,12 @@ class SceneKeys(keys.HeadKeys):
     solid: parts.Solid = key("what only the 3D reference needs", parts.Solid(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: parts.Motion | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+    lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
     circulation: parts.Circulation | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
     time: parts.Time | None = key("run in time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
     gate: parts.GateLimits = key("limits for: rollbench check", parts.GateLimits(), {"max_error": 7})
+    operation: parts.Operation = key("reliability, lubricant, limit of speed", parts.Operation(), {"reliability": 95})
 
 
 Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
@@ -346,6 +348,18 @@ class RollerKeys(keys.Table):
     ring_depth: ranges.Size = key("depth of both rings to which their deformation counts", example="5 mm")
     crown: ranges.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
     slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
+    end_radius: ranges.Size | None = key(
+        "radius of the sphere of the large end, for the pressure on the rib; usually 0.8 to 0.95 of its apex distance",
+        None,
+        "55 mm",
+    )
+    rib_height: ranges.Size | None = key(
+        "height of the contact with the rib above the cone's race; a tenth of the diameter if left out", None, "0.8 mm"
+    )
+    rib_friction: ranges.Coefficient | None = key(
+        "coefficient of friction of the large end on the rib; 0.1 if left out", None, 0.1
+    )
+    torque_factor: ranges.TorqueFactor | None = key("the maker's factor G1, for the torque by Timken's formula", None, 40)
 
 
 class SetKeys(keys.Table):
@@ -392,6 +406,9 @@ class SetKeys(keys.Table):
     balls: BallKeys | None = key("balls", None)
     errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
     rollers: RollerKeys | None = key("tapered rollers", None)
+    seals: ranges.Torque = key(
+        "friction torque of its seals or wipers as their maker gives it, of each row of an arrangement", "0 N m", "100 N mm"
+    )
 
 
 class SpringKeys(keys.Table):
@@ -502,3 +519,5 @@ class AxisKeys(keys.HeadKeys):
     ingredients: AxisIngredientKeys = key("parts of the low-order model", AxisIngredientKeys(), {"section": "full"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})
+    lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
+    drive: Drive = key("what its motor moves", Drive(), {"mass": "200 kg"})

@@ -125,7 +125,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
         f"gate's limit, {LIMIT:g} % of contact loads {RULE}, and of other quantities what loads off by that much make of "
         "them. No error of the mean load has a limit. Of the gate's rule there are the scenes whose record has it."
     )
-    table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.row for x in found], note, shown=None)
+    table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.row for x in found], note)
     return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))
 
 

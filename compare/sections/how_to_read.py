@@ -53,7 +53,7 @@ TERMS = (
         "tests its trend, arithmetic on printed numbers tests the source, and a zero by symmetry tests a sign."
     ),
     (
-        "Tables show their first rows and columns; the CSV files are complete. Flanks are SL and SR (screw, "
+        "A table of more than 20 rows is folded: its title opens it, with all rows. Flanks are SL and SR (screw, "
         "left and right), NL and NR (nut)."
     ),
 )

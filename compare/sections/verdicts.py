@@ -58,10 +58,10 @@ def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quant
         (True, Quantity("unit", "unit", "", "s")),
         (True, Quantity("printed", "printed", "", "s")),
         (faulty, Quantity("as_printed", "as printed, computed", "", form)),
-        (inferred, Quantity("reading", "inferred reading", "", form)),
         (True, Quantity("right", "right (plain reading)" if inferred else "right", "", form)),
-        (inferred, Quantity("reading_error", "inferred against printed", "%", ".2f")),
         (True, Quantity("error", "error", "%", "g3")),
+        (inferred, Quantity("reading", "inferred reading", "", form)),
+        (inferred, Quantity("reading_error", "inferred against printed", "%", ".2f")),
         (True, Quantity("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
@@ -177,14 +177,10 @@ def counts_table(rows: Sequence[Evidence]) -> Table:
     return Table("audit-counts", "Printed entries by source and verdict", columns, counts(rows), note)
 
 
-def audit_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
-    step("every printed entry")
-    rows = audit(study)
-    words = [trust(row) for row in counts(rows)]
-    meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
-    shown = _texts(
-        ("source", "source"),
+def misprints_table(case: str = "") -> Table:
+    """Misprints and faults of a case, or of all sources."""
+    columns = _texts(
+        *(() if case else (("source", "source"),)),
         ("place", "place"),
         ("wrong", "as printed"),
         ("right", "right"),
@@ -192,6 +188,16 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
         ("command", "command that shows it"),
         ("test", "test"),
     )
+    rows = [row for row in misprints() if row["source"] == case or not case]
+    return Table(f"{case or 'audit'}-misprints", "Misprints, each with a command that shows it and a test", columns, rows)
+
+
+def audit_section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("every printed entry")
+    rows = audit(study)
+    words = [trust(row) for row in counts(rows)]
+    meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
     missing = _texts(
         ("source", "source"), ("place", "place"), ("what", "what"), ("count", "numbers, about"), ("reason", "why left out")
     )
@@ -199,7 +205,7 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
         Text(words),
         counts_table(rows),
         Text(meanings, bullets=True),
-        Table("audit-misprints", "Misprints, each with a command that shows it and a test", shown, misprints()),
+        misprints_table(),
         Table("audit-left-out", "Printed numbers that are no entries, and why", missing, left_out()),
     )
     return Section("audit", "Audit: how much of each source can be trusted", items)

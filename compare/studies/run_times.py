@@ -26,7 +26,8 @@ from time import perf_counter, time
 from typing import Any, TypeVar
 
 from rollbench.compare.files import replace_file
-from rollbench.compare.reference.store import Measured, here
+from rollbench.compare.models.study import Study
+from rollbench.compare.reference.store import Measured, here, shipped_store
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import run_ensemble
 from rollbench.meshes.processes import VARIABLES
@@ -114,6 +115,29 @@ print(json.dumps({{"done": done, "first": spent[0], "warm": min(spent[1:]), "mem
 """
 
 
+#: Any call, after imports that only its first time includes.
+CALL_CHILD = """
+import sys
+sys.path[:] = {path!r}
+from time import perf_counter, time
+from rollbench.meshes.processes import one_thread, peak_MB
+one_thread()
+import json
+ask = json.loads({ask!r})
+space = {{}}
+exec(ask["imports"], space)
+call = compile(ask["call"], "call", "eval")
+spent = []
+for _ in range(1 + ask["repeats"]):
+    start = perf_counter()
+    eval(call, space)
+    spent.append(perf_counter() - start)
+    if len(spent) == 1:
+        done, memory = time(), peak_MB()
+print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
+"""
+
+
 #: A level as `compare` computes it, without a cache to read or a store to write.
 LEVEL_CHILD = """
 import sys
@@ -177,6 +201,13 @@ def measure(
     }
     begin, printed = _alone(CHILD, ask, f"{model} on {scene}")
     return Cold(printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"])
+
+
+def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
+    """Times of a call in a new process with empty caches, and of further ones there. Raises RuntimeError where the process
+    fails."""
+    begin, printed = _alone(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
+    return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
 def measure_level(scene: str, level: int) -> ColdLevel:
@@ -304,8 +335,13 @@ def _lines(rows: Sequence[Any]) -> str:
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
-def save_times(store: Path, kept: Kept) -> None:
-    """Write times into a store. Raises InputError where it cannot be written."""
+def file_of(source: str) -> str:
+    """File of the times of a case's page, or of those of all compared scenes."""
+    return f"run_times_{source}.json" if source else RUN_TIMES
+
+
+def save_times(store: Path, kept: Kept, source: str = "") -> None:
+    """Write times into a store; source: those of a case's page. Raises InputError where it cannot be written."""
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
@@ -313,11 +349,18 @@ def save_times(store: Path, kept: Kept) -> None:
     }
     head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(kept.measured), "date": kept.date}.items())
     body = ", ".join(f'"{name}": [\n {_lines(rows)}]' for name, rows in lists.items())
-    replace_file(store / RUN_TIMES, f"{{{head}, {body}}}\n")
+    replace_file(store / file_of(source), f"{{{head}, {body}}}\n")
 
 
-def load_times(stores: Sequence[Path]) -> Kept | None:
-    """Times of the first store that has any; None without a valid file."""
+def times_of(study: Study, source: str) -> Kept | None:
+    """Times of a case's page as one measuring run has them; those of all compared scenes where none is kept; None without
+    any."""
+    stores = (*(study.stores or ()), shipped_store())
+    return load_times(stores, source) or load_times(stores)
+
+
+def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
+    """Times of the first store that has any; source: those of a case's page. None without a valid file."""
 
     def made(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
@@ -326,7 +369,7 @@ def load_times(stores: Sequence[Path]) -> Kept | None:
         measured = Measured(data.get("version", ""), data.get("sources", ""), data["machine"])
         return Kept(measured, data["date"], times, first, levels)
 
-    return first_kept(stores, RUN_TIMES, made)
+    return first_kept(stores, file_of(source), made)
 
 
 def load_costs(stores: Sequence[Path]) -> Costs | None:

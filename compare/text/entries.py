@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.models.loading import path_words
 from rollbench.compare.models.model_form import ModelForm
-from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.quantities import as_json, count_of, shown
 from rollbench.compare.results.scene_json import answers_json, set_json, starting_torque, whole_json
 from rollbench.meshes.axis import RollerRow
 
 if TYPE_CHECKING:
     from rollbench.compare.models.answers import Answers, AxisAnswers
+    from rollbench.lowfi.bearings.torque import BallTorque
 
 #: Width of the labels of the block.
 LABEL = 10
@@ -47,8 +49,10 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         *_supports(one.answers),
         *_rests([("", data)]),
         ("friction", _friction(data)),
+        *_torques([] if one.answers is None else [("", one.answers.torque)]),
         ("life", _life(data)),
         ("ratings", _ratings(data)),
+        *_shaft(data),
         ("error", "not estimated" if worth is None else model_form_words(worth)),
     )
 
@@ -84,7 +88,55 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
         words = "in all by Palmgren's load formula (Smith 2.33), without lubricant and seals"
         lines.append(("starting", f"torque {sum(torques.values()):.3g} N mm {words}: {each}"))
-    return lines
+    lines += _torques([(f"{x.name} ", x.torque) for x in answers.sets])
+    return [*lines, *drive_lines(data.get("drive")), *_axis_life(data.get("axis_life"))]
+
+
+def band(ends: Sequence[float] | None, digits: int = 3) -> str:
+    """A range, one number where its ends agree to the digits shown."""
+    if ends is None:
+        return "not known"
+    low, high = (shown(x, digits=digits) for x in ends)
+    return low if low == high else f"{low} to {high}"
+
+
+def _torques(rows: list[tuple[str, BallTorque | None]]) -> list[tuple[str, str]]:
+    """The entry on the friction torques of bearings: what each sentence begins with, and its torque."""
+    known = [(name, as_json(torque) or {}) for name, torque in rows if torque is not None]
+    if not known:
+        return []
+    each = [
+        f"{name}{band(data['starting_Nmm'])}" + (f", {band(runs)}" if (runs := data["running_Nmm"]) else "")
+        for name, data in known
+    ]
+    runs = "to start, to run" if known[0][1]["running_Nmm"] else "to start (to run: with [lubricant] and [motion])"
+    words = f"friction torque in N mm {runs}, by Palmgren, lowest to highest published coefficients"
+    return [("bearings" if known[0][0] else "bearing", f"{words}: {'; '.join(each)}")]
+
+
+def drive_lines(drive: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """The entries on what the motor of an axis turns, from its JSON."""
+    if drive is None:
+        return []
+    speeding = drive["accelerating_torque_Nmm"]
+    runs = f"torque in N mm {band(drive['running_torque_Nmm'])} at constant speed"
+    text = f"{runs}, {band(drive['starting_torque_Nmm'])} from rest"
+    text += "" if speeding is None else f", {band(speeding)} while it comes to speed"
+    given = [
+        f"{name} {shown(drive[key])} N mm" for name, key in (("seals", "seals_Nmm"), ("other", "other_Nmm")) if drive[key]
+    ]
+    text += f"; with {', '.join(given)} as given" if given else ""
+    why = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
+    inertia = f"{shown(drive['inertia_kg_mm2'])} kg mm2: shaft {shown(drive['shaft_inertia_kg_mm2'])}"
+    inertia += f", reflected mass {shown(drive['reflected_inertia_kg_mm2'])}" if drive["reflected_inertia_kg_mm2"] else ""
+    return [("drive", f"{text}; not known: {why}" if why else text), ("inertia", inertia)]
+
+
+def _axis_life(life: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """The entry on the life of all sets together."""
+    if life is None:
+        return []
+    return [("axis life", f"L10 {life_words(life)}, of all sets together; {life['shortest_set']} lives shortest")]
 
 
 def _preloads(answers: AxisAnswers) -> str:
@@ -171,18 +223,19 @@ def _axial(data: dict[str, Any], worth: ModelForm | None) -> str:
     if three is None:
         return f"{text}; no rigidity without axial load"
     why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
-    return f"{text}; {_rigidities(three, d['tangent_N_per_um'], moved, stiff)}{why}"
+    rigid = {"tangent": d["tangent_N_per_um"], "over the step of load": d.get("stepped_N_per_um")}
+    return f"{text}; {_rigidities(three, rigid, moved, stiff)}{why}"
 
 
-def _rigidities(three: dict[str, Any], tangent: float | None, moved: float | None, stiff: float | None) -> str:
-    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. moved,
-    stiff: errors [%] to expect of secant and tangent."""
+def _rigidities(three: dict[str, Any], local: dict[str, float | None], moved: float | None, stiff: float | None) -> str:
+    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. local: at
+    the load, by their names; moved, stiff: errors [%] to expect of secant and of these."""
 
     def known(*named: tuple[str, float | None], off: float | None = None) -> str:
         return ", ".join(f"{name} {shown(value, _share(value, off))}" for name, value in named if value is not None)
 
     secant = known(("secant", three["with_unequal_loads"]), off=moved)
-    by_model = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)])) or "none"
+    by_model = ", ".join(filter(None, [secant, known(*local.items(), off=stiff)])) or "none"
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
     practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
     return f"rigidity in N/um: {by_model} by this model; {formulas} by formulas at the nominal contact angle{practice}"
@@ -242,6 +295,34 @@ def _static(data: dict[str, Any]) -> str:
     return f"{text}; lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
 
 
+def _rib(data: dict[str, Any]) -> str:
+    d = data["rib_contact"]
+    if d is None:
+        return "no load"
+    text = f"{shown(d['load_N'])} N on the large end of roller {d['roller']}"
+    if d["pressure_MPa"] is not None:
+        axes = f"{d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm"
+        text += f", {shown(d['pressure_MPa'])} MPa on an ellipse of semi-axes {axes}"
+    return f"{text}{_noted(d)}"
+
+
+def _roller_torque(data: dict[str, Any]) -> str:
+    d = data["roller_torque"]
+    if d is None:
+        return "no load"
+    film = "" if d["film_Nmm"] is None else f"film {shown(d['film_Nmm'])}, "
+    band = "" if d["low_Nmm"] is None else f", {shown(d['low_Nmm'])} to {shown(d['high_Nmm'])} with 0.03 to 0.15 on the rib"
+    timken = "" if d["timken_Nmm"] is None else f"; {shown(d['timken_Nmm'])} N mm by Timken's formula (Smith 3.29)"
+    return (
+        f"of friction {shown(d['torque_Nmm'])} N mm by work ({film}rib {shown(d['rib_Nmm'])}, hysteresis "
+        f"{shown(d['hysteresis_Nmm'])}){band}; {shown(d['starting_torque_Nmm'])} N mm at rest{timken}{_noted(d)}"
+    )
+
+
+def _noted(d: dict[str, Any]) -> str:
+    return f"; {d['words']}" if d["words"] else ""
+
+
 def _preload(data: dict[str, Any]) -> str:
     d, lost = data["preload"], data["contact_lost"]
     if d is None:
@@ -284,8 +365,35 @@ def _life(data: dict[str, Any]) -> str:
     return (
         f"L10 {life_words(d)} of this load distribution, equivalent load "
         f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
-        f"{d['standard']}, not a maker's"
+        f"{d['standard']}, not a maker's{modified_words(data.get('modified_life'))}"
     )
+
+
+def modified_words(d: dict[str, Any] | None) -> str:
+    """The modified life, empty where the scene gives nothing of it."""
+    if d is None:
+        return ""
+    lubricated = "" if d["a_ISO"] is None else f", a_ISO {shown(d['a_ISO'])} (C_u {shown(d['fatigue_load_limit_N'])} N)"
+    million, share = shown(d["Lnm_million_revolutions"]), d["reliability_percent"]
+    return f"; modified {million} million revolutions for {share:g} %: a_1 {shown(d['a_1'])}{lubricated}"
+
+
+def _shaft(data: dict[str, Any]) -> list[tuple[str, str]]:
+    """Limits of the shaft, nothing where there are none."""
+    d = data["shaft"]
+    if d is None:
+        return []
+    turns = (
+        "" if d["speed_rpm"] is None else f"; it turns at {shown(d['speed_rpm'])} rpm, DN {shown(d['dn_mm_rpm'])} mm rpm"
+    )
+    return [
+        (
+            "shaft",
+            f"{shown(d['length_mm'])} mm, {d['ends']}: buckles under {shown(d['buckling_N'])} N (allowed "
+            f"{shown(d['allowed_compression_N'])} N, {shown(d['compression_N'])} N press), whirls at "
+            f"{shown(d['critical_speed_rpm'])} rpm (allowed {shown(d['allowed_speed_rpm'])} rpm){turns}",
+        )
+    ]
 
 
 def life_words(d: dict[str, Any]) -> str:
@@ -313,4 +421,12 @@ OF_BALLS = (
     ("life", _life),
     ("ratings", _ratings),
 )
-OF_ROLLERS = (("loads", _roller_loads), ("contact", _line_contact), ("static", _static), ("life", _life))
+OF_ROLLERS = (
+    ("loads", _roller_loads),
+    ("contact", _line_contact),
+    ("static", _static),
+    ("rib", _rib),
+    ("torque", _roller_torque),
+    ("life", _life),
+    ("ratings", _ratings),
+)

@@ -10,7 +10,8 @@ import numpy as np
 
 from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.compare.models.registry import random_errors
-from rollbench.compare.quantities import count_of, shown
+from rollbench.compare.quantities import as_json, count_of, shown
+from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.scene_json import (
     cases_json,
     discretisation_percent,
@@ -20,7 +21,7 @@ from rollbench.compare.results.scene_json import (
     sides_json,
 )
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.entries import block, entry, life_words, load_error
+from rollbench.compare.text.entries import block, entry, life_words, load_error, modified_words
 from rollbench.compare.text.printing import Column, aligned, listed, plain, text_width
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -33,6 +34,17 @@ from rollbench.meshes.parts import FREEDOMS, SIDES
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+
+#: Columns of a load curve: key of the point, heading, format.
+CURVE_COLUMNS: tuple[Column, ...] = (
+    ("load_factor", "factor", ".3g"),
+    ("load_N", "load N", ".5g"),
+    ("displacement_um", "displacement um", ".4f"),
+    ("stiffness_N_per_um", "tangent N/um", ".5g"),
+    ("largest_load_N", "largest contact N", ".5g"),
+    ("friction_torque_Nmm", "friction N mm", ".3g"),
+    ("status", "status", "s"),
+)
 
 #: What the table of sets says of each: key of `_set_rows`, heading, format.
 SETS = (
@@ -99,6 +111,35 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
     return [
         f"solver: {s.formulation}, {s.engine}; {count_of(s.iterations, 'iteration')}, residual {s.residual:.1e}, "
         f"{count_of(s.unknowns, 'unknown')}, {count_of(s.elements, 'beam element')}{measured}, {s.seconds:.3g} s"
+    ]
+
+
+def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
+    """A load curve for the terminal: lash and stiffness, its points; details: with the assumptions."""
+    x, y, z = curve.direction
+    way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
+
+    def size(value: float | None, factor: float, unit: str) -> str:
+        return "unknown" if value is None else f"{shown(factor * value)} {unit}"
+
+    lash = f"none: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
+    stiff = " and ".join(
+        f"{size(value, 1e-6, 'N/um')} {words}"
+        for value, words in ((curve.backward, "below"), (curve.forward, "above"))
+        if value is not None
+    )
+    rows = [as_json(p) or {} for p in curve.points]
+    used = [c for c in CURVE_COLUMNS if any(row[c[0]] is not None for row in rows)]
+    if curve.converged and not any(row["status"] != "converged" for row in rows):
+        used.remove(CURVE_COLUMNS[-1])
+    return [
+        f"{curve.scene}, model {curve.model}: load along {way} at {curve.at}, {len(rows)} points",
+        *([curve.above] if curve.above else []),
+        f"lash (dead zone between the signs): {lash}; from end to end {size(curve.peak_to_peak, 1e6, 'um')}",
+        *([f"stiffness outside the lash, to the ends: {stiff}"] if stiff else []),
+        listed("", used, rows),
+        *(f"warning: {line}" for line in curve.warnings),
+        *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
 
 
@@ -277,6 +318,7 @@ def _life(lives: Lives, speed: float | None) -> str:
     return (
         f"{of}L10 {life_words(life_json(rated, speed) or {})} of the duty cycle, by the contact loads, the nut at "
         f"one position; rating {rated.rating:.0f} N as computed by {rated.standard}"
+        f"{modified_words(as_json(lives.modified))}"
     )
 
 

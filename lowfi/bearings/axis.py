@@ -34,7 +34,10 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import volume_ratio
 
 
 @dataclass(frozen=True)
@@ -124,9 +127,30 @@ def angular_speed(speed: float, lead: float) -> float:
     return 2.0 * np.pi * speed / lead
 
 
-def shaft_inertia(density: float, diameter: float, length: float) -> float:
-    """Moment of inertia [kg m^2] of a cylinder, pi rho D^4 Z/32 (Smith 4.14, in lb in^2 there); density [kg/m^3]."""
-    return float(np.pi * density * diameter**4 * length / 32.0)
+def shaft_inertia(density: float, diameter: float, length: float, bore: float = 0.0) -> float:
+    """Moment of inertia [kg m^2] of a (hollow) cylinder, pi rho (D^4 - d^4) Z/32 (Smith 4.14, in lb in^2 there); density
+    [kg/m^3]."""
+    return float(np.pi * density * (diameter**4 - bore**4) * length / 32.0)
+
+
+def screw_inertia(shaft: Assembly, density: float) -> float:
+    """Moment of inertia [kg m^2] of a shaft of a density [kg/m^3]: plain stretches by (4.14), the rest with the diameter
+    of the same volume as the thread of its first nut (Lin C.8). Rings and nuts are left out.
+
+    Smith takes the root's diameter: less, by (d/D)^4 of the thread's depth.
+    """
+    nut = next((s.parts for s in shaft.sets if isinstance(s.parts, Scene) and s.parts.track.lead), None)
+    ratio = 1.0 if nut is None else float(np.sqrt(volume_ratio(nut)))
+    thread = shaft_inertia(density, ratio * shaft.screw.outer_diameter, 1.0, shaft.screw.bore)
+    plain = sum(p.end - p.start for p in shaft.segments)
+    stretches = (shaft_inertia(density, p.diameter, p.end - p.start, p.bore) for p in shaft.segments)
+    return thread * (shaft.screw.length - plain) + sum(stretches)
+
+
+def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> float:
+    """Moment of inertia [kg m^2] that a mass [kg] on the nut adds to the screw's: m (p/(2 pi))^2/e (Smith 4.15); e: share
+    of the screw's work that reaches the nut, 1 for the inertia itself, which stores energy m v^2/2."""
+    return float(mass * (lead / (2.0 * np.pi)) ** 2 / efficiency)
 
 
 @dataclass(frozen=True)

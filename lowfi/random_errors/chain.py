@@ -1,8 +1,9 @@
 """Self-adjusting chain of balls: axial load, random errors of balls and grooves, unilateral Hertz contacts.
 
-Liu et al. (2025), section 2.2, as a minimum. Ball j = 1..M sits between nut and screw at equal spacing l; u_j [m] is the
-axial motion of the nut against the screw there, counted from where an error-free ball just touches. The load F acts on nut
-and screw at the end of ball 1, so that the segment behind ball j carries what the balls behind it carry, in both bodies:
+Liu et al. (2025), section 2.2, as a minimum. Ball j = 1..M sits between nut and screw at spacing l (equal in the source);
+u_j [m] is the axial motion of the nut against the screw there, counted from where an error-free ball just touches. The
+load F acts on nut and screw at the end of ball 1, so that the segment behind ball j carries what the balls behind it
+carry, in both bodies:
 
     T_j = sum of f_i(u_i) over i >= j,    T_1 = F,    u_j - u_(j+1) = c T_(j+1),    c = l (1/(E A_n) + 1/(E A_s)),
 
@@ -37,7 +38,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from rollbench.lowfi.hertz import contact_approach, contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
@@ -52,8 +53,9 @@ class Chain:
     """Balls in a row between screw and nut.
 
     balls: M; stiffness: K [N/m^1.5] of Q = K d^1.5, both contacts; compliance: c [m/N] of screw and nut from a ball to the
-    next; groove_distance: A [m]; contact_angle, lead_angle [rad]; law: reading of the contact angle.
-    Raises ValueError where a number is out of range.
+    next; groove_distance: A [m]; contact_angle, lead_angle [rad]; law: reading of the contact angle; spacing: each distance
+    to the next ball (M - 1,) over their mean, which c is of; none for even ones. Raises ValueError where a number is out of
+    range.
     """
 
     balls: int
@@ -63,6 +65,7 @@ class Chain:
     contact_angle: float
     lead_angle: float
     law: Law = "exact"
+    spacing: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what is no chain."""
@@ -72,6 +75,13 @@ class Chain:
             raise ValueError("contact angle must lie in (0, 90) deg, lead angle in [0, 90) deg")
         if self.law not in LAWS:
             raise ValueError(f"law of the contact angle must be one of {', '.join(LAWS)}")
+        if self.spacing and (len(self.spacing) != self.balls - 1 or min(self.spacing) < 0.0):
+            raise ValueError(f"distances between balls must not be negative, and as many as gaps: {self.balls - 1}")
+
+    @property
+    def segments(self) -> Array:
+        """Compliance (M,) [m/N] of screw and nut from the ball before, zero for the first."""
+        return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
 
     @property
     def parameters(self) -> Array:
@@ -142,24 +152,9 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     e, u, work = checked(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
-    steps, residual, stiffness = k.newton(e, float(load), chain.compliance, law, chain.parameters, u, work)
+    steps, residual, stiffness = k.newton(e, float(load), chain.segments, law, chain.parameters, u, work)
     touch = float(free_motion(chain, e.max()))
     return ChainState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
-
-
-def ball_stiffness(
-    ball_diameter: float, pitch_radius: float, groove_radius: float, contact_angle: float, young: float, poisson: float
-) -> float:
-    """K [N/m^1.5] of a ball between the grooves of screw and nut: exact Hertz contact, lengths [m] (Liu's 16).
-
-    Along the track the screw's surface has the radius R_p/cos a - r, the nut's R_p/cos a + r (r of the ball); the helix
-    angle is left out (a factor cos^2 on these small curvatures). One material. Raises ValueError where grooves do not fit.
-    """
-    r, cosine = 0.5 * ball_diameter, np.cos(contact_angle)
-    across = 1.0 / r - 1.0 / groove_radius
-    along = 1.0 / r + np.array([1.0, -1.0]) * cosine / (pitch_radius + np.array([-1.0, 1.0]) * r * cosine)
-    c = hertz_constants(np.full(2, across), along, contact_modulus(young, poisson, young, poisson)).C
-    return float(c.sum() ** -1.5)
 
 
 def end_ratio(chain: Chain, load: float) -> float:
@@ -265,7 +260,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
     e = checked(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=True)
-    k.batch(e, f, chain.compliance, LAWS.index(chain.law), chain.parameters, out)
+    k.batch(e, f, chain.segments, LAWS.index(chain.law), chain.parameters, out)
     at = QUANTITIES.index("displacement")
     out[..., at : at + 2] -= np.asarray(free_motion(chain, e.max(axis=1)))[:, None, None]
     return out[..., :-1], out[..., -1]

@@ -75,7 +75,7 @@ def _equations(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, 
     force, rate = _forces(chain, errors, approach)
     motion, slope = _motion(chain, errors, approach)
     n = at.size
-    spring = 1.0 / (chain.compliance * np.diff(at))
+    spring = 1.0 / np.diff(np.cumsum(chain.segments)[at])
     value, jacobian = load - np.cumsum(force), -np.tril(np.broadcast_to(rate, (n, n)))
     value[:-1] -= spring * (motion[:-1] - motion[1:])
     k = np.arange(n - 1)

@@ -69,6 +69,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
@@ -102,11 +103,16 @@ class Life:
         form=".1f",
     )
     raceways: dict[str, float] = quantity(
-        "raceways_million_revolutions", "life of one raceway", error="as above", parts=".FLANK"
+        "raceways_million_revolutions",
+        "life of one raceway: flank of balls, inner or outer race of rollers",
+        error="as above",
+        parts=".*",
     )
     rating: float = quantity("rating_as_computed_N", "basic dynamic load rating C")
     equivalent: float = quantity(
-        "equivalent_load_N", "load under which C would give the same life, C/L10^(1/3)", error="that of the loads"
+        "equivalent_load_N",
+        "load under which C would give the same life, C/L10^(1/3), of rollers C/L10^(3/10)",
+        error="that of the loads",
     )
     standard: str = quantity("standard", "whose formulas")
     lead: float = 0.0
@@ -129,6 +135,54 @@ class Life:
     def hours(self, speed: float) -> float:
         """Life in hours at a speed of the turning part [rad/s]."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
+
+
+#: Slope of the Weibull distribution of lives of point contacts (Lundberg and Palmgren 1947).
+SLOPE = 10.0 / 9.0
+
+
+@record
+class SystemLife:
+    """Life of parts that turn together, of which the first to fail ends it. revolutions: in 10^6; shortest: part that lives
+    shortest; lead [m], 0 without a nut; speed [rad/s]."""
+
+    revolutions: float = quantity(
+        "L10_million_revolutions",
+        "revolutions of the shaft that 90 % of equal axes reach without a failure of any set: product of the sets' "
+        "probabilities of survival, each a Weibull distribution",
+        error="that of the lives",
+    )
+    shortest: str = quantity("shortest_set", "set that lives shortest")
+    lead: float = 0.0
+    speed: float | None = None
+
+    @property
+    @Stated("L10_km", "the same as travel of the nut; null without one", error="as in revolutions")
+    def distance(self) -> float | None:
+        """Travel of the nut [m]."""
+        return 1e6 * self.revolutions * self.lead if self.lead else None
+
+    @property
+    @Stated("L10_hours", "the same in hours, where a speed is stated", error="as in revolutions")
+    def hours(self) -> float | None:
+        """Life [h]."""
+        return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
+
+
+def system_life(lives: Sequence[tuple[float, float]]) -> float:
+    """Life that 90 % of systems reach, of parts (life that 90 % reach, Weibull slope) of which the first to fail ends it.
+
+    A part survives L with 0.9^((L/L_i)^e_i), the system with the product of these (Lundberg and Palmgren 1947): so L solves
+    sum_i (L/L_i)^e_i = 1, which is (sum L_i^-e)^(-1/e) for equal slopes. Failures are taken to be independent. Smith 4.3.6
+    takes the shortest life, the upper limit.
+    """
+    shortest: float = min(life for life, _ in lives)
+
+    def excess(x: float) -> float:
+        return float(sum((x * shortest / life) ** slope for life, slope in lives)) - 1.0
+
+    share = 1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12))
+    return shortest * share
 
 
 def is_thrust(scene: Scene) -> bool:

@@ -24,9 +24,9 @@ from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import merge, screw_section, tube_section
 
-#: Statements that hold for every run of this model.
 #: Newton steps after which the axial model is given up.
 MAX_ITERATIONS = 100
+#: Statements that hold for every run of this model.
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Mei et al. 2003; Lin 2.4.1)",
     "contact angles stay nominal; geometric errors count along the nominal contact normal",
@@ -47,6 +47,12 @@ class _Chain:
     slope: float
     closure: Array
     C: Array
+
+
+def nut_bar(scene: Scene) -> float:
+    """E A [N] of the nut as a bar: a tube from the contacts with its groove outwards."""
+    bore = 2.0 * (scene.track.pitch_radius + scene.balls.radius * cos(scene.track.contact_angle))
+    return tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
 
 
 def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float) -> None:
@@ -85,8 +91,7 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
     if elastic_nut:
         face = scene.nut.position - scene.nut.length / 2.0
         inside = np.flatnonzero((nodes >= layout.z.min() - 1e-9) & (nodes <= layout.z.max() + 1e-9))
-        bore = 2.0 * (scene.track.pitch_radius + scene.balls.radius * cos(scene.track.contact_angle))
-        area = tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
+        area = nut_bar(scene)
         members = order[inside] + 1
         _bars(k, members, nodes[inside], area)
         k[0, members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)

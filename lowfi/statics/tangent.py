@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Tangent:
     """Stiffness ``(6, 6)`` at a station [m] of the screw, freedoms ux, uy, uz, rx, ry, rz: N/m, N/rad, N m/rad; nan where
-    status is not ``"converged"``."""
+    status is not ``"converged"``, and for freedoms that the model does not know."""
 
     station: float
     matrix: Array
@@ -45,7 +45,8 @@ class Tangent:
 
     def rigidity(self, freedom: str) -> float:
         """Force (moment) per motion of one freedom, rz at rest and all others free; zero without resistance."""
-        free = [k for k, name in enumerate(FREEDOMS) if name != "rz"]
+        known = ~np.isnan(np.diag(self.matrix))
+        free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
         arm = self._arm()
         scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
         scaled = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]

@@ -46,11 +46,22 @@
     if (event.key === "/" && event.target === document.body) { event.preventDefault(); query.focus(); }
   });
 
+  // a folded table that an address names, or that is printed, opens
+  const unfold = () => {
+    const table = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    const fold = table && table.querySelector("details");
+    if (fold) { fold.open = true; table.scrollIntoView(); }
+  };
+  addEventListener("hashchange", unfold);
+  addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((fold) => { fold.open = true; }));
+  unfold();
+
   // a sign at tables that are wider than the page
   const clip = () => document.querySelectorAll(".scroll").forEach((box) => {
     box.parentElement.classList.toggle("more", box.scrollLeft + box.clientWidth < box.scrollWidth - 2);
   });
   document.querySelectorAll(".scroll").forEach((box) => box.addEventListener("scroll", clip, { passive: true }));
   addEventListener("resize", clip);
+  document.querySelectorAll("details").forEach((fold) => fold.addEventListener("toggle", clip));
   clip();
 })();

@@ -5,10 +5,11 @@
 >>> result.loads.shape, result.worst.element
 ((32, 4), 12)
 
-``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``friction``; ``compare_models`` with the
-3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene,
-``table`` of its stiffness over them; write a ``report``. Results are frozen records in SI units, tables in a notebook, and
-the JSON of the commands by ``to_dict()``. ``python -m rollbench`` is the command line.
+``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``load_curve`` and
+``friction``; ``compare_models`` with the 3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads
+against it; ``sweep`` over keys of a scene, ``table`` of its stiffness over them; write a ``report``. Results are frozen
+records in SI units, tables in a notebook, and the JSON of the commands by ``to_dict()``. ``python -m rollbench`` is the
+command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
 """
@@ -21,12 +22,25 @@ from warnings import warn
 
 if TYPE_CHECKING:
     from rollbench.compare import __version__
-    from rollbench.compare.api import check, compare_models, ensemble, friction, mesh_study, new, read, solve, sweep, table
+    from rollbench.compare.api import (
+        check,
+        compare_models,
+        ensemble,
+        friction,
+        load_curve,
+        mesh_study,
+        new,
+        read,
+        solve,
+        sweep,
+        table,
+    )
     from rollbench.compare.errors import InputError
     from rollbench.compare.models.user_models import ModelAnswer
     from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
+    from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Judgement, Verdict
@@ -38,6 +52,7 @@ __all__ = [
     "Friction",
     "InputError",
     "Judgement",
+    "LoadCurve",
     "MeshStudy",
     "ModelAnswer",
     "Result",
@@ -51,6 +66,7 @@ __all__ = [
     "compare_models",
     "ensemble",
     "friction",
+    "load_curve",
     "mesh_study",
     "new",
     "read",
@@ -63,6 +79,7 @@ __all__ = [
 _ELSEWHERE = {
     "InputError": "rollbench.compare.errors",
     "Comparison": "rollbench.compare.results.comparison",
+    "LoadCurve": "rollbench.compare.results.load_curve",
     "ModelAnswer": "rollbench.compare.models.user_models",
     "Scene": "rollbench.meshes.parts",
     "Table": "rollbench.compare.results.table",

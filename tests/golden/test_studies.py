@@ -169,7 +169,6 @@ def loaded():
         "result": result,
         "preload": loading.preload(scene, bare),
         "lift off": loading.lift_off(scene, result, bare, "lin", OPTIONS),
-        "curve": loading.curve(scene, (0.5, 2.0), "lin", OPTIONS),
     }
 
 

@@ -17,11 +17,9 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.lowfi.random_errors.chain import Chain, draw_errors, solve_chain
+from rollbench.lowfi.statics.liu import Row, row_of
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import screw_section
 
 SCENE = "liu-screw"
 
@@ -59,16 +57,16 @@ def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
     return replace(scene, errors=replace(scene.errors, balls=balls), loads=(force,))
 
 
-def same_screw(scene: Scene) -> Chain:
-    """The chain with the axial compliance of the scene's screw, and a rigid nut."""
-    spacing = float(np.diff(scene.balls.azimuths)[0]) * scene.track.lead / (2.0 * np.pi)
-    return replace(evidence.screw("exact"), compliance=abs(spacing) / screw_section(scene).EA)
+def same_screw(scene: Scene) -> Row:
+    """The chain of a scene with its nut rigid, and exact contact angles."""
+    row = row_of(scene, law="exact")
+    return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
 
 
 def compare_models(study: Study) -> tuple[Compared, ...]:
     """No errors, one ball too small or too large, and drawn screws, under both loads."""
     scene = study.scene(SCENE)
-    chain = same_screw(scene)
+    chain = same_screw(scene).chain
     drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.balls(), HALF_RANGE)
     kinds = [
         ("none", np.zeros(evidence.balls())),
@@ -116,9 +114,9 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
 
 def axial_loads(scene: Scene) -> Array:
     """Loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
-    errors = 2.0 * (specimen(scene, ball_layout(scene)).ball_radius - scene.balls.radius)
-    load = solve_chain(same_screw(scene), errors, scene.loads[0].force[2]).load
-    return np.stack([load, np.zeros(load.size), np.zeros(load.size), load], axis=1)
+    row, load = same_screw(scene), np.zeros((scene.ball_count, 4))
+    load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
+    return load
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:

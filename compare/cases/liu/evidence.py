@@ -25,7 +25,6 @@ from rollbench.lowfi.random_errors.chain import (
     Law,
     Percentile,
     Quantity,
-    ball_stiffness,
     calibrated,
     draw_errors,
     end_ratio,
@@ -35,6 +34,7 @@ from rollbench.lowfi.random_errors.chain import (
     solve_ensemble,
 )
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
+from rollbench.lowfi.statics.liu import row_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.numerics import brentq
@@ -88,13 +88,7 @@ def calibration_load() -> float:
 @cache
 def screw(law: Law = "implicit") -> Chain:
     """The calibrated chain by a reading of the contact angle; the source's is "implicit"."""
-    scene = liu_screw()
-    track, steel, groove, diameter = scene.track, scene.balls.material, scene.screw.groove_radius, 2.0 * scene.balls.radius
-    stiffness = ball_stiffness(
-        diameter, track.pitch_radius, groove, track.contact_angle, steel.youngs_modulus, steel.poissons_ratio
-    )
-    plain = Chain(balls(), stiffness, 0.0, 2.0 * groove - diameter, track.contact_angle, lead_angle(track), law)
-    return calibrated(plain, printed_ratio(), calibration_load())
+    return calibrated(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:

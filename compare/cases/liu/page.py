@@ -1,32 +1,32 @@
-"""Liu et al. (2025) in the report: random errors under axial load, every printed entry with its verdict."""
+"""Liu et al. (2025) in the report: the numbers of its sections as tables and its figures, with ours on both."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.compare.cases.liu import bodies
+from rollbench.compare.case import CASES
+from rollbench.compare.cases.liu import bodies, curves
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.evidence import evidence
+from rollbench.compare.evidence import counts, evidence, trust
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.verdicts import printed_table
-from rollbench.lowfi.random_errors.chain import Quantity as Spread
-from rollbench.lowfi.random_errors.chain import solve_chain
-from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.compare.sections.source_tables import how, layouts, shown_tables
+from rollbench.compare.sections.verdicts import misprints_table
+from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
-#: Titles of the tables.
-TITLES = {
-    "liu-2": "Section 2.1 and Table 2: the screw and its errors",
-    "liu-3": "Section 3: algorithm and experiment",
-    "liu-4.1": "Section 4.1: against Mei's model",
-    "liu-4.2": "Section 4.2: one ball too small or too large",
-    "liu-4.3": "Section 4.3: random errors, loads and displacement",
-    "liu-4.4": "Section 4.4: random errors, stiffness",
+#: Sections by name: title, printed tables.
+CHAPTERS = {
+    "liu-parameters": ("Section 2.1 and Table 2: the screw and its errors", ("liu-2",)),
+    "liu-test": ("Section 3: algorithm and experiment", ("liu-3",)),
+    "liu-mei": ("Section 4.1: against Mei's model", ("liu-4.1",)),
+    "liu-one-ball": ("Section 4.2: one ball too small or too large", ("liu-4.2",)),
+    "liu-loads": ("Section 4.3: random errors, loads and displacement", ("liu-4.3",)),
+    "liu-stiffness": ("Section 4.4: random errors, stiffness", ("liu-4.4",)),
 }
+PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
     (
         "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz "
@@ -39,53 +39,6 @@ ABOUT = (
     "The source's readings agree with its implicit contact angle, not with a constant or the exact angle.",
     "The measured displacements appear in a figure only, so no number of the experiment can be compared.",
 )
-_LOADS = np.array([50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2500.0, 3000.0, 4000.0, 5000.0])
-
-
-def _median(quantity: Spread, half_range: int, unit: float) -> Series:
-    loads = list(liu.LOADS[half_range])
-    values = [float(np.median(liu.drawn_sample(half_range, quantity, f))) / unit for f in loads]
-    return Series(f"±{half_range} µm, median", loads, values, "line")
-
-
-def _band(quantity: Spread, half_range: int, unit: float) -> list[Series]:
-    loads, found = list(liu.LOADS[half_range]), []
-    for level in (liu.UNLIKELY, 1.0 - liu.UNLIKELY):
-        values = [float(np.quantile(liu.drawn_sample(half_range, quantity, f), level)) / unit for f in loads]
-        found.append(Series(f"±{half_range} µm, {100.0 * level:g} %", loads, values, "line"))
-    return found
-
-
-def _printed(keys: Sequence[str], found: dict[str, float], *, loaded: bool = False) -> Series:
-    values = [liu.balls() - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
-    return Series(
-        "printed", [float(k.removesuffix("_again").split("_")[2]) for k in keys], values, "markers", emphasis=True
-    )
-
-
-def _without(chain_quantity: Callable[[Array, float], float]) -> Series:
-    zero = np.zeros(liu.balls())
-    return Series("no errors", [float(f) for f in _LOADS], [chain_quantity(zero, float(f)) for f in _LOADS], "line")
-
-
-def figure(found: dict[str, float]) -> Figure:
-    """Loaded balls and stiffness over the load, with the printed numbers."""
-    counts = [k for k in found if k.startswith(("loaded", "unloaded_2_1000", "unloaded_3_1000"))]
-    balls = [_median("loaded", h, 1.0) for h in (1, 2, 3)] + _band("loaded", 2, 1.0)
-    stiff = [_without(lambda e, f: 1e-8 * solve_chain(liu.screw(), e, f).stiffness)]
-    stiff += [_median("stiffness", h, 1e8) for h in (1, 2, 3)] + _band("stiffness", 2, 1e8)
-    panels = (
-        Panel("loaded balls", "axial load / N", "loaded balls", (*balls, _printed(counts, found, loaded=True)), zero=True),
-        Panel(
-            "stiffness",
-            "axial load / N",
-            "stiffness / 10⁸ N/m",
-            (*stiff, _printed([k for k in found if k.startswith("K_")], found)),
-            zero=True,
-        ),
-    )
-    caption = f"{liu.MEMBERS} drawn screws a range. Left: {counts_in_words(found)}. Right: {stiffness_in_words(found)}."
-    return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
 
 
 def counts_in_words(found: dict[str, float]) -> str:
@@ -170,15 +123,34 @@ def solid_table(study: Study) -> Table:
     return Table.of("liu-solid", "The axial-only idealisation, beam and refined model against 3D", rows, note)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+    """Sections of the report."""
     step("random errors of a ball screw")
-    found = evidence(study, *TITLES)
+    found = evidence(study, *PRINTED)
+    by_name = {f.printed.name: f for f in found}
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
-    tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
+    listed = layouts(next(case for case in CASES if case.name == "liu"))
+    drawn = {
+        "liu-test": (curves.deformation(), curves.test_curve(), curves.test_table()),
+        "liu-mei": (curves.against_mei(),),
+        "liu-one-ball": (curves.one_ball(),),
+        "liu-loads": (
+            curves.loads_2(),
+            curves.loads_by_range(),
+            curves.loaded_balls(printed, f"{counts_in_words(printed)}."),
+            curves.displacement(),
+        ),
+        "liu-stiffness": (curves.stiffness(printed, f"{stiffness_in_words(printed)}."), curves.three_sets(printed)),
+    }
+    chapters = [
+        Section(name, title, (*shown_tables(tables, listed, by_name), *drawn.get(name, ())))
+        for name, (title, tables) in CHAPTERS.items()
+    ]
     study.uses(bodies.SOLID)
-    tables.append(bodies_table(study))
-    if study.references(bodies.SOLID):
-        tables.append(solid_table(study))
-    title = "Random errors of a ball screw (Liu et al. 2025)"
-    return Section("liu", title, (Text(ABOUT, bullets=True), figure(printed), *tables))
+    beyond = [bodies_table(study), *([solid_table(study)] if study.references(bodies.SOLID) else ())]
+    return (
+        Section("liu", "Random errors of a ball screw", (Text(ABOUT, bullets=True),), conclusion=trust(counts(found)[0])),
+        *chapters,
+        Section("liu-beyond", "The same screw by a beam, the refined model and in 3D", beyond),
+        Section("liu-audit", "Misprints, and how the numbers are computed", (misprints_table("liu"), *how(PRINTED))),
+    )

@@ -6,7 +6,7 @@ Here too what other programs and textbooks print: the entries of the external so
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -147,9 +147,6 @@ def grouped(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[
     return groups
 
 
-#: Rows of all values that a page shows.
-SHOWN = 6
-
 BIAS = Quantity("bias", "bias", "%", "+.1f")
 
 SCATTER = Quantity("scatter", "scatter", "%", ".1f")
@@ -194,7 +191,7 @@ def summary(found: Sequence[Outside]) -> Table:
         "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
         f"advise to take of a computed rigidity of a nut. Not judged at all: {'; '.join(without)}."
     )
-    return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note, shown=30)
+    return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note)
 
 
 def every(found: Sequence[Outside]) -> Table:
@@ -221,7 +218,7 @@ def every(found: Sequence[Outside]) -> Table:
         "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
-    return replace(Table.of("outside", "Outside values beside the computed ones", rows, note), shown=SHOWN)
+    return Table.of("outside", "Outside values beside the computed ones", rows, note)
 
 
 #: Tables of the external sources that are judged here: who, and of which class. Those of THK stand among the nuts.

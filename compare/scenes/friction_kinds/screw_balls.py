@@ -63,6 +63,7 @@ class RunAngleKeys(Table):
     cycles_per_turn: Cycles = key("periods of theta in a turn of the screw", 2, 2)
     phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
+    follows: Literal["screw", "nut"] = key("the part that theta stays with: azimuths count from it", "screw", "nut")
 
 
 class RunBallKeys(BallSizeKeys):
@@ -239,5 +240,6 @@ def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
         keys.circulation.first_ball,
         keys.friction.coupling,
         keys.time.rounds,
+        a.follows,
     )
     return ScrewRunScene(*head_of(keys, name), run, time)

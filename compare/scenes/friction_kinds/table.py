@@ -210,7 +210,7 @@ def _screw(groove: ScrewGroove, of: Any, angles: Table) -> Table:
 def _run(scene: ScrewRunScene) -> Table:
     run = scene.run
     angles: Table = {"amplitude": text_of(Theta, run.amplitude), "cycles_per_turn": run.cycles}
-    angles |= {"phase": text_of(Azimuth, run.phase), "pattern": [*run.pattern]}
+    angles |= {"phase": text_of(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}
     table, radius = _screw(run.groove, run, angles), run.groove.radius
     lengths = (float(f"{run.tube * radius:.{digits}g}") for digits in range(1, 18))
     tube = next((length for length in lengths if length / radius == run.tube), run.tube * radius)

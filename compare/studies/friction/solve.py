@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import solve_sets
+from rollbench.compare.models.answers import AxisAnswers, solve_sets
+from rollbench.compare.models.drive import axis_drive
 from rollbench.compare.models.friction_sums import sums
-from rollbench.compare.models.registry import run_model
+from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.quantities import number
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
@@ -23,6 +25,7 @@ from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
 from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, solve_scene, status_of
+from rollbench.compare.text.entries import band, drive_lines
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -64,8 +67,8 @@ def as_json(found: FrictionAnswer) -> dict[str, Any]:
     return found.data | {"warning": found.warning or None}
 
 
-#: What the friction of a shaft does not hold besides that of its sets.
-ROLLERS = "friction of tapered rollers: races, ribs and cage (Smith 3.29 needs the maker's factor)"
+#: What is said where no set of balls has a coefficient of friction.
+NO_COEFFICIENT = "No coefficient of friction is given: torques of bearings are those of the formulas."
 
 SET_COLUMNS: tuple[Column, ...] = (
     ("set", "set", "s"),
@@ -77,39 +80,56 @@ SET_COLUMNS: tuple[Column, ...] = (
     ("loss_W", "loss W", ".5g"),
 )
 
+DRIVE_COLUMNS: tuple[Column, ...] = (
+    ("name", "name", "s"),
+    ("running_Nmm", "at constant speed N mm", "s"),
+    ("starting_Nmm", "from rest N mm", "s"),
+)
+OVER_COLUMNS: tuple[Column, ...] = (
+    ("screw", "coefficient", ".4g"),
+    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
+)
+
 Solved = list[tuple[int, SetResult, FrictionState]]
 
 
 def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     """Loads by the chosen model, then friction of every set of balls. Raises InputError for choices that do not fit."""
-    if choices.condensed is not None or choices.member or len(choices.mu) > 1:
-        given = "condensed, member, mu"
-        raise ArgumentError(given, f"with {assembly.name}", "one set on the shaft, or one `mu` alone", "leave them out")
-    friction = _coefficient(assembly, choices.mu)
+    if choices.condensed is not None:
+        raise ArgumentError("condensed", f"with {assembly.name}", "one set on the shaft", "leave it out")
+    pairs = _coefficients(assembly, choices.mu)
     motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
         )
-    result, _ = solve_sets(assembly, choices.model)
+    result, answers = solve_sets(assembly, choices.model, choices.member)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
-    if not result.converged:
+    if answers is None:
         remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(
             head | {"status": f"contact loads: {result.status}", "converged": False} | remarks, [], [], False
         )
-    solved = _states(result, friction, motion)
-    drag = _drag(assembly, result.model, friction, motion)
-    return _answer(head, assembly, result, (friction, motion, solved, drag))
+    if not pairs:
+        solved: Solved = []
+        return _answer(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
+    each = [_states(result, friction, motion) for friction in pairs]
+    found = _answer(head, assembly, result, answers, (pairs[0], motion, each[0], _drag(assembly, result, pairs[0], motion)))
+    over = [{"screw": f.screw, "nut": f.nut} | _sum(states, {}) for f, states in zip(pairs, each, strict=True)]
+    tables = [*found.tables, *([("over the coefficient of friction", OVER_COLUMNS, over)] if len(pairs) > 1 else [])]
+    return replace(found, data=found.data | {"over_friction": over}, tables=tables)
 
 
-def _coefficient(assembly: Assembly, mu: Sequence[float]) -> Friction:
-    """The coefficient of the command line, or the scene's."""
-    first = next((s.parts for s in assembly.sets if isinstance(s.parts, Scene)), None)
-    if first is None:
-        advice = "give the shaft a set of balls: rollers have none"
-        raise InputError(assembly.name, "sets", "rollers only", "a set of balls", advice)
-    return coefficients(replace(first, name=assembly.name, friction=assembly.friction), mu)[0]
+def _coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
+    """The coefficients of the command line, or the scene's; none where bearings alone are asked about without one. Raises
+    InputError where a nut has none."""
+    balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
+    if not mu and assembly.friction is None and not any(parts.track.lead for parts in balls):
+        return []
+    if not balls:
+        raise ArgumentError("mu", f"with {assembly.name}", "a set of balls", "leave it out: its sets are rollers")
+    return coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
 def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
@@ -118,14 +138,15 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
     for i, s in enumerate(result.sets):
         if s.balls is None or not isinstance(s.of.parts, Scene):
             continue
-        out.append((i, s, friction_state(s.of.parts, s.balls, friction, motion)))
+        out.append((i, s, friction_state(s.of.parts, s.balls, friction, motion, result.member)))
     return out
 
 
-def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) -> dict[int, float]:
+def _drag(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
     """Friction torque [N m] of each set without the loads on shaft and housings, where it is known."""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
-    result = run_model(replace(assembly, loads=(), housings=idle), model)
+    bare = replace(assembly, loads=(), housings=idle)
+    result = run_model(bare, loaded.model, Options(member=loaded.member))
     if not result.converged:
         return {}
     return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if state.settled}
@@ -136,16 +157,21 @@ def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> 
 
 
 def _answer(
-    head: dict[str, str], assembly: Assembly, result: AxisResult, found: tuple[Friction, Motion, Solved, dict[int, float]]
+    head: dict[str, str],
+    assembly: Assembly,
+    result: AxisResult,
+    answers: AxisAnswers,
+    found: tuple[Friction, Motion, Solved, dict[int, float]],
 ) -> FrictionAnswer:
     friction, motion, solved, drag = found
+    nuts = {i: (sums(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead(s)}
+    drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.loss_rows(state)]
     good = all(state.settled for _, _, state in solved)
     failed = next((x for x in solved if not x[2].settled), None)
     torque, power = _sum(solved, drag), _energy(solved)
-    without = any(s.balls is None for s in result.sets)
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
     warnings += answer.static_only([w for w in result.warnings if not w.startswith(of_rollers)])
@@ -161,6 +187,7 @@ def _answer(
         "sets": rows,
         "balls": balls,
         "torque": torque,
+        "drive": drive,
         "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
         "energy": power,
         "assumed": [
@@ -168,22 +195,29 @@ def _answer(
             *(() if assembly.motion else (NO_SPEED,)),
             *assembly.assumed,
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
+            *(() if solved else (NO_COEFFICIENT,)),
         ],
-        "left_out": [*answer.left_out(friction), *((ROLLERS,) if without else ())],
+        "left_out": answer.left_out(friction) if solved else [],
         "warnings": warnings,
     }
     flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.flat_rows(balls), strict=True)]
     every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
-    lines = [
-        (
-            "torque",
-            f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s; "
-            f"friction torque of all sets {three(torque['friction_torque_Nmm'])} N mm",
-        ),
-        _energy_line(power),
-        answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)),
+    of_balls = (
+        "torque",
+        f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
+        f"sets of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
+    )
+    left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
+    lines = [*([of_balls, _energy_line(power)] if solved else []), *drive_lines(drive), left]
+    tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
+    whole = [
+        {k: band(x[k]) if k.endswith("Nmm") else x[k] for k, *_ in DRIVE_COLUMNS} for x in (drive or {}).get("sets", ())
     ]
-    return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
+    return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
+
+
+def _lead(s: SetResult) -> float:
+    return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
 def _energy(solved: Solved) -> dict[str, Any]:

@@ -17,11 +17,13 @@ from rollbench.compare.models.answers import load_answers, outside
 from rollbench.compare.models.friction_sums import sums
 from rollbench.compare.models.loading import preload
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.quantities import count_of, number
+from rollbench.compare.quantities import as_json, count_of, number
+from rollbench.compare.results.data import FrictionOnset
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, balance, three
 from rollbench.compare.studies.friction.run import Run, run_data, run_lines, run_table, solve_run
+from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.losses import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -29,7 +31,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.kept import kept
-from rollbench.meshes.parts import BallErrors, Friction, Motion, Scene, Support
+from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
 
 #: Coefficients of friction of rolling contacts that are measured with lubricants, least and largest.
 MEASURED = (0.003, 0.1)
@@ -141,6 +143,88 @@ def play_warning(data: dict[str, Any]) -> Warned:
         f"{data['smaller_by_um']:g} um smaller in radius; state [errors.balls] oversize or a preload"
     )
     return Warned("play", text, text)
+
+
+#: Factors on the errors from which on neighbours touch: those that are tried, and halvings of the step between two.
+FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
+
+
+def with_errors(scene: Scene, factor: float) -> Scene:
+    """The scene with its errors of grooves and of single balls times a factor; preload and play stay."""
+
+    def times(side: SideErrors) -> SideErrors:
+        pitch, roundness = (
+            tuple(replace(t, sin=factor * t.sin, cos=factor * t.cos, sigma=factor * t.sigma) for t in terms)
+            for terms in (side.pitch, side.roundness)
+        )
+        profile, sigma = (tuple(factor * x for x in values) for values in (side.profile, side.profile_sigma))
+        return replace(side, profile=profile, profile_sigma=sigma, pitch=pitch, roundness=roundness)
+
+    errors = scene.errors
+    listed = tuple((number, factor * x) for number, x in errors.balls.listed)
+    balls = replace(errors.balls, listed=listed, sigma=factor * errors.balls.sigma)
+    sides: dict[str, Any] = {side: times(errors.side(side)) for side in SIDES}
+    return replace(scene, errors=replace(errors, balls=balls, **sides))
+
+
+def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
+    """Whether neighbours touch at the loads of a result, and from which errors on; None where their places cannot be."""
+
+    def found(factor: float) -> bool:
+        scene = with_errors(solved.scene, factor)
+        options = solved.options if scene.errors.random else replace(solved.options, member=0)
+        loads = run_model(scene, solved.model, options)
+        return loads.converged and contact_onset(scene, loads, drive=solved.motion).touch
+
+    try:
+        standing, rolling = (contact_onset(solved.scene, result, idle, solved.motion) for idle in (0.0, 1.0))
+    except ValueError:  # overlapping balls, or arcs that cannot be: of neighbours nothing is asked then
+        return None
+    factor = None
+    if with_errors(solved.scene, 0.0) != solved.scene:
+        factor = 0.0 if found(0.0) else next((x for x in FACTORS if (standing.touch if x == 1.0 else found(x))), None)
+    if factor:
+        low = 0.5 * factor if factor > FACTORS[0] else 0.0
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + factor)
+            low, factor = (low, middle) if found(middle) else (middle, factor)
+    meets = bool(np.isfinite(standing.first))
+    return FrictionOnset(
+        touch=standing.touch,
+        first=standing.first if meets else None,
+        ball=int(standing.pair[standing.meeting.argmin(), 0]) + 1 if meets else None,
+        rolling=rolling.first if np.isfinite(rolling.first) else None,
+        closing=int(np.isfinite(standing.meeting).sum()),
+        pairs=len(standing.pair),
+        unloaded=int((standing.loaded == 0.0).sum()),
+        factor=factor,
+    )
+
+
+def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
+    """The same in words; turns: the part that turns; errors: whether the scene has any."""
+
+    def angle(value: float | None) -> str:
+        return "never" if value is None else f"after {three(np.degrees(value))} deg of the {turns}"
+
+    text = f"neighbours {'touch' if of.touch else 'do not touch'}"
+    if of.first is None:
+        text += ": none close in"
+    else:
+        text += f": {of.closing} of {of.pairs} pairs close in, balls {of.ball} and the next meet {angle(of.first)}"
+        text += "" if of.touch else ", when they have left their loaded arc or gone round"
+    if of.unloaded:
+        text += (
+            f"; that is where the {count_of(of.unloaded, 'unloaded ball')} stand, {angle(of.rolling)} where they roll along"
+        )
+    if errors:
+        from_on = (
+            "not up to 16 times the scene's errors"
+            if of.factor is None
+            else f"from {of.factor:.2g} times the scene's errors on"
+        )
+        text += f"; they touch {'without errors too' if of.factor == 0.0 else from_on}"
+    return "touch", text
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
@@ -322,6 +406,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
     wide, played = band(besides, result), play(besides, state)
+    near = onset(besides, result) if state.loaded else None
     held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
     e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
     data = head | {
@@ -334,6 +419,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         "balls": rows,
         "torque": torque,
         "band": wide,
+        "onset": as_json(near),
         "play": played,
         "drag_unknown": drag.reason or None,
         "drag_note": drag.note or None,
@@ -384,6 +470,14 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
         *(band_lines(wide) if state.loaded else ()),
     ]
+    if near is not None:
+        lines.append(
+            onset_line(
+                near,
+                "inner ring" if state.torque.ratio == 0.0 and motion.turns == "screw" else motion.turns,
+                with_errors(scene, 0.0) != scene,
+            )
+        )
     lines.append(output.residual_line(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
         lines.append(("slip", "contacts are not flat: " + output.slip_words(slip)))

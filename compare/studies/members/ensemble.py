@@ -390,9 +390,11 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
     stiffness = np.full(count, np.nan)
     if force > 0.0:
-        heavier = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
+        asked = scene.ingredients.load_step if model == "liu" else None
+        step = STEP if asked is None else asked / force**0.5
+        heavier = _solved(scene, model, engine, first, count, 1.0 + step)[3] / (1.0 + step)
         with np.errstate(divide="ignore", invalid="ignore"):
-            stiffness = 1e-6 * force * STEP / (heavier - works)
+            stiffness = 1e-6 * force * step / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
     contacts = nominal_contacts(scene)

@@ -29,17 +29,18 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.answers import unloaded_place
 from rollbench.compare.models.load_cases import cycle_life, loads_of
-from rollbench.compare.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
+from rollbench.compare.models.loading import axial_load, axial_preload, motion_asked, scaled, solve_scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.studies.sweep.keys import Vary, changed
+from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
@@ -118,11 +119,11 @@ def axis_outputs(
 ) -> dict[str, Any]:
     """`OUTPUTS` of several sets together, those that are wanted; loads are of contacts of balls and of rollers; ``at``
     begins with the name of the set; displacement: along the axis, of what the scene asks about, from the unloaded place of
-    the parts; approaches, life and torque are those of balls, life of the set that lives shortest; preload: the largest
+    the parts; approaches and torque are those of balls, life of the set that lives shortest; preload: the largest
     axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved = axial_load(assembly), along_axis(assembly, result)
+    force, moved, loads = axial_load(assembly), motion_asked(assembly, result)[2], loads_of(result)
 
     @cache
     def bare() -> AxisResult:
@@ -135,8 +136,11 @@ def axis_outputs(
 
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
-        "rigidity_N_per_um": lambda: _rigidity(force, moved - along_axis(assembly, bare())) if bare().converged else None,
+        "rigidity_N_per_um": lambda: (
+            _rigidity(force, moved - motion_asked(assembly, bare())[2]) if bare().converged else None
+        ),
         "preload_N": preload,
+        "life_million_revolutions": lambda: _life([(s.of.parts, loads[s.of.name]) for s in result.sets]),
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
     return _of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
@@ -193,10 +197,10 @@ def _rigidity(force: float, moved: float) -> float | None:
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
-def _life(sets: list[tuple[Scene, Array]]) -> float | None:
+def _life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
     """Shortest life of the sets [10^6 revolutions]; None without load, or where no rating takes them."""
     try:
-        found = [life(scene, load) for scene, load in sets]
+        found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
     except ValueError:
         return None
     return min((one.revolutions for one in found if one is not None), default=None)

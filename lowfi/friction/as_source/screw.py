@@ -356,8 +356,9 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     before: _Before | None = None
     omega, rows, status = np.zeros(n), list[tuple[Array, Array, Array, float, float]](), list[str]()
     for k in range(steps or run.steps):
-        azimuths, loaded = run.place(azimuth, g.speed * dt * k)
-        load = loads_by_root(run_cell(run, azimuths, loaded), None if before is None else before.at)
+        turned = g.speed * dt * k
+        azimuths, loaded = run.place(azimuth, turned)
+        load = loads_by_root(run_cell(run, azimuths, loaded, turned), None if before is None else before.at)
         at = Places(load.ball, load.angle, load.inner)
         motion, order = _step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"

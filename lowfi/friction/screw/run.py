@@ -9,6 +9,7 @@ the load state: clearance or oversize, how the force reaches the balls, which co
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,7 +164,8 @@ class Run:
     screw. From ``oversize`` on, assumptions that the source does not print.
 
     force: on the screw along its free translations ``free`` [N]; amplitude [rad], cycles per turn and phase [rad] of
-    the deviation theta of the contact angles, times pattern (SL, SR, NL, NR), over the azimuth on the screw; tube:
+    the deviation theta of the contact angles, times pattern (SL, SR, NL, NR), over the azimuth, which the screw or the
+    nut (``follows``) carries; tube:
     length of the return tube as an angle of the track [rad], balls in it bear no load; first: place of the first ball
     at the start as a fraction of the distance between balls; rounds: of load and friction per step (one: friction of the
     step before).
@@ -185,6 +187,7 @@ class Run:
     first: float = usual(0.5)
     coupling: Coupling = usual("none")
     rounds: int = usual(1)
+    follows: Literal["screw", "nut"] = usual("screw")
 
     def __post_init__(self) -> None:
         """Refuse what does not fit."""
@@ -240,8 +243,9 @@ class Run:
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
         """Loads and motions at azimuths (N,) on the screw; memory: the solution before."""
-        azimuths, loaded = self.place(azimuth, self.groove.speed * time)
-        near = coupled_chain(run_cell(self, azimuths, loaded), slack, self.coupling, memory, self.rounds)
+        turned = self.groove.speed * time
+        azimuths, loaded = self.place(azimuth, turned)
+        near = coupled_chain(run_cell(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
         m = near.motion
         return Instant(
             omega=m.q[:, 0] - self.groove.screw_speed,
@@ -256,15 +260,16 @@ class Run:
         )
 
 
-def deviation(run: Run, azimuth: Array) -> Array:
-    """Deviation theta (N,) [rad] of the screw's contact angles at azimuths (N,) (Figure 3.23)."""
-    return np.asarray(run.amplitude * np.sin(run.cycles * azimuth + run.phase))
+def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
+    """Deviation theta (N,) [rad] of the contact angles at azimuths (N,) on the screw (Figure 3.23); turned: nut [rad]."""
+    own = azimuth - (turned if run.follows == "nut" else 0.0)
+    return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
-def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_]) -> Cell:
-    """Balls at azimuths (N,) on the screw; those not loaded keep clear of the grooves."""
+def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
+    """Balls at azimuths (N,) on the screw, the nut turned by an angle [rad]; those not loaded keep clear of the grooves."""
     g = run.groove
-    angle = g.contact_angle + deviation(run, azimuth)[:, None] * np.array(run.pattern)
+    angle = g.contact_angle + deviation(run, azimuth, turned)[:, None] * np.array(run.pattern)
     clear = np.where(loaded, run.oversize, -0.5 * g.reach)
     rows = screw_rows(g, azimuth, run.free)
     return bare_cell(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))

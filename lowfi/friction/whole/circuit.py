@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
-from rollbench.lowfi.friction.whole.contacts import StaticContacts
-from rollbench.lowfi.friction.whole.losses import BallPath, ball_path, rubs_of, shares, turn_back
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
+from rollbench.lowfi.friction.whole.losses import BallPath, ball_friction, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
+from rollbench.lowfi.jit import CONTACT, loaded
 from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Drawn, draw_ball_radii
 from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
@@ -276,3 +278,76 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError("a circuit without any clearance: forces between its balls are not determined")
     return balls
+
+
+#: Motion in which the onset is given.
+NUT = Drive(1.0, "nut")
+
+#: Closing speed over that of the part that turns below which neighbours do not close in.
+CLOSING = 1e-9
+
+
+@dataclass(frozen=True)
+class Onset:
+    """How soon neighbours of a static state meet: N balls, M pairs of neighbours in their circuits.
+
+    orbit (N,): angular speeds [rad/s], unloaded balls as assumed; loaded (N,): sums of contact forces [N]; pair (M, 2):
+    numbers of the balls, the second at the larger azimuth; gap (M,): between them [rad]. Angles [rad] of the part that
+    turns: meeting (M,), at which they meet at these speeds (inf: never); leaving (M,), at which the leading one has left
+    its loaded arc, or the balls of a bearing have gone round once.
+    """
+
+    orbit: Array
+    loaded: Array
+    pair: NDArray[np.int64]
+    gap: Array
+    meeting: Array
+    leaving: Array
+    converged: bool
+
+    @property
+    def first(self) -> float:
+        """Angle [rad] of the part that turns at which the first neighbours meet."""
+        return float(self.meeting.min(initial=np.inf))
+
+    @property
+    def touch(self) -> bool:
+        """Whether any neighbours meet while they are neighbours under load."""
+        return bool(np.any(self.meeting <= self.leaving))
+
+
+def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: Drive = NUT) -> Onset:
+    """Onset of ball-to-ball contact from a static load distribution (Lin 4.3.2); idle: orbit of unloaded balls over the
+    nominal one.
+
+    The source argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded
+    ball moves with least dissipation at its static loads; idle = 0: unloaded ones do not move, as the source assumes; 1:
+    they roll along. Speeds are those of the moment: where balls go as they roll, and how loads follow, is the matter of a
+    run in time. They do not depend on the coefficient of friction and are proportional to the speed of the part that turns.
+    Raises ValueError for loads that did not converge, balls that overlap, and circuits that cannot be.
+    """
+    path = ball_path(scene, drive, scene.balls.radius)
+    balls = ball_friction(scene, contacts_of(scene, result), Friction(1.0, 1.0), drive, fast=loaded(CONTACT))
+    carrying = result.load.sum(axis=1)
+    orbit = np.where(carrying > 0.0, balls.orbit, idle * path.nominal_orbit)
+    spacing, ring = contact_spacing(path), scene.track.lead == 0.0
+    pairs, gaps, leaving = [], [], []
+    for track, azimuth, ball in circuits(scene):
+        here, number = azimuth[ball >= 0], ball[ball >= 0]
+        after = np.append(here[1:], here[0] + 2.0 * np.pi)[: here.size if ring else -1]
+        pair = np.column_stack([number, np.roll(number, -1)])[: after.size]
+        along = orbit[pair] - path.nut_speed  # in the nut's frame, where the arcs are
+        left = np.where(along[:, 1] > 0.0, track.first + track.arc - after, here[: after.size] - track.first)
+        leader = np.abs(np.where(along[:, 1] > 0.0, along[:, 1], along[:, 0]))
+        pairs.append(pair)
+        gaps.append(after - here[: after.size] - spacing)
+        with np.errstate(divide="ignore"):
+            leaving.append(np.full(after.size, 2.0 * np.pi / abs(path.nominal_orbit)) if ring else left / leader)
+    pair, gap = np.concatenate(pairs), np.concatenate(gaps)
+    if np.any(gap < -CLOSE):
+        raise ValueError("the balls of the scene overlap")
+    speed = abs(drive.speed)
+    closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
+    meets = closing > CLOSING * speed
+    meeting = np.where(meets, np.maximum(gap, 0.0) * speed / np.where(meets, closing, 1.0), np.inf)
+    return Onset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), balls.converged)

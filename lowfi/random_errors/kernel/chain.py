@@ -101,12 +101,12 @@ def _rigid(errors: Array, load: float, p: Array) -> float:
 
 @kernel
 def newton(
-    errors: Array, load: float, compliance: float, law: int, p: Array, u: Array, work: Array
+    errors: Array, load: float, segments: Array, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
     """Solve one chain; see ``lowfi.random_errors.chain`` for the equations.
 
-    errors (M,): [m]; load: positive [N]; compliance: of a segment [m/N]; u (M,): result, motions [m]; work (3, M): its
-    first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
+    errors (M,): [m]; load: positive [N]; segments (M,): compliance from the ball before [m/N]; u (M,): result, motions [m];
+    work (3, M): its first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
     Returns Newton steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
     """
     m = errors.size
@@ -114,7 +114,7 @@ def newton(
     u[m - 1] = _rigid(errors, load, p)
     for j in range(m - 1, 0, -1):
         # the stretch under equal shares, laid on the rigid motion
-        u[j - 1] = u[j] + compliance * load * (m - j) / m
+        u[j - 1] = u[j] + segments[j] * load * (m - j) / m
     forces = np.empty(m)
     worst = np.inf
     for iteration in range(MAX_ITERATIONS + 1):
@@ -128,7 +128,7 @@ def newton(
             s[j] = rate + behind_s
             t[j] = force - rate * u[j] + behind_t
             forces[j] = force
-            soft = 1.0 / (1.0 + compliance * s[j])
+            soft = 1.0 / (1.0 + segments[j] * s[j])
             behind_s, behind_t = s[j] * soft, t[j] * soft
         if (iteration > 0 and worst <= TOLERANCE * load) or iteration == MAX_ITERATIONS:
             break
@@ -136,16 +136,19 @@ def newton(
         tail = load
         moved = (load - t[0]) / s[0]
         for j in range(m):
-            rest = (s[j + 1] * moved + t[j + 1]) / (1.0 + compliance * s[j + 1]) if j + 1 < m else 0.0
+            rest, soft = 0.0, 0.0
+            if j + 1 < m:
+                soft = segments[j + 1]
+                rest = (s[j + 1] * moved + t[j + 1]) / (1.0 + soft * s[j + 1])
             u[j] = moved
             forces[j] = tail - rest
             tail = rest
-            moved -= compliance * rest
+            moved -= soft * rest
     return iteration, worst / load, s[0]
 
 
 @kernel
-def batch(errors: Array, loads: Array, compliance: float, law: int, p: Array, out: Array) -> None:
+def batch(errors: Array, loads: Array, segments: Array, law: int, p: Array, out: Array) -> None:
     """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
 
     out (n, L, 7): smallest and largest contact load [N], loaded balls, motion u of ball 1 [m], the same of the first
@@ -155,7 +158,7 @@ def batch(errors: Array, loads: Array, compliance: float, law: int, p: Array, ou
     u, work = np.empty(m), np.empty((3, m))
     for i in range(n):
         for k in range(loads.size):
-            _, residual, stiffness = newton(errors[i], loads[k], compliance, law, p, u, work)
+            _, residual, stiffness = newton(errors[i], loads[k], segments, law, p, u, work)
             q = work[0]
             first, count = -1, 0
             for j in range(m):

@@ -30,7 +30,6 @@ CALLS: list[tuple[str, Callable[..., object], tuple[object, ...], dict[str, obje
     ("reference", rollbench.compare_models, ("lin-case1",), {"reference": "mine.csv", "levels": 1}),
     ("mu", rollbench.friction, ("lin-case1",), {"mu": (3.0,)}),
     ("mu", rollbench.friction, ("clearance",), {}),
-    ("mu", rollbench.friction, ("double-nut",), {"mu": (0.1, 0.2)}),
     ("mu", rollbench.friction, ("lin-pair-a",), {"mu": (0.1,)}),
     ("model", rollbench.friction, ("lin-case1",), {"mu": (0.1,), "model": "nope"}),
     ("levels", rollbench.mesh_study, ("lin-case1",), {"levels": 9}),

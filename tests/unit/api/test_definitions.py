@@ -32,13 +32,21 @@ COMMANDS = (
     *("solve lin-case3 --model lin --stiffness-at 400_mm", "solve lin-random --model lin --members 3 --balls"),
     *("friction lin-case3 --model lin --mu 0.1", "friction lin-case1 --model lin --mu 0.1"),
     "check lin-case1 --model lin --no-compute --limit angle=1",
+    "solve lin-case1 --model lin --curve=-300N:300N:3",
 )
+
+
+#: Of an axis: what its motor turns, and a bearing whose life nothing gives.
+AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
 
 
 def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
     one, two = (scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1
+        "step": f'{one}\n[ingredients]\nload_step = "100 N"\n',
+        "operation": f"{one}\n[operation]\nreliability = 95\nviscosity_ratio = 1.5\ncontamination = 0.6\n",
+        "axis": scene_text("axis-fixed-fixed").replace("[motion]", AXIS),
         "turning": f'{one}\n[motion]\nspeed = "60 rpm"\n',
         "bearings": template("support-bearings"),
         "rollers": own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'),
@@ -48,7 +56,8 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
     for name, text in scenes.items():
         (tmp_path / f"{name}.toml").write_text(text)
     of_cases = [f"{word} {tmp_path}/lin.toml --model lin" for word in ("friction", "compare", "check --no-compute")]
-    commands = (*COMMANDS, *of_cases, *(f"solve {tmp_path}/{name}.toml --model lin" for name in scenes))
+    models = {name: "liu" if name == "step" else "lin" for name in scenes}
+    commands = (*COMMANDS, *of_cases, *(f"solve {tmp_path}/{name}.toml --model {models[name]}" for name in scenes))
     words = ([word.replace("_mm", " mm") for word in line.split()] for line in commands)
     printed = list(chain.from_iterable(leaves(command.json(*line, "--json")[1]) for line in words))
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}

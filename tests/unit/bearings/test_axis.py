@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.helpers import STEEL
 
 from rollbench.lowfi.bearings import as_printed, axis
+from rollbench.meshes.axis import Assembly, Segment
+from rollbench.meshes.parts import Screw
 
 SHAFT = {"length": 1.3, "area": 9.6e-4, "young": 207e9}
 AXIS = axis.Axis(**SHAFT, left=1.8e9, right=0.9e9)
@@ -93,3 +96,14 @@ def test_torque():
 def test_faulty_axes_are_refused(change):
     with pytest.raises(ValueError, match="must"):
         axis.Axis(**{**SHAFT, **change})
+
+
+def test_inertia_of_a_mass_on_the_nut_holds_its_energy():
+    """Half m v^2 is half J omega^2; of a bored shaft with a plain stretch each part by hand."""
+    speed = axis.angular_speed(0.4, 12e-3)
+    assert 0.5 * axis.reflected_inertia(300.0, 12e-3) * speed**2 == pytest.approx(0.5 * 300.0 * 0.4**2, rel=1e-12)
+    assert axis.reflected_inertia(300.0, 12e-3, 0.8) == pytest.approx(axis.reflected_inertia(300.0, 12e-3) / 0.8)
+    shaft = Assembly("s", "s", Screw(0.5, 30e-3, 0.0, STEEL, 10e-3), (), (Segment(0.0, 0.1, 20e-3, 5e-3),))
+    mass = [7850.0 * np.pi / 4.0 * (d**2 - b**2) * n for d, b, n in ((30e-3, 10e-3, 0.4), (20e-3, 5e-3, 0.1))]
+    by_hand = [m * (d**2 + b**2) / 8.0 for m, d, b in zip(mass, (30e-3, 20e-3), (10e-3, 5e-3), strict=True)]
+    assert axis.screw_inertia(shaft, 7850.0) == pytest.approx(sum(by_hand), rel=1e-12)

@@ -114,9 +114,9 @@ def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: P
     assert "--out" in command.refused("report", "--out", tmp_path)
     assert (tmp_path / "thesis.txt").read_text() == "mine"
     assert "[1/2] hertz" in command.said("report", "--only", "hertz", "--out", tmp_path / "r")
-    assert 'href="reference.html"' in (tmp_path / "r" / "index.html").read_text()
-    assert "only as printed" in (tmp_path / "r" / "reference.html").read_text()
-    assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
+    assert 'href="lin.html"' in (tmp_path / "r" / "index.html").read_text()
+    assert "Hertz" in (tmp_path / "r" / "lin.html").read_text()
+    assert (tmp_path / "r" / "tables" / "hertz-grooves.csv").exists()
 
 
 def test_help_begins_with_what_one_starts_with(command) -> None:

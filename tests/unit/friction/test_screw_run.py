@@ -84,7 +84,7 @@ def test_recirculation_folds_balls_into_the_nut() -> None:
     assert list(loaded) == [True, True, True, True, False, True]
     later, _ = run.place(azimuth + 1.0, 1.0)
     assert later == pytest.approx(there + 1.0)
-    cell = run_cell(run, there, loaded)
+    cell = run_cell(run, there, loaded, 0.0)
     assert cell.interference[4].max() < -1e-4
 
 

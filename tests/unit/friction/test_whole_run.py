@@ -166,7 +166,10 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
     case = lin_3_4_4()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
-    loads, slack = settle_load(run_cell(case, azimuth, np.ones(37, dtype=bool))), np.append(np.full(36, clearance), np.inf)
+    loads, slack = (
+        settle_load(run_cell(case, azimuth, np.ones(37, dtype=bool), 0.0)),
+        np.append(np.full(36, clearance), np.inf),
+    )
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")

@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.lowfi.random_errors import chain as chains
 from rollbench.lowfi.statics.contacts import error_free_hertz
@@ -203,12 +202,20 @@ def test_same_as_mei_with_a_rigid_nut():
     assert ours == pytest.approx(np.sort(other.load[:, 0])[::-1], rel=1e-8)
 
 
-def test_ball_stiffness_is_two_hertz_contacts_in_series():
-    r, c45 = 2e-3, np.cos(ANGLE)
-    modulus = contact_modulus(205e9, 0.3, 205e9, 0.3)
-    screw, nut = 1 / r + c45 / (20e-3 - r * c45), 1 / r - c45 / (20e-3 + r * c45)
-    c = sum(float(hertz_constants(1 / r - 1 / 2.1e-3, k, modulus).C) for k in (screw, nut))
-    assert chains.ball_stiffness(4e-3, 20e-3, 2.1e-3, ANGLE, 205e9, 0.3) == pytest.approx(c**-1.5, rel=1e-12)
+def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
+    """A ball so small that it stays loose leaves a chain with one gap of two spacings."""
+    e = long_errors(5)
+    e[40] = -20e-6
+    whole = chains.solve_chain(LONG, e, 3000.0)
+    kept = np.delete(np.arange(78), 40)
+    mean = 77.0 / 76.0
+    gaps = np.diff(kept) / mean
+    other = replace(LONG, balls=77, compliance=LONG.compliance * mean, spacing=tuple(gaps))
+    found = chains.solve_chain(other, e[kept], 3000.0)
+    assert found.load == pytest.approx(whole.load[kept], rel=1e-9, abs=1e-9)
+    assert found.stiffness == pytest.approx(whole.stiffness, rel=1e-9)
+    with pytest.raises(ValueError, match="76"):
+        replace(other, spacing=(1.0,))
 
 
 def test_calibration():

@@ -1,7 +1,6 @@
 """Pages of a report: files, escaping, search, first screen, marks; a report written over another: what is removed, brought
 back or refused."""
 
-from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from unittest.mock import Mock
@@ -91,20 +90,15 @@ class TestPage:
                 if anchor and (not file or file in pages):
                     assert anchor in pages[file or name].attributes("id")
 
-    @pytest.mark.parametrize(("whole", "shown", "rows", "columns"), [(False, 6, 6, 8), (False, 2, 2, 8), (True, 6, 12, 11)])
-    def test_a_long_table_shows_its_first_rows_and_the_verdict(self, tmp_path, whole, shown, rows, columns):
+    @pytest.mark.parametrize(("rows", "folded"), [(12, False), (30, True)])
+    def test_a_long_table_is_folded_with_all_its_rows_and_columns(self, tmp_path, rows, folded):
         keys = [*"abcdefghij", "verdict"]
         all_of = [Quantity(k, k, format="s") for k in keys]
-        wide = Table("t", "T", all_of, [dict.fromkeys(keys, f"x{n}") for n in range(12)])
-        wide = wide if shown == 6 else replace(wide, shown=shown)
-        document = report(wide)
-        html.write(replace(document, pages=[replace(document.pages[0], whole=whole)]), tmp_path / "out")
+        html.write(report(Table("t", "T", all_of, [dict.fromkeys(keys, f"x{n}") for n in range(rows)])), tmp_path / "out")
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
-        assert text.count("<tr>") == rows + 1
-        assert text.count("<th ") == columns
-        assert ">verdict" in text
-        assert (f"{rows} of 12 rows; the CSV has all." in text) is not whole
-        assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").count("\n") == 13
+        assert (text.count("<tr>"), text.count("<th ")) == (rows + 1, len(keys))
+        assert ("<details" in text) is folded
+        assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").count("\n") == rows + 1
 
     def test_everything_is_escaped_and_nothing_is_missing(self, written):
         page = Page("".join(p.read_text(encoding="utf-8") for p in sorted(written.glob("*.html"))))

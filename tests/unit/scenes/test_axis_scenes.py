@@ -126,17 +126,18 @@ def test_result_has_the_keys_of_one_set(command, small):
 
 
 def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
-    files = "--curve", tmp_path / "c.csv", "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
+    files = "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
     code, out, _ = command("solve", small, "--model", "lin", *files)
     assert (code, "angle deg" in out, "shaft at 100 mm" in out) == (0, False, True)
+    assert command("solve", small, "--model", "lin", "--curve", "0N:3kN:16:100mm", "--csv", tmp_path / "c.csv").code == 0
     rows = list(csv.DictReader((tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) == 16
     before, last, after = rows[9:12]
-    assert (float(last["load_factor"]), float(last["axial_force_N"])) == (1.0, 2000.0)
+    assert float(last["load_N"]) == 2000.0
     slope = 400.0 / (float(after["displacement_um"]) - float(before["displacement_um"]))
     matrix = np.asarray(mmread(tmp_path / "k.mtx"))
     assert slope == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=2e-3)
-    assert float(last["stiffness_N_per_um"]) == pytest.approx(1e-6 * matrix[2, 2], rel=1e-9)
+    assert float(last["stiffness_N_per_um"]) == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=1e-5)
     code, out, _ = command("solve", small, "--model", "lin-nut", "--balls")
     assert (code, "angle deg" in out) == (0, True)
 

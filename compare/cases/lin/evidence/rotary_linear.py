@@ -109,8 +109,15 @@ def rise(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
     return raised.torque / first.torque - 1.0
 
 
-def table_3_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+#: Names of the 3D model's values by the start of a key of Table 3.2, and their unit in the table's.
+IN_3D = {"P_IL": ("loss IL mW", 1e-3), "P_IR": ("loss IR mW", 1e-3), "P_OL": ("loss OL mW", 1e-3)}
+IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B": ("orbit rad/s", 1.0)}
+IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
+
+
+def table_3_2(sheet: Sheet, study: Study) -> None:
     """Table 3.2 and the increases of 3.2.2: as printed, and with exact Hertz constants and least dissipation."""
+    solid = {case: source_cases.in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()}
     for row in load_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
@@ -119,7 +126,11 @@ def table_3_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         else:
             faulty, true = rotary_value(as_printed(case), key), rotary_value(right(case), key)
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
-        sheet.number(row.key, true, words, as_printed=faulty)
+        name, unit = IN_3D.get(key, ("", 1.0))
+        value = solid[case].get(name)
+        if key == "P_sum":
+            unit, value = 1e-3, sum(v for what, v in solid[case].items() if what.startswith("loss ")) or None
+        sheet.number(row.key, true, words, as_printed=faulty, reference=None if value is None else unit * value)
 
 
 def table_3_3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
@@ -185,7 +196,7 @@ def formula_deviation(mated: bool) -> Array:
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
-def table_3_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_4(sheet: Sheet, study: Study) -> None:
     """Table 3.4: velocity deviations [%], and its inputs."""
     sheet.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
@@ -197,11 +208,10 @@ def table_3_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)
         of_text = pair(loads="diagonal", mated=mated).free.deviation  # the text: equal loads on each diagonal
         balanced, diagonal = (100.0 * float(d[ball - 1]) for d in (found, of_text))
-        if mated:
-            sheet.number(f"{case}_eps{ball}_numerical", balanced)
-        else:
-            sheet.number(f"{case}_eps{ball}_numerical", diagonal, as_printed=balanced)
-        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]))
+        faulty = None if mated else balanced
+        solid = source_cases.in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
+        sheet.number(f"{case}_eps{ball}_numerical", balanced if mated else diagonal, as_printed=faulty, reference=solid)
+        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
 
 def misprinted_force() -> float:
@@ -212,20 +222,27 @@ def misprinted_force() -> float:
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
 
 
-def table_3_5(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def formula_force(*, mated: bool) -> float:
+    """(3.51) for case (a), or for the mated grooves of case (b) [N]."""
+    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
+
+
+def table_3_5(sheet: Sheet, study: Study) -> None:
     """Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
     spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
-    formula = {case: pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=case == "b")[1] for case in "ab"}
+    formula = {case: formula_force(mated=case == "b") for case in "ab"}
+    solid = {case: source_cases.in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
     as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
-        sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads)
-        sheet.number(f"{case}_force_analytic", formula[case], of_formula)
+        sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads, reference=solid[case])
+        sheet.number(f"{case}_force_ansys", None, reference=solid[case])
+        sheet.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
     ansys, numerical = (value_of("lin-3.5", f"a_force_{name}") for name in ("ansys", "numerical"))
     sheet.number("error_numerical", float(error_percent(numerical, ansys)))
     off = abs(float(error_percent(formula["a"], ansys)))
     sheet.claim("error_analytic", off < 6.0, f"{off:.1f} % off the printed ANSYS force")
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
-        sheet.words(f"{case}_time_{model}", "another machine and language; not compared, see table timing-friction")
+        sheet.words(f"{case}_time_{model}", "another machine and language; not compared")
 
 
 def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from math import degrees, radians
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from rollbench.lowfi.friction.screw.run import (
     summarise,
 )
 from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
-from rollbench.lowfi.friction.whole.losses import Onset, contact_onset
+from rollbench.lowfi.friction.whole.circuit import Onset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 
@@ -46,6 +46,8 @@ AMPLITUDES = tuple(source_cases.RUN_SCENES)
 ANGLES = source_cases.bearings().angle
 #: Error of the steps of a run that is small enough, as a fraction of its mean torque.
 STEP_GOAL = 0.003
+#: Level of the stored 3D runs of a pair that is taken.
+FINEST = 3
 #: Scenes of 4.3.2.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
 
@@ -136,18 +138,21 @@ def _modulus(sheet: Sheet, young: float) -> None:
     sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def table_3_7(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_7(sheet: Sheet, study: Study) -> None:
     """Table 3.7 and the text around it: plain reading and inferred reading."""
     for case in THETA:
-        _pair_of_3_7(sheet, case)
+        solid = source_cases.in_3d(study, source_cases.PAIR_SCENES[case])
+        _pair_of_3_7(sheet, case, solid)
         force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
         sheet.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        sheet.words(f"ansys_{case}", "another program; the 3D model of this project is in table rolling-pairs")
-        words = "another machine and language; run times of this project are in table timing-friction"
-        sheet.words(f"time_{case}", words)
+        _ansys_of_3_7(sheet, study, case)
+        sheet.words(f"time_{case}", "another machine and language")
+        sheet.words(f"time_ansys_{case}", "another machine and program")
+    printed = [value_of("lin-3.5", "error_numerical"), *(value_of("lin-3.7", f"difference_{case}") for case in THETA)]
+    sheet.number("within", max(printed), "the largest of the printed differences")
 
 
-def _pair_of_3_7(sheet: Sheet, case: str) -> None:
+def _pair_of_3_7(sheet: Sheet, case: str, solid: Mapping[str, float]) -> None:
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = pair(case, "plain"), pair(case, "inferred")
     implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
@@ -159,11 +164,21 @@ def _pair_of_3_7(sheet: Sheet, case: str) -> None:
         f"and increase imply {implied:.0f} N of contact load a ball, the plain reading has {as_text.load.mean():.0f} N, "
         f"the inferred one {oversized.load.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
+        reference=solid.get("force 1-2 N"),
     )
     values = increase(as_text), increase(oversized)
     off = [float(error_percent(value, percent)) for value in values]
     words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
-    sheet.number(f"increase_{case}", values[0], words, reading=values[1])
+    sheet.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
+
+
+def _ansys_of_3_7(sheet: Sheet, study: Study, case: str) -> None:
+    """The printed force of ANSYS beside that of this project's 3D rolling, in both readings."""
+    scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
+    as_text, oversized = (source_cases.in_3d(study, scene).get("force 1-2 N") for scene in scenes)
+    words = "no stored run" if as_text is None or oversized is None else _both(as_text, oversized)
+    words = f"3D rolling of elastic half spaces: {words}"
+    sheet.number(f"ansys_{case}", as_text, words, reading=oversized, reference=as_text)
 
 
 def _both(as_text: float, oversized: float) -> str:
@@ -223,9 +238,10 @@ def _numbers_of_run(sheet: Sheet) -> None:
         f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; the source's rule of contact"
     )
     words = f"{between}, which lets balls overlap, gives less (table friction-run-sensitivity); {steps_in_words(3.0)}"
-    sheet.number("largest", 100.0 * high.largest, words)
-    sheet.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + earlier)
-    sheet.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + earlier)
+    near = {key: f"; {nearest(key)}" for key in PRINTED_OF_RUN}
+    sheet.number("largest", 100.0 * high.largest, words + near["largest"])
+    sheet.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + earlier + near["largest_at"])
+    sheet.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + earlier + near["none_at"])
 
 
 def _claims_of_run(sheet: Sheet) -> None:
@@ -415,6 +431,74 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     ]
     return changes
 
+
+#: What 3.4.4 leaves open and was tried: the part that theta stays with (the azimuth of Figure 3.23 counts from it), its
+#: amplitude [deg], oversize [um] and pattern. Amplitude and oversize by which the printed numbers are sought confirm none.
+Reading = tuple[str, float, float, str]
+TRIED: tuple[Reading, ...] = (
+    ("screw", 2.0, 1.7, "both"),
+    ("screw", 2.6, 1.7, "both"),
+    ("screw", 3.0, 1.7, "both"),
+    ("nut", 1.5, 1.7, "both"),
+    ("nut", 2.0, 1.7, "both"),
+    ("nut", 2.25, 1.7, "both"),
+    ("nut", 3.0, 1.7, "both"),
+    ("nut", 2.25, 2.5, "both"),
+    ("nut", 3.0, 1.0, "both"),
+    ("nut", 3.0, 1.3, "both"),
+    ("screw", 3.0, 1.7, "one"),
+    ("nut", 3.0, 2.5, "one"),
+)
+#: Amplitudes [deg] by the part that theta stays with, for the source's rule of contact.
+BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
+
+
+def as_read(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
+    """The run of 3.4.4 in a reading: a row of `TRIED`."""
+    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.lin_3_4_4().pattern
+    return source_cases.lin_3_4_4(follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks)
+
+
+@cache
+def tried() -> tuple[RunSummary, ...]:
+    """What every row of `TRIED` gives, in the source's 200 steps."""
+    return tuple(summarise(equal_steps(as_read(*reading))) for reading in TRIED)
+
+
+PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
+
+
+def nearest(key: str) -> str:
+    """The reading of `TRIED` that comes nearest to a printed number, and its other numbers."""
+    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in tried()])[:, PRINTED_OF_RUN.index(key)]
+    k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
+    (follows, amplitude, oversize, pattern), s = TRIED[k], tried()[k]
+    text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
+    numbers = f"{100.0 * s.largest:.1f} % at {s.at:.0f}°, no contact from {s.none_at:.0f}°"
+    return f"nearest of {len(TRIED)} readings: {text}: {numbers} (table friction-run-readings)"
+
+
+def reading_of_run_rows() -> list[Row]:
+    """Every reading of the whole run: the three printed numbers, and how far each is from print."""
+    found: list[tuple[str, Reading, list[Any]]] = [
+        ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
+        for reading, s in zip(TRIED, tried(), strict=True)
+    ]
+    for follows, amplitude in BY_SOURCE:
+        reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
+        of_source = source_run_row(as_read(*reading))
+        found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
+    off = [Quantity(f"{q.key}_off", f"{q.label}, off print", q.unit, "+.1f") for q in RUN[2:5]]
+    printed = [value_of("lin-3.4.4", key) for key in PRINTED_OF_RUN]
+    rows = list[Row]()
+    for rule, reading, values in found:
+        known = [None if v is None or not np.isfinite(v) else float(v) for v in values]
+        missed = [None if v is None else v - p for v, p in zip(known, printed, strict=True)]
+        rows.append(dict(zip((*READING, *RUN[2:5], *off), (rule, *map(str, reading), *known, *missed), strict=True)))
+    return rows
+
+
+READING = ("rule of contact", "theta stays with", "amplitude / °", "oversize / µm", "contacts of the screw")
 
 #: What a row on the whole run says.
 RUN = (

@@ -5,11 +5,15 @@ Nothing of a case is written here: its numbers, and what is assumed or inferred,
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
+from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
+from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -37,6 +41,14 @@ def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
 def k_f() -> float:
     """Slope of friction force over c/a as the source read it off its Figure 3.11 (appendix G): its formulas need it."""
     return value_of("lin-G", "k_f")
+
+
+def in_3d(study: Study, name: str) -> Mapping[str, float]:
+    """Values of a scene's finest stored run of the 3D model of rolling, such as "force 1-2 N"; empty without one."""
+    from rollbench.compare.studies.rolling.runs import LEVELS, load
+
+    run = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    return {} if run is None else run.values
 
 
 def plain(theta: float | None = None) -> Pair:

@@ -11,16 +11,16 @@ from rollbench.compare.evidence import Sheet
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
+from rollbench.compare.results.load_curve import LoadCurve, load_curve, read_course
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Load, Scene, Support
+from rollbench.meshes.parts import Scene, Support
 
-#: Greatest force of the axial lash test [N]; that of the conical one is not printed, and taken to be the same.
-FORCE = 200.0
+#: Ends of the axial lash test; those of the conical one are not printed, and taken to be the same.
+ENDS = "-200N:200N:2"
 #: Loaded track of Table 4.1 [turns], and directions of the lateral force [rad]: each with its opposite.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
 #: Freedoms of the screw's left end that are held: turning only.
@@ -57,46 +57,27 @@ def with_balls(scene: Scene, pattern: str) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=places(scene, pattern)))
 
 
-def held_at_left(freedoms: Sequence[str]) -> tuple[Support, ...]:
-    """Support of the screw's left end: the freedoms that are held."""
-    return (Support(0.0, tuple((name, 0.0) for name in freedoms)),)
+def axial(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
+    """The axial test: loads as `rollbench solve --curve` takes them, along the axis at the screw's left end, where some of
+    its freedoms are held."""
+    return _test(scene, f"{loads}:0mm", held)
 
 
-def axial(scene: Scene, held: Sequence[str] = TURNING) -> float:
-    """Peak-to-peak displacement [m] of the screw's left end under +-FORCE along its axis, some freedoms held there."""
-    low, high = axial_curve(scene, (-FORCE, FORCE), held)
-    return high - low
+def conical(scene: Scene, direction: float, reach: float, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
+    """The conical test: loads across the screw in a direction [rad], ``reach`` [m] to the right of the nut's centre."""
+    return _test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", held)
 
 
-def axial_curve(scene: Scene, forces: Sequence[float], held: Sequence[str] = TURNING) -> list[float]:
-    """Displacement [m] of the screw's left end along its axis under forces [N] along it."""
-    base = replace(scene, supports=held_at_left(held))
-    return [float(_moved(replace(base, loads=(Load(0.0, (0.0, 0.0, f)),)))[0, 2]) for f in forces]
+def _test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
+    scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
+    return load_curve(scene, read_course(course), "lin", Options(engine="compiled"))
 
 
-def conical(scene: Scene, direction: float, reach: float, held: Sequence[str] = TURNING) -> float:
-    """Peak-to-peak displacement [m] along +-FORCE across the screw, ``reach`` [m] to the right of the nut's centre."""
-    low, high = conical_curve(scene, (-FORCE, FORCE), direction, reach, held)
-    return high - low
-
-
-def conical_curve(
-    scene: Scene, forces: Sequence[float], direction: float, reach: float, held: Sequence[str] = TURNING
-) -> list[float]:
-    """Displacement [m] along forces [N] across the screw in a direction [rad], ``reach`` [m] to the right of the nut."""
-    at = scene.nut.position + reach
-    across = np.array([np.cos(direction), np.sin(direction)])
-    base, found = replace(scene, supports=held_at_left(held)), []
-    for f in forces:
-        x, y = f * across
-        moved = solve_static(replace(base, loads=(Load(at, (float(x), float(y), 0.0)),)), engine="compiled")
-        where = [np.interp(at, moved.centreline_z, moved.centreline[:, k]) for k in (0, 1)]
-        found.append(float(across @ np.array(where)))
-    return found
-
-
-def _moved(scene: Scene) -> Array:
-    return solve_static(scene, engine="compiled").centreline
+def peak_to_peak(test: LoadCurve) -> float:
+    """Displacement [m] between the ends of a test. Raises ValueError where one has no equilibrium."""
+    if test.peak_to_peak is None:
+        raise ValueError(f"{test.scene}: no equilibrium at the ends of its lash test")
+    return test.peak_to_peak
 
 
 def difference(values: list[float]) -> float:
@@ -115,8 +96,8 @@ class Lash:
 def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
     """Both tests of a screw, the lateral force at a distance [m] from the nut; held: freedoms of the screw's left end."""
     screws = [with_balls(scene, p) for p in PATTERNS]
-    cones = tuple(difference([conical(s, d, reach, held) for s in screws]) for d in DIRECTIONS)
-    return Lash(difference([axial(s, held) for s in screws]), cones)
+    cones = [[peak_to_peak(conical(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
+    return Lash(difference([peak_to_peak(axial(s, held=held)) for s in screws]), tuple(map(difference, cones)))
 
 
 # --- section 4.2: lash tests of a ball screw, sizing of bearing and ball screw in a steering gear

@@ -16,13 +16,11 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.chapter_2 import SCREWS, TABLE_CONFORMITY, ratio, readings, spread, unloaded
-from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.sections.curves import lateral, load_panel, loads
-from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
@@ -202,7 +200,6 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("cases 1, 2, 3 on four models")
-    found = evidence(study, "lin-2.4.1")
     step("what the open choices change")
     rows = choice_rows(study.once(chapter_2.choices))
     offset = study.solve("lin-case3-offset")
@@ -210,7 +207,6 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
         "cases",
         "Case studies 1, 2, 3 (2.4.1)",
         (
-            printed_table("cases-claims", "Section 2.4.1: printed and computed", found),
             *figures(study),
             picture(
                 study.scene("lin-case3-offset"),
@@ -309,7 +305,6 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
         "errors",
         "Geometric errors (2.4.2)",
         (
-            printed_table("errors-claims", "Section 2.4.2: printed and computed", evidence(study, "lin-2.4.2")),
             Figure(
                 "errors-loads",
                 "Load distribution with geometric errors",
@@ -322,31 +317,9 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
     )
 
 
-def _fault(f: Evidence) -> float | None:
-    """Error [%] of a printed number against the right one."""
-    right, printed = f.value, f.printed.value
-    return None if right is None or printed is None else float(error_percent(printed, right))
-
-
 def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("Table B.1")
-    rows: list[Row] = []
-    for f in evidence(study, "lin-B1"):
-        p = f.printed
-        rows.append(
-            {
-                Quantity("label", "quantity", "", "s"): p.label,
-                "unit": p.unit,
-                "printed": p.printed,
-                Quantity("as_printed", "as printed, computed", "", "g5"): f.as_printed,
-                Quantity("right", "right", "", "g5"): f.value,
-                Quantity("error", "as printed against printed", "%", ".3f"): f.error_percent,
-                Quantity("fault", "printed against right", "%", ".1f"): _fault(f),
-                "class": p.cls,
-                "verdict": f.verdict,
-            }
-        )
     case = study.scene("lin-case1")
     compared = [
         ("Table 2.1's groove, 3.254 mm", case),
@@ -382,7 +355,6 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
                     "right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
                 )
             ),
-            Table.of("hertz-B1", "Table B.1: printed, as printed, right", rows),
             Table.of(
                 "hertz-grooves",
                 "What the faults and the groove radius do to the Hertz constant, and the contact at 225 N",
@@ -445,7 +417,6 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         "manufacturing",
         "Steering gear (4.2), pitch against roundness errors (4.3.2)",
         (
-            printed_table("manufacturing-claims", "Section 4.3.2: printed and computed", evidence(study, "lin-4.3.2")),
             Figure("manufacturing-loads", "Errors and load distribution", tuple(panels), "", 3),
             Table.of(
                 "manufacturing-readings",

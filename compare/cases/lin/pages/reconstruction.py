@@ -43,8 +43,10 @@ FORCE = "force 1-2 N"
 #: Scenes of the ball-to-ball forces by table and printed entries: low order, ANSYS.
 FORCES = {
     "3.5 (a)": ("lin-3.5", "a_force_numerical", "a_force_ansys", "lin-pair-a"),
-    "3.7 (a)": ("lin-3.7", "force_a", "ansys_a", "lin-screw-pair-a-inferred"),
-    "3.7 (b)": ("lin-3.7", "force_b", "ansys_b", "lin-screw-pair-b-inferred"),
+    "3.7 (a)": ("lin-3.7", "force_a", "ansys_a", "lin-screw-pair-a"),
+    "3.7 (a), inferred oversize": ("lin-3.7", "force_a", "ansys_a", "lin-screw-pair-a-inferred"),
+    "3.7 (b)": ("lin-3.7", "force_b", "ansys_b", "lin-screw-pair-b"),
+    "3.7 (b), inferred oversize": ("lin-3.7", "force_b", "ansys_b", "lin-screw-pair-b-inferred"),
 }
 
 

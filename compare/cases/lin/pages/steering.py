@@ -8,10 +8,9 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import steering
 from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, rack
-from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
-from rollbench.compare.sections.verdicts import printed_table
+from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -35,16 +34,15 @@ SENSE = (
 
 def lash_figure(scene: Scene) -> Figure:
     """Curves of both tests for the four patterns, and the conical one over the direction of its force."""
-    force = np.linspace(-steering.FORCE, steering.FORCE, 17)
-    around = np.linspace(0.0, 180.0, 13)
-    newtons, degrees = [float(f) for f in force], [float(d) for d in around]
+    around, course = np.linspace(0.0, 180.0, 13), "-200N:200N:17"
+    degrees = [float(d) for d in around]
     axial, conical, peaks = [], [], []
     for pattern in steering.PATTERNS:
         screw = steering.with_balls(scene, pattern)
-        axial.append(Series(pattern, newtons, _micro(steering.axial_curve(screw, newtons)), "line"))
-        conical.append(Series(pattern, newtons, _micro(steering.conical_curve(screw, newtons, 0.0, REACH)), "line"))
-        displaced = [steering.conical(screw, float(np.radians(d)), REACH) for d in degrees]
-        peaks.append(Series(pattern, degrees, _micro(displaced), "line"))
+        axial.append(_series(pattern, steering.axial(screw, course)))
+        conical.append(_series(pattern, steering.conical(screw, 0.0, REACH, course)))
+        displaced = [steering.peak_to_peak(steering.conical(screw, float(np.radians(d)), REACH)) for d in degrees]
+        peaks.append(Series(pattern, degrees, [1e6 * x for x in displaced], "line"))
     spread = [steering.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
     flat = steering.difference([s.y[-1] - s.y[0] for s in axial])
     shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
@@ -58,8 +56,9 @@ def lash_figure(scene: Scene) -> Figure:
     return Figure("lash", "Lash of one screw with its balls in four patterns", panels, ABOUT[0])
 
 
-def _micro(values: list[float]) -> list[float]:
-    return [1e6 * v for v in values]
+def _series(name: str, test: LoadCurve) -> Series:
+    known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
+    return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 
 
 def lash_rows(scene: Scene) -> list[Row]:
@@ -153,7 +152,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "Lash tests and steering gear (Lin 4.2)",
         (
             Text(ABOUT, bullets=True),
-            printed_table("steering-gear", "Section 4.2: printed and computed", evidence(study, "lin-4.2.1")),
             figures[0],
             Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
             figures[1],

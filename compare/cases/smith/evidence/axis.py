@@ -224,6 +224,7 @@ def section_4_2(e: Sheet, study: Study) -> None:
     a = bearings.axis()
     least = float(shaft_stiffness(a, 0.5 * a.length))
     e.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
+    e.number("applied", bearings.APPLIED / bearings.POUND)
     e.number("package_ball", end_state("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
     for kind in KINDS:

@@ -28,8 +28,18 @@ from rollbench.lowfi.bearings.angular_contact import (
 )
 from rollbench.lowfi.bearings.axis import Axis, BearingSet, arrangement, equilibrium, preloaded
 from rollbench.lowfi.bearings.combined_load import CombinedState, combined, load_zone, zone_of_load
-from rollbench.lowfi.bearings.torque import load_torque, static_rating, taper_geometry, taper_torque, viscous_torque
+from rollbench.lowfi.bearings.torque import (
+    KILOGRAM_FORCE,
+    LEAST_FILM,
+    ball_torque,
+    load_torque,
+    static_rating,
+    taper_geometry,
+    taper_torque,
+    viscous_torque,
+)
 from rollbench.lowfi.rollers import RollerContacts, SlicedRow, TaperedBearing, TaperedRow, circular_crown, roller_contacts
+from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.units import parse
 
 #: The source's units in SI.
@@ -72,7 +82,7 @@ SHEET_LOAD, PRELOAD = parse("2040 lbf", "force"), parse("1500 lbf", "force")
 
 BALL_TORQUE_LOAD, TAPER_TORQUE_LOAD = parse("1000 lbf", "force"), parse("1500 lbf", "force")
 
-VISCOSITY, SPEED = 27e-6, 1450.0 * RPM
+VISCOSITY, SPEED, ATMOSPHERE = 27e-6, 1450.0 * RPM, 101325.0
 
 #: Stretch of 4.1 [m], thermal expansion [1/K], load on the carriage of 4.2 [N], stiffness of the nut [N/m].
 STRETCH, EXPANSION = parse("0.0015 in", "length"), 6e-6 / DEG_F
@@ -122,8 +132,8 @@ SHEET_DIFFERENCE = 0.9013479
 #: The sheet's newtons to a pound.
 SHEET_POUND = 4.448
 
-#: Curvature differences of table 2-1, its inputs.
-DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))
+#: Curvature differences of table 2-1, its inputs, without the line contact's in the last row.
+DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))[:-1]
 
 #: Curvature differences that approach the line contact.
 NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
@@ -155,6 +165,7 @@ def table_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table tak
         e.number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
             e.number(f"{name}_{i}", value)
+    e.number(f"F_{len(DIFFERENCES)}", 1.0)
     limit = np.array([contact_parameters(f) for f in NEARLY_LINE])
     for name, column, sign in (("delta", 0, -1.0), ("a", 1, 1.0), ("b", 2, -1.0)):
         steps = np.diff(np.log(limit[:, column])) * sign
@@ -177,7 +188,8 @@ def _inputs(e: Sheet) -> None:
         e.number(key, value / INCH)
         e.number(f"{key}_mm", 1e3 * value)
     e.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
-    e.numbers({"B": b.centre_distance / b.ball_diameter, "alpha_0": degrees(b.free_angle)})
+    curvature = b.centre_distance / b.ball_diameter
+    e.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
     e.number("alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(SHEET_LOAD).angle)):.2f} deg under 2040 lbf")
 
 
@@ -199,6 +211,10 @@ def _cells(e: Sheet) -> None:
     e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=source.stiffness)
     e.number("alpha", degrees(angle), as_printed=degrees(source.angle))
     e.number("alpha_rad", angle, as_printed=source.angle)
+    free, loaded = (np.cos(np.radians(e.printed(key))) for key in ("alpha_0", "alpha"))
+    normal = e.printed("B") * e.printed("D_mm") * (free / loaded - 1.0)
+    rest = e.printed("Q_N") - e.printed("K_n") * normal**1.5
+    e.words("balance", f"Q_n - K_n delta_n^1.5 of the printed cells is {rest:.2g} N")
     e.number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
     inner, outer = (float(a) / INCH**2 for a in s.areas())
     words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {e.printed('area') / inner:.1f} times"
@@ -262,6 +278,7 @@ def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
+        e.number(f"load_{n}", float(n))
         e.number(f"measured_{n}", float(value))
         e.number(f"theory_{n}", float(value), as_printed=sheet_tangent(float(n)))
     off = np.array([float(error_percent(t, m)) for t, m in zip(theory, measured, strict=True)])
@@ -292,12 +309,31 @@ def section_2_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     loaded = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
     whole = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
     three = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
-    words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}"
+    radial = 1.25e6 * KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
+    nearest = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
+    share = float((s.inner.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
+    row = ball_torque("angular contact", float(s.angle), b.pitch_diameter, (BALL_TORQUE_LOAD, 0.0, share), None)
+    low, high = (x / INCH_POUND for x in row.load)
+    words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}; published "
+    words += (
+        f"coefficients with P_0/C_0 by the largest contact force {low:.2f} to {high:.2f}; nearest reading {nearest:.2f}, "
+    )
+    words += "by what the text does not say: X_0 in place of Y_0, and Palmgren's radial C_0 = 1.25 kg/mm2 Z D^2 cos(alpha)"
     e.number("M_1", loaded, words)
     words = f"computed: {viscous:.2f} + {loaded:.2f} = {viscous + loaded:.2f} in-lb"
     e.number("M", e.printed("M_0") + e.printed("M_1"), words)
+    pound = 1e-3 * KILOGRAM_FORCE / INCH_POUND
+    e.number("unit", pound, "kg mm in in-lbf", as_printed=2.2 / 25.4)
+    film = 1e-6 * LEAST_FILM * RPM * DENSITY / ATMOSPHERE
+    e.number("film", film, f"nu n = {LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere")
+    e.number("f_1", 0.0013)
+    e.number("k_0", 2.8)
     test = e.printed("M_test")
-    e.number("M_test", viscous + loaded)
+    least, most = (viscous + x / INCH_POUND for x in row.starting)
+    words = f"from rest {least:.2f} to {most:.2f} in-lb: film and twice the load's part, which fresh grease exceeds"
+    e.number("M_test", most, words)
+    growth = (2000.0 / 500.0) ** (4.0 / 3.0)
+    e.claim("insensitive", growth < 1.5, f"by (2.33), (2.34) the load's part grows {growth:.1f} times from 500 to 2000 lbf")
     e.number("M_test_3", 3.0 * test)
     percent = float(error_percent(e.printed("M"), test))
     off = float(error_percent(viscous + loaded, test))

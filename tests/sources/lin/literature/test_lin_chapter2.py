@@ -10,7 +10,7 @@ from rollbench.compare.cases.lin.pages import chapter_2
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 
-@pytest.mark.parametrize("key", keys("lin-B1", "lin-2.1", "lin-2.4.1", "lin-2.4.2", "lin-4.3.2"))
+@pytest.mark.parametrize("key", keys("lin-B1", "lin-2.1", "lin-2.2", "lin-2.4.1", "lin-2.4.2", "lin-4.3.2"))
 def test_entry(key: str) -> None:
     check(key)
 

@@ -13,7 +13,8 @@ from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_p
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
 from rollbench.lowfi.friction.screw.groove import contact_spacing
-from rollbench.lowfi.friction.whole.losses import NUT, Onset, ball_path, contact_onset
+from rollbench.lowfi.friction.whole.circuit import NUT, Onset, contact_onset
+from rollbench.lowfi.friction.whole.losses import ball_path
 from rollbench.lowfi.statics.static import solve_static
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -141,15 +142,13 @@ def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_m
     assert onset("lin-roundness-4p1", 1.0).first > 10.0 * 2.0 * np.pi
     o, s = onset("lin-roundness-4p1", 0.0), scene("lin-roundness-4p1")
     k = int(np.argmin(o.meeting))
-    assert o.loaded[k] > 0.0 == o.loaded[k + 1]
-    assert o.first == pytest.approx(o.gap / o.orbit[k], rel=1e-12)
-    assert o.gap == pytest.approx(2.0 * np.pi * 3.75 / 71 - contact_spacing(ball_path(s, NUT, s.balls.radius)), rel=1e-9)
+    first, second = o.pair[k]
+    assert o.loaded[first] > 0.0 == o.loaded[second]
+    assert o.first == pytest.approx(o.gap[k] / o.orbit[first], rel=1e-12)
+    assert o.gap[k] == pytest.approx(2.0 * np.pi * 3.75 / 71 - contact_spacing(ball_path(s, NUT, s.balls.radius)), rel=1e-9)
 
 
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:
-    s = scene("lin-nominal-4p1")
-    with pytest.raises(ValueError, match="single start"):
-        contact_onset(replace(s, track=replace(s.track, starts=2)), solve_static(s))
     with pytest.raises(ValueError, match="zero lead"):
         four_point(tilt=False, groove=replace(four_point(tilt=False).groove, lead=1e-3))
     assert four_point(tilt=False).rows[0].contacts == ALL

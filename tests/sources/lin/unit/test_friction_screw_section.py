@@ -7,7 +7,7 @@ from itertools import count
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.section_items import drawn, figures, shows_entries, tables
+from tests.section_items import drawn, figures, tables
 from tests.sources.entries import found
 
 from rollbench.compare.cases.lin import extremes
@@ -15,11 +15,10 @@ from rollbench.compare.cases.lin import extremes as friction_stability
 from rollbench.compare.cases.lin.evidence import screw
 from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
 from rollbench.compare.cases.lin.pages import friction
-from rollbench.compare.printed import load_table
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
-from rollbench.reports.content import Section, Text
+from rollbench.reports.content import Section
 
 pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
 
@@ -31,7 +30,7 @@ def section() -> Section:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         section = friction.screw_section(STUDY, steps.append)
-    assert len(steps) == 4
+    assert len(steps) == 3
     return section
 
 
@@ -53,27 +52,12 @@ def records() -> list[Record]:
         return friction_stability.rows()
 
 
-def test_name_unique_items_and_rows_of_the_entries(section):
-    assert section.name == "friction-screw"
-    assert section.title == "Friction in a ball screw: two balls, a whole screw, and bearings in pairs"
-    names = [item.name for item in section.items if not isinstance(item, Text)]
-    assert len(names) == len(set(names)) == 12
-    for name in friction.SCREW_TABLES:
-        table = tables(section)[f"friction-{name}"]
-        shows_entries(table, name)
-        assert all(row["remark"] for row in table.rows)
-
-
 def test_both_readings_stand_side_by_side(section):
     """Errors belong to the plain reading; the inferred one is labelled and has its own."""
-    rows = {p.key: r for p, r in zip(load_table("lin-3.7"), tables(section)["friction-lin-3.7"].rows, strict=True)}
-    found = {f"{kind}_{case}": rows[f"{kind}_{case}"] for kind in ("force", "increase") for case in "ab"}
-    assert [row["right"] for row in found.values()] == pytest.approx([0.98316, 1.29143, 37.855, 49.858], rel=2e-4)
-    assert [row["reading"] for row in found.values()] == pytest.approx([1.9615, 2.9468, 39.369, 60.176], rel=2e-4)
-    assert [rows["force_a"][key] for key in ("error", "reading_error")] == pytest.approx([-48.8, 2.2], abs=0.1)
-    assert "does not give it" in rows["force_a"]["remark"]
-    labels = {c.key: c.label for c in tables(section)["friction-lin-3.7"].columns}
-    assert ("inferred" in labels["reading"], "plain" in labels["right"]) == (True, True)
+    of = [found(f"lin-3.7:{kind}_{case}") for kind in ("force", "increase") for case in "ab"]
+    assert [f.value for f in of] == pytest.approx([0.98316, 1.29143, 37.855, 49.858], rel=2e-4)
+    assert [f.reading for f in of] == pytest.approx([1.9615, 2.9468, 39.369, 60.176], rel=2e-4)
+    assert all(f.verdict == "contradicted" for f in of)
     rows = tables(section)["friction-readings"].rows
     kinds = Counter(r["kind"] for r in rows)
     assert kinds["plain"] == kinds["inferred"] == 1
@@ -119,7 +103,7 @@ def test_bearings_and_onset(section):
 
 
 def test_figures_have_data_and_can_be_drawn(section):
-    assert [f.name for f in figures(section)] == ["friction-pair-maps", "friction-run", "friction-load-angle"]
+    assert [f.name for f in figures(section)] == ["friction-pair-maps", "friction-run"]
     assert all(len(f.caption) > 60 for f in figures(section))
     drawn(figures(section))
 

@@ -41,15 +41,15 @@ def test_layouts_are_what_they_say():
     assert ratios(held, opposed=True) == pytest.approx(ratios(held), rel=1e-9)
 
 
-def test_lash_curves_end_in_the_peaks():
+def test_lash_tests_are_load_curves_of_the_screw():
+    """A screw without play or preload: no lash, and more displacement under more load; a direction is its opposite."""
     screw = gear.with_balls(SCENE, "half-half")
-    curve = gear.axial_curve(screw, (-gear.FORCE, 0.0, gear.FORCE))
-    assert curve[2] - curve[0] == pytest.approx(gear.axial(screw), rel=1e-12)
-    assert curve[0] < curve[1] < curve[2]
-    across = gear.conical_curve(screw, (-gear.FORCE, gear.FORCE), 0.3, REACH)
-    assert across[1] - across[0] == pytest.approx(gear.conical(screw, 0.3, REACH), rel=1e-12)
-    back = gear.conical(screw, 0.3 + np.pi, REACH)  # the test goes both ways: a direction is its opposite
-    assert back == pytest.approx(gear.conical(screw, 0.3, REACH), rel=1e-6)
+    test = gear.axial(screw, "-200N:200N:3")
+    moved = [p.displacement for p in test.points]
+    assert (test.lash, gear.peak_to_peak(test)) == (0.0, moved[2] - moved[0])
+    assert moved == sorted(moved)
+    there, back = (gear.peak_to_peak(gear.conical(screw, angle, REACH)) for angle in (0.3, 0.3 + np.pi))
+    assert back == pytest.approx(there, rel=1e-6)
 
 
 def test_figures_and_tables_are_whole(points):

@@ -27,7 +27,7 @@ def test_an_error_is_the_diameter_of_a_ball():
 def test_chain_shares_the_load_as_the_beam_does_on_average():
     errors = np.zeros(evidence.balls())
     beam = Study().solve(bodies.with_errors(SCENE, errors, 5000.0)).load[:, 0]
-    axial = solve_chain(bodies.same_screw(SCENE), errors, 5000.0).load
+    axial = solve_chain(bodies.same_screw(SCENE).chain, errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
     turns, chain = (load.reshape(3, 26).mean(axis=1) for load in (beam, axial))
     assert turns == pytest.approx(chain, rel=0.01)

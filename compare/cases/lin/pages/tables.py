@@ -1,0 +1,373 @@
+"""The tables of the thesis as it prints them, in its order, with what is computed for each number and our run times; the
+sentences with numbers; figures of what they say."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from rollbench.compare.case import CASES
+from rollbench.compare.cases.lin.evidence import chapter_2, source_cases
+from rollbench.compare.cases.lin.pages.friction import bearing_figure, torque_figure
+from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, seconds
+from rollbench.compare.evidence import Evidence, evidence
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.study import Study
+from rollbench.compare.printed import entry, tables, value_of
+from rollbench.compare.reference.convergence import representative_size
+from rollbench.compare.reference.levels import SOURCE_LEVEL
+from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.scenes.catalogue import case as case_of
+from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.sections.source_tables import AGAINST, Layout, by_place, compared, how, in_layout, inputs, layouts
+from rollbench.compare.sections.verdicts import printed_table
+from rollbench.compare.studies.rolling import runs as rolling
+from rollbench.compare.studies.run_times import times_of
+from rollbench.meshes.section import fixed_partition
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+
+LIN = next(case for case in CASES if case.name == "lin")
+#: Machine and programs of the printed times (footnotes of Tables 2.2 and 3.5, 3.4.3, 2.4.1).
+MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and the source's own program"
+UNITS = {"s": 1.0, "h": 3600.0}
+
+PRINTED_SECONDS = Quantity("s_printed", "seconds, printed", "s", "g4")
+LOW = {"cold": Quantity("low_cold", "low-order, cold", "s", "g3"), "further": Quantity("low_further", "further", "s", "g3")}
+SOLID = {"cold": Quantity("3d_cold", "3D, cold", "s", "g3"), "further": Quantity("3d_further", "3D, further", "s", "g3")}
+OLDER = Quantity("older", "not of this measuring run", "", "s")
+ELEMENTS = {
+    "printed": Quantity("n_printed", "elements, printed", "", "s"),
+    "low": Quantity("n_low", "elements, low-order, ours", "", "s"),
+    "3D": Quantity("n_3d", "elements, 3D, ours", "", "s"),
+}
+INFERRED_3D = Quantity("3d_inferred", "3D, inferred reading", "", "g5")
+SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f")
+
+
+def costs(study: Study, way: str, name: str) -> Row:
+    """Seconds of ours, cold and further: ``way`` of a scene, and of its 3D model."""
+    low, solid = seconds(study, name, way), seconds(study, name, "3D")
+    cells: Row = {LOW["cold"]: low.cold, LOW["further"]: low.further}
+    return cells | {SOLID["cold"]: solid.cold, SOLID["further"]: solid.further, OLDER: solid.older}
+
+
+def printed_seconds(name: str) -> float:
+    """A printed time in seconds."""
+    one = entry(*name.split(":"))
+    return UNITS[one.unit] * (one.value or 0.0)
+
+
+def count(table: str, key: str) -> str:
+    """A printed number of elements."""
+    return f"{value_of(table, key):,.0f}"
+
+
+def solid_size(study: Study, name: str) -> str:
+    """Size of the finest 3D model of a scene, in words."""
+    if name in STATIC.values():
+        found = study.reference(name)
+        return "" if found is None else f"{found.best.unknowns:,} unknowns (level {found.best.level})"
+    run = rolling.load(case_of(name, KindScene), max(rolling.LEVELS), study.stores or (shipped_store(),))
+    return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
+
+
+def of_2_2(study: Study) -> dict[str, Row]:
+    """Seconds and elements of Table 2.2."""
+    more: dict[str, Row] = {}
+    for k, name in STATIC.items():
+        ours = len(fixed_partition(study.scene(name))) - 1
+        source = chapter_2.partition_elements(study)
+        low = {q: v for q, v in costs(study, "lin", name).items() if q in LOW.values()}
+        solid = {q: v for q, v in costs(study, "lin", name).items() if q not in LOW.values()}
+        more[f"lin-2.2:time_proposed_{k}"] = {
+            PRINTED_SECONDS: printed_seconds(f"lin-2.2:time_proposed_{k}"),
+            **low,
+            ELEMENTS["printed"]: count("lin-2.2", "elements_proposed"),
+            ELEMENTS["low"]: f"{ours} ({source} with the source's partition)",
+        }
+        more[f"lin-2.2:time_ansys_{k}"] = {
+            PRINTED_SECONDS: printed_seconds(f"lin-2.2:time_ansys_{k}"),
+            **solid,
+            ELEMENTS["printed"]: count("lin-2.2", "elements_ansys"),
+            ELEMENTS["3D"]: solid_size(study, name),
+        }
+    return more
+
+
+def of_3_4(study: Study) -> dict[str, Row]:
+    """The 3D value of Table 3.4 has the loads of the reading that gives the printed digits."""
+    found = {f.printed.name: f for f in evidence(study, "lin-3.4")}
+    keys = [name for name in found if name.startswith("lin-3.4:a_eps") and name.endswith("numerical")]
+    return {name: {AGAINST: error(found[name].as_printed, found[name].reference)} for name in keys}
+
+
+def error(value: float | None, reference: float | None) -> float | None:
+    """Error [%], None without one of the two."""
+    return None if value is None or reference is None else float(error_percent(value, reference))
+
+
+def of_3_5(study: Study) -> dict[str, Row]:
+    """Seconds, elements and printed differences of Table 3.5."""
+    more: dict[str, Row] = {}
+    for case, name in LINEAR.items():
+        for way, own in (("numerical", "numerical"), ("analytic", "formula"), ("ansys", "numerical")):
+            cells: Row = {PRINTED_SECONDS: printed_seconds(f"lin-3.5:{case}_time_{way}"), **costs(study, own, name)}
+            if way == "ansys":
+                cells |= {ELEMENTS["printed"]: count("lin-3.5", "elements_ansys"), ELEMENTS["3D"]: solid_size(study, name)}
+                cells |= dict.fromkeys(LOW.values())
+            more[f"lin-3.5:{case}_force_{way}"] = cells
+    more["lin-3.5:a_force_numerical"][SOURCES_OWN] = value_of("lin-3.5", "error_numerical")
+    low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
+    more["lin-3.5:a_force_analytic"][SOURCES_OWN] = float(error_percent(low, ansys))
+    return more
+
+
+def of_3_7(study: Study) -> dict[str, Row]:
+    """Seconds, elements, printed differences of Table 3.7, and the 3D value in the inferred reading."""
+    more: dict[str, Row] = {}
+    for case, name in SCREW.items():
+        inferred: Row = {INFERRED_3D: source_cases.in_3d(study, f"{name}-inferred").get("force 1-2 N")}
+        ours = costs(study, "numerical", name)
+        size: Row = {ELEMENTS["printed"]: count("lin-3.7", f"elements_{case}"), ELEMENTS["3D"]: solid_size(study, name)}
+        low: Row = {PRINTED_SECONDS: printed_seconds(f"lin-3.7:time_{case}"), **ours, **inferred}
+        more[f"lin-3.7:force_{case}"] = low | {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")}
+        solid = ours | dict.fromkeys(LOW.values())
+        more[f"lin-3.7:ansys_{case}"] = {
+            PRINTED_SECONDS: printed_seconds(f"lin-3.7:time_ansys_{case}"),
+            **solid,
+            **size,
+            **inferred,
+        }
+    return more
+
+
+#: Further cells by table, and why a number has no 3D value, by the start of its key.
+MORE: Mapping[str, Callable[[Study], dict[str, Row]]] = {"2.2": of_2_2, "3.4": of_3_4, "3.5": of_3_5, "3.7": of_3_7}
+WHY = {
+    "lin-3.2:F_": "none: statics",
+    "lin-3.2:P_": "none: no contact",
+    "lin-B1:": "none: closed form",
+    "lin-2.4.1:case1_ratio": "",
+    "lin-2.4.1:case": "ours is against 3D",
+    "lin-2.4.1:": "none: of run times",
+    "lin-3.2:": "none: of the table",
+    "lin-3.3:": "none: of the map",
+    "lin-3.5:error": "none: of the table",
+    "lin-3.7:difference": "none: of the table",
+    "lin-3.4.4:": "none: 37 balls in time are beyond it",
+    "lin-3.7:within": "none: of the tables",
+    "lin-4.2.1:": "none: layout is not printed",
+    "lin-4.3:": "none: many balls rolling are beyond it",
+}
+
+
+def why(name: str) -> str:
+    """Why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
+    return next((text for start, text in WHY.items() if name.startswith(start)), "")
+
+
+def ours(study: Study) -> dict[str, str]:
+    """What stands for ours in the source's own layout where it is no value: times and sizes."""
+    out: dict[str, str] = {}
+
+    def words(cold: float | None, further: float | None, older: str = "") -> str:
+        return older or ("not measured" if cold is None else f"{cold:.3g} s cold, {further or 0.0:.2g} s further")
+
+    for k, name in STATIC.items():
+        low, solid = seconds(study, name, "lin"), seconds(study, name, "3D")
+        out[f"lin-2.2:time_proposed_{k}"] = words(low.cold, low.further)
+        out[f"lin-2.2:time_ansys_{k}"] = words(solid.cold, solid.further, solid.older)
+    out["lin-2.2:elements_ansys"] = solid_size(study, STATIC[1])
+    for case in "ab":
+        for way, own in (("numerical", "numerical"), ("analytic", "formula"), ("ansys", "3D")):
+            found = seconds(study, LINEAR[case], own)
+            out[f"lin-3.5:{case}_time_{way}"] = words(found.cold, found.further)
+        for key, own in (("time", "numerical"), ("time_ansys", "3D")):
+            found = seconds(study, SCREW[case], own)
+            out[f"lin-3.7:{key}_{case}"] = words(found.cold, found.further)
+        out[f"lin-3.7:elements_{case}"] = solid_size(study, SCREW[case])
+    return out | {"lin-3.5:elements_ansys": solid_size(study, LINEAR["a"])}
+
+
+# --- figures
+
+
+def load_figure(study: Study) -> Figure:
+    """Loads over the ball's number in the case studies: ours, 3D, and what the text says (Figures 2.9, 2.11, 2.12)."""
+    panels = []
+    for k, name in STATIC.items():
+        low, found = study.solve(name), study.reference(name)
+        series = [loads("low-order (the source's model)", low, 0, emphasis=True)]
+        if found is not None:
+            series.append(loads(f"3D reference, level {found.best.level}", found, 0, "line"))
+        panels.append(load_panel(f"case study {k}, SL", *series, *MARKS[k](study)))
+    plain, offset = study.solve("lin-case3"), study.solve("lin-case3-offset")
+    last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
+    curves = loads("SR, offset of 300 µm", offset, 1, emphasis=True), loads("SR, no offset", plain, 1), last
+    panels.append(load_panel("case study 3, SR", *curves))
+    caption = "NR follows SL and NL follows SR. Markers and lines: statements of the text; loads are in its figures alone."
+    return Figure("lin-loads", "Load over the ball's number, with the printed statements", tuple(panels), caption)
+
+
+def _ratio_mark(study: Study) -> list[Series]:
+    load = study.solve("lin-case1").load[:, 0]
+    printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
+    mei = loads("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
+    return [mei, Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], [printed, printed], "line")]
+
+
+def _ball_17(study: Study) -> list[Series]:
+    load = study.solve("lin-case2").load
+    return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
+
+
+def _offset(study: Study) -> list[Series]:
+    return [loads("low-order, no offset", study.solve("lin-case3"), 0, "line")]
+
+
+MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _ratio_mark, 2: _ball_17, 3: _offset}
+
+
+def mesh_figure(study: Study) -> Figure:
+    """Error over the cell size: static loads, and ball-to-ball forces; with the printed differences from ANSYS."""
+    static, balls = [], []
+    for name in STATIC.values():
+        found = study.reference(name)
+        if found is None:
+            continue
+        coarse = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+        runs = [*([coarse] if coarse is not None else []), *found.runs[:-1]]
+        sizes = [representative_size(r.settings) / found.sizes[-1] for r in runs]
+        errors = [load_error(r.load, found.load, found.contacts).own_max_percent for r in runs]
+        static.append(Series(f"{name}, 3D", sizes, errors))
+        low = load_error(study.solve(name).load, found.load, found.contacts).own_max_percent
+        static.append(Series(f"{name}, low-order", [1.0, max(sizes)], [low, low], "line", light=True))
+    printed = value_of("lin-2.4.1", "case1_max_error")
+    static.append(Series("printed: low-order against ANSYS, case 1", [1.0, 4.0], [printed, printed], "line"))
+    for name in (LINEAR["a"], *SCREW.values()):
+        stores = study.stores or (shipped_store(),)
+        found_runs = [rolling.load(case_of(name, KindScene), level, stores) for level in (0, *rolling.LEVELS)]
+        good = [run for run in found_runs if run is not None]
+        if len(good) > 1:
+            finest = good[-1].values["force 1-2 N"]
+            cells = [1.0 / run.shape[1] * good[-1].shape[1] for run in good[:-1]]
+            off = [abs(float(error_percent(run.values["force 1-2 N"], finest))) for run in good[:-1]]
+            balls.append(Series(f"{name}, 3D", cells, off))
+    axes = "cell size over the finest's", "largest error / % of the own load"
+    panels = (
+        Panel("contact loads (Table 2.2)", *axes, tuple(static), log="xy"),
+        Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log="xy"),
+    )
+    caption = (
+        "Against the finest level; pale lines: the low-order model. The coarsest point has the source's element sizes: "
+        "0.08 mm at the contacts of the screw, 0.13 and 0.05 mm at those of two balls."
+    )
+    return Figure("lin-mesh", "Error over the size of the cells", panels, caption)
+
+
+def answers_rows(study: Study) -> Iterator[Row]:
+    """Loads and errors of the case studies, as ``rollbench compare`` prints them."""
+    for k, name in STATIC.items():
+        found = study.reference(name)
+        if found is None:
+            continue
+        keys = [f"case{k}_{what}_error" for what in ("max", "rms")] if k < 3 else []
+        answers = {"3D reference": found.load} | {model: study.solve(name, model).load for model in ("lin", "refined")}
+        for model, value in answers.items():
+            e = load_error(value, found.load, found.contacts)
+            apart = model != "3D reference"
+            shown = " / ".join(entry("lin-2.4.1", key).printed for key in keys) if model == "lin" else ""
+            loaded = value[value > 0.0]
+            yield {
+                Quantity("case", "case study", "", "s"): str(k),
+                "scene": name,
+                Quantity("model", "answer", "", "s"): model,
+                Quantity("max", "largest load", "N", ".2f"): float(loaded.max()),
+                Quantity("min", "smallest load", "N", ".2f"): float(loaded.min()),
+                Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.ratio(value[:, 0]),
+                Quantity("own_max", "largest error", "% of own load", ".2f"): e.own_max_percent if apart else None,
+                Quantity("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
+                Quantity("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
+                Quantity("printed", "printed: against ANSYS, maximum / RMS", "%", "s"): shown,
+            }
+
+
+def answers_table(study: Study) -> Table:
+    """Table of `answers_rows`."""
+    title = "Case studies: loads and errors, as rollbench compare prints them"
+    return Table.of("lin-answers", title, answers_rows(study), "Again by: rollbench compare lin-case1, and so on.")
+
+
+FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
+    "2.2": (answers_table, load_figure, mesh_figure),
+    "3.2": (lambda _: torque_figure(),),
+    "4.2": (lambda _: bearing_figure(),),
+}
+
+GUIDE = (
+    "The tables of the thesis stand here in its order and layout, each with what is computed for its numbers; then the "
+    "sentences with numbers, claims in words, and the other numbers. A table of results stands twice: in the layout of the "
+    "thesis with ours at each number, and with a row for each number. Low-order, ours: the text's plain reading with right "
+    "constants; with the source's faults: those named in the remark repeated; inferred reading: under an assumption that "
+    "was inferred from printed results."
+)
+
+
+def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+    """Sections of the report."""
+    step("printed numbers of the thesis")
+    names = [name for name in tables() if name.startswith("lin-")]
+    found = {f.printed.name: f for f in evidence(study, *names)}
+    every = layouts(LIN)
+    placed = {name for layout in every for name in layout.names}
+    claims = [f for f in found.values() if f.printed.claim and f.printed.name not in placed]
+    others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
+    first = Section(
+        "lin", "Contents", (Text((GUIDE,)), by_place(list(found.values()))), conclusion=conclusion(found.values())
+    )
+    last = (
+        Section("lin-claims", "Claims in words", (printed_table("lin-claims", "Claims in words", claims, place=True),)),
+        Section("lin-others", "Other printed numbers", (printed_table("lin-others", "Other numbers", others, place=True),)),
+        Section("lin-how", "How the numbers are computed", tuple(how(names))),
+    )
+    return first, *(of_layout(study, layout, found) for layout in every), *last
+
+
+def conclusion(found: Iterable[Evidence]) -> str:
+    """How many of the printed numbers come out."""
+    numbers = [f for f in found if not f.printed.claim]
+    tally = Counter(f.verdict for f in numbers)
+    results = len(numbers) - tally["input"] - tally["identity"]
+    return (
+        f"The thesis prints {len(numbers)} of the numbers that are judged here; {results} of them are results. Of these "
+        f"{tally['reproduced']} come out, {tally['only as printed']} only with the source's own faults repeated, "
+        f"{tally['band']} lie within a band, {tally['contradicted']} are contradicted, {tally['not identifiable']} are not "
+        "determined by the text (measured, of another program, or resting on what is not printed)."
+    )
+
+
+def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
+    """Section of one table of the thesis, or of its sentences."""
+    items: list[Table | Figure] = []
+    if layout.kind == "inputs":
+        items.append(inputs(layout, found))
+    else:
+        if layout.kind == "results":
+            items.append(in_layout(layout, found, ours(study)))
+        timed = layout.number in ("2.2", "3.5", "3.7")
+        more = MORE[layout.number](study) if layout.number in MORE else {}
+        reasons = {name: why(name) for name in layout.names}
+        columns = [name for name in layout.names if "elements" in name or (timed and "time" in name and "2.2" not in name)]
+        items.append(compared(layout, found, more, reasons, columns, times_note(study) if timed else ""))
+    items += [draw(study) for draw in FIGURES.get(layout.number, ())]
+    return Section(f"lin-table-{layout.number}", layout.heading, items)
+
+
+def times_note(study: Study) -> str:
+    """What the seconds are of."""
+    kept = study.once(times_of, "lin")
+    return (
+        f"Printed seconds: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next "
+        f"load case there. {'No run times are kept.' if kept is None else kept} Again by: rollbench bench --source lin."
+    )

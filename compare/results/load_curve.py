@@ -1,0 +1,316 @@
+"""The signed load curve of a scene: displacement and tangent stiffness over a force, lash and the stiffness outside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.models.answers import quick_friction
+from rollbench.compare.models.loading import motion_asked, scaled
+from rollbench.compare.models.registry import Options, default_model, run_model
+from rollbench.compare.quantities import as_json
+from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.lowfi.warned import Warned, above
+from rollbench.meshes import units
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.quantity import quantity, record
+
+#: Points of a curve unless given, and most of them.
+POINTS, MOST = 21, 1001
+#: Part of a load by which it is changed for the tangent, and part of the largest load that stands for a vanishing one.
+STEP, VANISHING = 1e-3, 1e-6
+FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Course:
+    """What loads a curve is over. values: forces [N], or factors on the scene's loads; direction: unit vector of the
+    forces; at: station [m] of the screw or shaft or name of the housing that takes them, None for the usual place."""
+
+    values: tuple[float, ...]
+    factors: bool = False
+    direction: Vector = AXES["z"]
+    at: float | str | None = None
+
+
+def read_course(text: str) -> Course:
+    """The course that an option states. Raises ArgumentError.
+
+    >>> read_course("-3kN:3kN:3:x"), read_course("0:1.5:2")
+    (Course(values=(-3000.0, 0.0, 3000.0), factors=False, direction=(1.0, 0.0, 0.0), at=None), \
+Course(values=(0.0, 1.5), factors=True, direction=(0.0, 0.0, 1.0), at=None))
+    """
+    ends, further = text.split(":")[:2], [x.strip() for x in text.split(":")[2:]]
+    pairs = [units.number_and_unit(end) for end in ends]
+    if len(pairs) < 2 or any(pair is None for pair in pairs):
+        raise ArgumentError(
+            "curve", units.show(text), FORM, 'e.g. `curve="-3000N:3000N"`, or 0:1.5 times the scene\'s loads'
+        )
+    factors = not any(pair and pair[1] for pair in pairs)
+    try:
+        low, high = (float(end) if factors else units.parse(end, "force") for end in ends)
+    except ValueError as error:
+        raise ArgumentError("curve", units.show(text), FORM, str(error)) from None
+    points, direction, at = POINTS, AXES["z"], None
+    for word in further:
+        kind = (units.number_and_unit(word) or ("", ""))[1]
+        if word.isdigit():
+            points = int(word)
+        elif word in AXES or kind in ("deg", "°", "rad"):
+            turn = 0.0 if word in AXES else units.parse(word, "angle")
+            direction = AXES.get(word, (math.cos(turn), math.sin(turn), 0.0))
+        else:
+            at = _place(word) if kind else word
+    if not (low < high and 2 <= points <= MOST):
+        allowed = f"LOW below HIGH, and 2 to {MOST} points"
+        raise ArgumentError("curve", units.show(text), allowed, f"give {FORM}")
+    if factors and (direction != AXES["z"] or at is not None):
+        raise ArgumentError(
+            "curve", units.show(text), "forces with a unit", "factors keep direction and place of the loads"
+        )
+    return Course(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
+
+
+def _place(word: str) -> float:
+    try:
+        return units.parse(word, "length")
+    except ValueError as error:
+        raise ArgumentError("curve", units.show(word), FORM, str(error)) from None
+
+
+@record(kw_only=True)
+class CurvePoint:
+    """One load of a curve. A number is None where there is no equilibrium, or none that is unique: see status."""
+
+    load: float = quantity("load_N", "force along the curve's direction; of load factors that of the first load")
+    factor: float | None = quantity("load_factor", "factor on all loads of the scene, where the curve is over factors")
+    displacement: float | None = quantity(
+        "displacement_um",
+        "displacement of what takes the force, along it, from its place without loads (its nominal one where nothing is "
+        "pressed then)",
+        error="that of `displacement_um`",
+    )
+    stiffness: float | None = quantity(
+        "stiffness_N_per_um",
+        "tangent of the curve: 0.1 % more load less 0.1 % less over what that moves, all that the scene leaves free moving",
+        error="that of the rigidity",
+    )
+    largest: float | None = quantity("largest_load_N", "largest load of a contact or roller", error="as `loads.max_N`")
+    torque: float | None = quantity("friction_torque_Nmm", "friction torque, where the scene has a coefficient")
+    status: str = quantity("status", "converged, or why there is no such point")
+
+
+@record(eq=False, repr=False, kw_only=True)
+class LoadCurve(Record):
+    """A scene under a force that goes from one value to another, in place of its loads."""
+
+    scene: str = quantity("scene")
+    model: str = quantity("model")
+    member: int = quantity("member")
+    direction: Vector = quantity("direction", "unit vector of the force", parts="[]")
+    at: str = quantity("at", "station of the screw or shaft, or housing, that takes the force and whose motion is given")
+    lash: float | None = quantity(
+        "lash_um",
+        "dead zone between the signs: limit of the displacement as a positive load vanishes less that as a negative one "
+        "does, so without any elastic part; 0 with preload",
+        error="about 1 nm, below which it is 0",
+    )
+    lash_words: str | None = quantity("lash_words", "why there is no lash")
+    peak_to_peak: float | None = quantity(
+        "peak_to_peak_um",
+        "displacement at the largest load less that at the least: lash and elastic part, as a test reads it",
+    )
+    forward: float | None = quantity(
+        "stiffness_above_N_per_um",
+        "stiffness outside the lash: the largest positive load over the displacement from the upper end of the lash",
+        error="that of the rigidity",
+    )
+    backward: float | None = quantity(
+        "stiffness_below_N_per_um", "the same of the negative loads, from the lower end", error="that of the rigidity"
+    )
+    points: tuple[CurvePoint, ...] = quantity("points")
+    warnings: tuple[Warned, ...] = quantity("warnings")
+    """What the solutions at both ends warn of."""
+    assumed: tuple[str, ...] = quantity("assumed")
+
+    @property
+    def converged(self) -> bool:
+        """Whether every load has an equilibrium."""
+        return all(p.largest is not None for p in self.points)
+
+    @property
+    def above(self) -> str:
+        """The line above the answers, empty where no warning belongs there."""
+        return above(self.warnings)
+
+    def to_dict(self) -> dict[str, JSON]:
+        """What ``rollbench solve --curve --json`` prints."""
+        return with_schema(as_json(self) or {})
+
+
+@dataclass(frozen=True)
+class _State:
+    """The scene at a load: displacement [m] along it, largest contact load [N]; nan without equilibrium."""
+
+    scene: Scene | Assembly
+    result: StaticResult | AxisResult
+    moved: float = math.nan
+    largest: float = math.nan
+
+
+def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options: Options | None = None) -> LoadCurve:
+    """Solve a scene over a course of loads.
+
+    Forces act in place of the scene's loads: at the nut's centre, of several sets where its loads act, unless the course
+    says where; factors multiply all its loads, and what counts is the first. Near the first contact a displacement is
+    u_0 + c F^(2/3) by Hertz, so that u_0 = (4 u(F/8) - u(F))/3 for a vanishing F is an end of the lash. Raises InputError
+    for a load where there is nothing to load, and as `run_model`.
+    """
+    model, options = model or default_model(scene), replace(options or Options(), discretisation=False)
+    loaded, direction, at, unit = _loading(scene, course)
+
+    @cache
+    def state(value: float) -> _State:
+        here = loaded(value)
+        result = run_model(here, model, options)
+        if not result.converged:
+            return _State(here, result)
+        loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
+        return _State(here, result, float(np.dot(_motion(here, result, at)[:3], direction)), max(map(_largest, loads)))
+
+    bare = state(0.0)
+    pressed = bare.largest > 0.0
+    start = bare.moved if pressed else 0.0
+    top = max(map(abs, course.values))
+    ends, words = _lash(course, lambda f: state(f).moved, top)
+    lash = None if ends is None else ends[1] - ends[0]
+
+    def tangent(value: float) -> float | None:
+        step = STEP * (abs(value) if abs(value) > STEP * top else top)
+        moved = state(value + step).moved - state(value - step).moved
+        stiff = math.nan if not moved else 2.0 * step * unit / moved
+        loose = abs(value) <= STEP * top and not (pressed and not lash)
+        return None if loose or not math.isfinite(stiff) else stiff
+
+    points = []
+    for value in course.values:
+        s, free = state(value), value == 0.0 and bool(lash)
+        status = "anywhere in the lash" if free else s.result.status
+        friction = None
+        if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest > 0.0:
+            friction, _ = quick_friction(s.scene, s.result, options)
+        points.append(
+            CurvePoint(
+                load=value * unit,
+                factor=value if course.factors else None,
+                displacement=None if free or math.isnan(s.moved) else s.moved - start,
+                stiffness=tangent(value),
+                largest=None if math.isnan(s.largest) else s.largest,
+                torque=None if friction is None else 1e-3 * friction["friction_torque_Nmm"],
+                status=status,
+            )
+        )
+    known = [p for p in points if p.displacement is not None]
+    of_ends = [state(course.values[k]).result for k in (0, -1)]
+    return LoadCurve(
+        scene=scene.name,
+        model=model,
+        member=options.member,
+        direction=direction,
+        at=at if isinstance(at, str) else f"{1e3 * at:.6g} mm",
+        lash=lash,
+        lash_words=words or None,
+        peak_to_peak=known[-1].displacement - known[0].displacement if len(known) > 1 else None,  # type: ignore[operator]
+        forward=None if ends is None else _chord(points[-1], ends[1] - start),
+        backward=None if ends is None else _chord(points[0], ends[0] - start),
+        points=tuple(points),
+        warnings=tuple(dict.fromkeys(w for result in of_ends for w in result.warnings)),
+        assumed=bare.result.assumed,
+    )
+
+
+def _loading(
+    scene: Scene | Assembly, course: Course
+) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
+    """Scene at a value of the course, direction and place of the force, and the force [N] of the value 1."""
+    several = isinstance(scene, Assembly)
+    at: float | str = _asked(scene) if isinstance(scene, Assembly) else scene.nut.position
+    if course.factors:
+        if isinstance(scene, Scene) and scene.loads:
+            at = scene.loads[0].at
+        given = [h.force for h in scene.housings if h.name == at] if isinstance(scene, Assembly) else []
+        force = (given or [x.force for x in scene.loads] or [(0.0, 0.0, 0.0)])[0]
+        size = float(np.linalg.norm(force))
+        if not size:
+            raise ArgumentError(
+                "curve", "factors", "a scene whose first load is a force", "give forces, e.g. -3000N:3000N", scene.name
+            )
+        x, y, z = (f / size for f in force)
+        return lambda value: scaled(scene, value), (x, y, z), at, size
+    at = at if course.at is None else course.at
+    housings = [h.name for h in scene.housings] if isinstance(scene, Assembly) else []
+    if (at not in housings) if isinstance(at, str) else not 0.0 <= at <= scene.screw.length:
+        allowed = ", ".join([f"0 mm to {1e3 * scene.screw.length:g} mm", *housings])
+        advice = f"give a station of the {'shaft, or a housing' if several else 'screw'}"
+        raise ArgumentError("curve", at if isinstance(at, str) else f"{1e3 * at:g} mm", allowed, advice, scene.name)
+
+    def loaded(value: float) -> Scene | Assembly:
+        x, y, z = (value * part for part in course.direction)
+        bare = scaled(scene, 0.0)
+        if isinstance(bare, Assembly):
+            bare = replace(bare, stiffness_at=at)
+        if isinstance(at, str) and isinstance(bare, Assembly):
+            return replace(bare, housings=tuple(replace(h, force=(x, y, z)) if h.name == at else h for h in bare.housings))
+        return replace(bare, loads=(Load(float(at), (x, y, z)),) if value else ())
+
+    return loaded, course.direction, at, 1.0
+
+
+def _asked(assembly: Assembly) -> float | str:
+    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
+
+    return asked(assembly)
+
+
+def _motion(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
+    """Motion (6,) [m, rad] of what takes the force."""
+    if isinstance(scene, Assembly) and isinstance(result, AxisResult):
+        return motion_asked(scene, result)
+    return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
+
+
+def _largest(loads: Any) -> float:
+    return float(np.max(loads, initial=0.0))
+
+
+def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
+    """Displacements [m] at the ends of the lash, None with words why there is none."""
+    if not course.values[0] < 0.0 < course.values[-1]:
+        return None, "the loads have one sign"
+    ends, rough = [], 0.0
+    for sign in (-1.0, 1.0):
+        force = sign * VANISHING * top
+        near, far = moved(force / 8.0), moved(force)
+        if math.isnan(near) or math.isnan(far):
+            return None, f"no equilibrium under a vanishing {'positive' if sign > 0.0 else 'negative'} load"
+        ends.append((4.0 * near - far) / 3.0)
+        rough += abs(far - near)
+    if abs(ends[1] - ends[0]) <= rough:
+        ends = [0.5 * (ends[0] + ends[1])] * 2
+    return (ends[0], ends[1]), ""
+
+
+def _chord(end: CurvePoint, edge: float) -> float | None:
+    """Load of the end of a curve over its displacement [m] from the edge of the lash; None without a solution there."""
+    moved = None if end.displacement is None else end.displacement - edge
+    return end.load / moved if moved else None

@@ -1,0 +1,319 @@
+"""The tables of a source as it prints them, each number with what is computed for it.
+
+``layout.toml`` of a case holds the layout: number, title, columns, rows with their label and a key for each column. A table
+of results stands twice: in the source's own layout, printed and computed side by side, and with a row for each number.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Any
+
+from rollbench.compare.case import Case
+from rollbench.compare.errors import InputError
+from rollbench.compare.evidence import Evidence, computations, source
+from rollbench.compare.measure import error_percent
+from rollbench.compare.printed import entry
+from rollbench.compare.sections.verdicts import shown_error
+from rollbench.reports.content import Quantity, Row, Table
+
+#: Cells of a row by printed entry ("table:key"), beside those that all rows have.
+More = Mapping[str, Row]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A table as its source prints it: case, number, what it is of, title, the printed table of most of its numbers, kind
+    (``inputs``, ``results``, ``sentences``), headings of the columns, rows: label, and for each column the name of a
+    printed entry ("table:key", empty for an empty cell)."""
+
+    case: str
+    number: str
+    short: str
+    title: str
+    printed: str
+    kind: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[str, ...]], ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of its printed entries."""
+        return [name for _, names in self.rows for name in names if name]
+
+    @property
+    def across(self) -> list[tuple[str, ...]]:
+        """Names of its printed entries, row by row, empty for an empty cell."""
+        return [names for _, names in self.rows]
+
+    def stem(self, what: str = "") -> str:
+        """Name of its table in the report, by what that shows."""
+        return "-".join(filter(None, (self.case, self.number, what)))
+
+    @property
+    def heading(self) -> str:
+        """Its number and what it is of."""
+        return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
+
+    @property
+    def digits(self) -> int:
+        """Significant digits that show all those that it prints: five at least."""
+        texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
+        return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
+
+
+def layouts(case: Case) -> list[Layout]:
+    """The layouts of a case, in order. Raises InputError for one with a wrong row."""
+    path = case.folder / "layout.toml"
+    return [_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
+
+
+def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
+    rows = []
+    for label, *keys in one["rows"]:
+        names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
+        for name in filter(None, names):
+            try:
+                entry(*name.split(":"))
+            except KeyError as error:
+                raise InputError(path, one["number"], name, "a printed entry", "mend the layout") from error
+        rows.append((label, names))
+    texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
+    return Layout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
+
+
+def as_printed_digits(value: float | None, printed: str) -> str:
+    """A value with the digits of a printed number.
+
+    >>> as_printed_digits(1.81234e-7, "1.812e-7"), as_printed_digits(2.3456, "2.30"), as_printed_digits(None, "1")
+    ('1.812e-7', '2.35', '–')
+    """
+    if value is None:
+        return "–"
+    if "e" in printed:
+        mantissa = printed.partition("e")[0]
+        digits, _, power = f"{value:.{len(mantissa.partition('.')[2])}e}".partition("e")
+        return f"{digits}e{int(power)}"
+    text = f"{value:.{max(0, -int(Decimal(printed).as_tuple().exponent))}f}"
+    return text.removeprefix("-") if not float(text) else text
+
+
+def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
+    """The table in the source's own layout: for each column the printed number, ours, to the digits printed, and where ours
+    repeats a fault the right value; ours: texts for entries whose value is another one, such as a time."""
+    rows: list[Row] = []
+    across, down = ([_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True)))
+    of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
+    faulty = [
+        any(name and found[name].as_printed is not None for name in names) for names in zip(*layout.across, strict=True)
+    ]
+    for (label, names), several in zip(layout.rows, across, strict=True):
+        row: Row = {Quantity("label", "", "", "s"): label} if any(label for label, _ in layout.rows) else {}
+        if of_row and any("".join(units) for units in across):
+            row[Quantity("unit", "unit", "", "s")] = next(iter(several))
+        for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
+            heading = next(iter(down[k])) if of_column and not of_row else ""
+            unit = "" if of_row or of_column or not name else found[name].printed.unit
+            texts = {"printed": "", "ours": "", "right": ""}
+            if name:
+                p, right = found[name].printed, found[name].value if found[name].as_printed is not None else None
+                texts = {"printed": p.printed or p.claim, "ours": ours.get(name, ours_of(found[name]))}
+                texts = {
+                    key: text if key == "ours" and name in ours else f"{text} {unit}".rstrip()
+                    for key, text in texts.items()
+                }
+                texts["right"] = "" if right is None else f"{as_printed_digits(right, p.printed)} {unit}".rstrip()
+            for key, text in texts.items():
+                if key != "right" or faulty[k]:
+                    row[Quantity(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
+        rows.append(row)
+    note = "Ours: by the low-order model, with the source's faults repeated where they change it, then the right value too"
+    note += (
+        "; of ANSYS numbers by 3D." if any(f.reference is not None for f in map(found.__getitem__, layout.names)) else "."
+    )
+    return Table.of(layout.stem(), layout.title, rows, note, unfolded=True)
+
+
+def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
+    return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
+
+
+def ours_of(f: Evidence) -> str:
+    """What stands at a printed number, to its digits: with the source's faults where they change it, else right; of another
+    program's result the 3D value."""
+    if f.printed.claim:
+        return "–" if f.holds is None else "holds" if f.holds else "does not hold"
+    values = (f.as_printed, f.value, f.reference)
+    return as_printed_digits(next((v for v in values if v is not None), None), f.printed.printed)
+
+
+#: What a row of a printed number says, besides the values of ours.
+PRINTED, SOLID = Quantity("printed", "printed", "", "s"), Quantity("solid", "3D, ours", "", "s")
+OFF = {
+    "right": Quantity("off", "ours against printed", "%", "+.2f"),
+    "faulty": Quantity("off_faulty", "with faults against printed", "%", "+.2f"),
+    "reading": Quantity("off_reading", "inferred against printed", "%", "+.2f"),
+}
+AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
+SCENES = Quantity("scenes", "scenes, or why none", "", "s")
+
+
+def compared(
+    layout: Layout,
+    found: Mapping[str, Evidence],
+    more: More,
+    why: Mapping[str, str],
+    columns: Sequence[str] = (),
+    note: str = "",
+) -> Table:
+    """A row for each result of a layout, in its order; more: further cells by entry; why: by entry why there is no 3D
+    value; columns: entries that stand in cells of other rows. Columns that no row fills are left out."""
+    further = dict.fromkeys(q for cells in more.values() for q in cells)
+    rows: list[Row] = []
+    remarks: dict[str, int] = {}
+    for label, names in layout.rows:
+        for head, name in zip(layout.columns, names, strict=True):
+            if name and name not in columns and found[name].printed.cls != "input":
+                f = found[name]
+                row = _compared(layout, f, why.get(name, "")) | dict.fromkeys(further) | more.get(name, {})
+                remark = remarks.setdefault(f.reason, len(remarks) + 1) if f.reason else None
+                first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
+                first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
+                last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
+                rows.append(first | row | last | {Quantity("remark", "remark", "", "s"): remark})
+    notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
+    title = f"{layout.heading}, every number printed and computed"
+    text = "\n".join(filter(None, notes))
+    return Table.of(layout.stem("compared"), title, _tidy(rows), text, unfolded=True)
+
+
+def _compared(layout: Layout, f: Evidence, why: str) -> Row:
+    p, form = f.printed, f"g{layout.digits}"
+    off = {"right": _off(f.value, p.value), "faulty": _off(f.as_printed, p.value), "reading": _off(f.reading, p.value)}
+    return {
+        PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
+        Quantity("right", "low-order, ours", "", form): _round_off(f.value),
+        Quantity("faulty", "with the source's faults", "", form): _round_off(f.as_printed),
+        Quantity("reading", "inferred reading", "", form): f.reading,
+        SOLID: f"{_round_off(f.reference) or 0.0:.{layout.digits}g}" if f.reference is not None else why,
+        OFF["right"]: off["right"],
+        OFF["faulty"]: off["faulty"],
+        OFF["reading"]: off["reading"],
+        AGAINST: _off(f.value, f.reference),
+    }
+
+
+def _off(value: float | None, reference: float | None) -> float | None:
+    if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
+        return None
+    return shown_error(float(error_percent(value, reference)))
+
+
+def _round_off(value: float | None) -> float | None:
+    return 0.0 if value is not None and abs(value) < 1e-9 else value
+
+
+def _tidy(rows: Sequence[Row]) -> list[Row]:
+    """Rows without columns that none of them fills."""
+    filled = {q for row in rows for q, value in row.items() if value not in (None, "")}
+    order = dict.fromkeys(q for row in rows for q in row)
+    return [{q: row.get(q) for q in order if q in filled} for row in rows]
+
+
+def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
+    """An input table: printed, as the scene has it, remark."""
+    rows: list[Row] = [
+        {
+            Quantity("label", "parameter (symbol)", "", "s"): label,
+            Quantity("printed", "printed value", "", "s"): f.printed.printed,
+            Quantity("unit", "unit", "", "s"): f.printed.unit,
+            Quantity("scene", "scene", "", "s"): as_printed_digits(f.value, f.printed.printed),
+            Quantity("name", "in scene", "", "s"): ", ".join(computations()[f.printed.table].origin(f.printed)[0]),
+            "verdict": f.verdict,
+            "how": f"how-{f.printed.table}",
+            Quantity("remark", "remark", "", "s"): f.reason,
+        }
+        for label, (name,) in layout.rows
+        for f in (found[name],)
+    ]
+    return Table.of(layout.stem(), layout.title, rows, unfolded=True)
+
+
+def how(tables: Iterable[str]) -> Iterator[Table]:
+    """For each printed table how its numbers are computed: scenes, function, test, command."""
+    for name in tables:
+        one = computations()[name]
+        rows: list[Row] = [
+            {
+                Quantity("keys", "entries", "", "s"): pattern,
+                SCENES: behind if isinstance(behind, str) else ", ".join(behind),
+                Quantity("function", "computed by", "", "s"): one.function,
+                Quantity("test", "asserted in", "", "s"): one.test or "–",
+                Quantity("command", "again by", "", "s"): f"rollbench check --printed --only {name}",
+            }
+            for pattern, behind in one.behind
+        ]
+        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed", rows)
+
+
+def by_place(found: Sequence[Evidence]) -> Table:
+    """How many numbers every table and section of the sources prints, how many of them are results, how many come out."""
+    groups: dict[str, list[Evidence]] = {}
+    for f in found:
+        groups.setdefault(source(f.printed), []).append(f)
+    rows = []
+    for title, of_source in groups.items():
+        rows.append(_counted(f"{title}, all", of_source))
+        places: dict[str, list[Evidence]] = {}
+        for f in of_source:
+            places.setdefault(f.printed.place, []).append(f)
+        rows += [_counted(place, entries) for place, entries in places.items()]
+    note = (
+        "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
+        "printed has every entry."
+    )
+    return Table.of("printed-by-table", "Printed values by table and section, and how many come out", rows, note)
+
+
+def _counted(place: str, found: Sequence[Evidence]) -> Row:
+    """A row of `by_place`."""
+    numbers = [f for f in found if not f.printed.claim]
+    claims = [f for f in found if f.printed.claim]
+    tally = Counter(f.verdict for f in numbers)
+    borne = sum(f.verdict in ("reproduced", "band") for f in claims)
+    return {
+        Quantity("place", "source, table or section", "", "s"): place,
+        Quantity("printed", "printed values", "", "s"): len(numbers),
+        Quantity("inputs", "inputs", "", "s"): tally["input"],
+        Quantity("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
+        Quantity("results", "results", "", "s"): len(numbers) - tally["input"] - tally["identity"],
+        Quantity("reproduced", "come out", "", "s"): tally["reproduced"],
+        Quantity("faulty", "only with the source's fault", "", "s"): tally["only as printed"],
+        Quantity("band", "within a band", "", "s"): tally["band"],
+        Quantity("contradicted", "contradicted", "", "s"): tally["contradicted"],
+        Quantity("open", "not identifiable", "", "s"): tally["not identifiable"],
+        Quantity("claims", "claims borne out", "", "s"): f"{borne} of {len(claims)}" if claims else "",
+    }
+
+
+def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
+    """Every printed value of some printed tables of a case: those that its layouts have twice, as the source lays them out
+    and a row each, then inputs and results that it prints in sentences."""
+    for layout in listed:
+        if layout.printed in printed:
+            yield in_layout(layout, found, {})
+            if any(found[name].printed.cls != "input" for name in layout.names):
+                yield replace(compared(layout, found, {}, {}), unfolded=False)
+    laid = {name for layout in listed for name in layout.names}
+    rest = [f.printed for f in found.values() if f.printed.table in printed and f.printed.name not in laid]
+    for what in ("inputs", "numbers and claims"):
+        of = [p for p in rest if (p.cls == "input") == (what == "inputs")]
+        rows = tuple((f"{p.label} ({p.place.partition(', ')[2]})", (p.name,)) for p in of)
+        if rows:
+            title = f"{what[:1].upper()}{what[1:]} of the text"
+            layout = Layout(printed[-1], "text", title, title, printed[-1], "sentences", ("Value",), rows)
+            yield inputs(layout, found) if what == "inputs" else compared(layout, found, {}, {})

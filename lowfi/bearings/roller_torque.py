@@ -1,0 +1,159 @@
+"""Friction torque of a row of tapered rollers: by work in its contacts, and by Timken's formula beside it.
+
+Work. Relative motions follow from rolling about one apex (`lowfi.bearings.rib`, 4), so that the power P of every
+contact is known, and the torque about the bearing's axis is the sum of P/omega, omega the speed of the rings against
+one another:
+
+- film between roller and race, per length and surface (Goksem and Hargreaves 1978; Harris, Rolling Bearing Analysis),
+      F = 4.318 (G U)^0.658 W^0.0126 R/alpha_p,   G U = alpha_p eta u/R,   W = q/(E' R),   P = 2 u F,                  (1)
+  u the rolling speed, alpha_p the pressure coefficient of the viscosity eta, R the relative radius, E' = E/(1 - nu^2):
+  int (h/2)(dp/dx) dx over the inlet. Full film, without heating there and starvation, which lessen it: an upper bound
+  for grease.
+- elastic hysteresis, a share of 1 % of the work that deforms steel (Johnson 1985, 9.1): P = 0.01 (2/3 pi) Q b Omega, Omega
+  the angular speed of roller against race.
+- end on rib: P = mu F Omega <r>, F the load of the rib, <r> the mean distance of its pressure from the cone's contact line,
+  about which the end turns: sliding and spin together.
+
+At rest and without lubricant there is no film: rib and hysteresis are the starting torque. Cage, seals and drag are
+left out.
+
+Timken (Smith 1994, 3.29): `lowfi.bearings.torque.taper_torque`, for thrust alone, with the maker's factor G_1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rollbench.lowfi.bearings.rib import ellipse, mean_distance, rib_height, turning
+from rollbench.lowfi.bearings.torque import taper_torque
+from rollbench.lowfi.rollers import TaperedBearing, middles, slice_contacts, tapered
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.parts import Lubricant
+from rollbench.meshes.quantity import Stated, quantity, record
+
+#: Share of the work of deformation that steel loses (Johnson 1985, 9.1: about a per cent).
+HYSTERESIS = 0.01
+
+#: Coefficient of friction of the end on the rib where it is not given, and the range around it: full film to boundary.
+USUAL_FRICTION, FRICTIONS = 0.1, (0.03, 0.15)
+
+#: Largest load over the mean of all rollers from which on a row carries more than thrust.
+UNEVEN = 1.1
+
+
+@record
+class RollerTorque:
+    """Friction torque of one row about its axis [N m], by work and by Timken's formula. film: None without lubricant or
+    speed; low, high: of the coefficients `FRICTIONS`, None where the coefficient is given; words: what is assumed or
+    missing."""
+
+    film: float | None = quantity(
+        "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
+    )
+    hysteresis: float = quantity("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
+    rib: float = quantity(
+        "rib_Nmm", "part of the large ends that slide and spin on the rib", error="that of the coefficient of friction"
+    )
+    low: float | None = quantity(
+        "low_Nmm", "torque with a coefficient of 0.03 on the rib, a full film; null where rib_friction is given"
+    )
+    high: float | None = quantity("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
+    timken: float | None = quantity(
+        "timken_Nmm",
+        "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "
+        "lubricant or speed",
+        error="empirical; of thrust alone",
+    )
+    words: str = quantity("words", "what is assumed or missing", show=lambda words: words or None, default="")
+
+    @property
+    @Stated(
+        "torque_Nmm",
+        "friction torque of the row by work in its contacts, the sum of film, hysteresis and rib",
+        error="`low_Nmm` to `high_Nmm`",
+        heading="friction torque",
+        form=".4g",
+    )
+    def torque(self) -> float:
+        """Sum of the parts [N m]."""
+        return (self.film or 0.0) + self.start
+
+    @property
+    @Stated("starting_torque_Nmm", "the same at rest, without the film", error="that of the coefficient of friction")
+    def start(self) -> float:
+        """Torque without the film [N m]."""
+        return self.hysteresis + self.rib
+
+
+def roller_torque(
+    row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
+) -> RollerTorque | None:
+    """Torque of a row; line_loads ``(count, slices)`` [N/m], small end first; speed: of the rings against one another
+    [rad/s], whatever its sign, None or 0 at rest. None without load.
+
+    Range: as the docstring of the module says. Raises ValueError as `lowfi.bearings.rib.rib_of`.
+    """
+    if not (line_loads > 0.0).any():
+        return None
+    bearing, speed = tapered(row), abs(speed or 0.0)
+    loads = line_loads.mean(axis=1) * row.length
+    cone, _ = turning(bearing)
+    rib = 2.0 * np.sin(bearing.roller_angle) * loads
+    distance = mean_distance(*ellipse(row, rib), rib_height(row))
+    sliding = cone * float(rib @ distance)  # torque of the rib over its coefficient
+    mu = USUAL_FRICTION if row.rib_friction is None else row.rib_friction
+    words, film, timken = [], None, None
+    if lubricant is None or not speed:
+        words.append(f"no film: no {'[lubricant]' if lubricant is None else '[motion] speed'} is given")
+    else:
+        film = film_torque(bearing, line_loads, speed, lubricant)
+        if row.torque_factor is not None:
+            thrust = float(loads.sum() * np.sin(bearing.cup_angle))
+            timken = taper_torque(row.torque_factor, lubricant.dynamic_viscosity, speed, thrust)
+            if float(loads.max()) > UNEVEN * float(loads.mean()):
+                words.append("Timken's formula takes the thrust alone, and leaves out the radial force")
+    if row.torque_factor is None:
+        words.append("no Timken's formula: rollers.torque_factor, the maker's G1, is not given")
+    if row.rib_friction is None:
+        words.append(f"rib_friction is assumed, {USUAL_FRICTION:g}")
+    if row.end_radius is None:
+        words.append("the rib's contact is taken as a point, without spin: rollers.end_radius is not given")
+    elastic = hysteresis_torque(bearing, line_loads)
+    others = elastic + (film or 0.0)
+    low, high = (None if row.rib_friction is not None else others + k * sliding for k in FRICTIONS)
+    return RollerTorque(film, elastic, mu * sliding, low, high, timken, "; ".join(words))
+
+
+def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
+    """Speed [m/s] at which both surfaces move through their contacts at places [m] along the roller: the cage runs such
+    that those with cone and cup are the same."""
+    cone, cup = np.sin(bearing.cone_angle), np.sin(bearing.cup_angle)
+    return np.asarray(speed * (bearing.apex_distance + along) * cone * cup / (cone + cup))
+
+
+def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
+    """Torque [N m] of the films of both races by (1), slice by slice; arguments as of `roller_torque`, speed above 0."""
+    x = middles(bearing.length, line_loads.shape[-1])
+    roller, cone, cup = bearing.radii(x)
+    u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
+    lost = 0.0
+    for curvature in (1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup):
+        force = rolling_force(line_loads, u, 1.0 / curvature, lubricant, bearing.young / (1.0 - bearing.poisson**2))
+        lost += float((2.0 * u * force).sum()) * width
+    return lost / speed
+
+
+def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
+    """Force of the inlet on either surface per length [N/m] by (1), zero without load; speed u [m/s], relative radius [m],
+    modulus E' [Pa]. Within 15 % of the integral over the inlet (Grubin) for W from 1e-5 to 1e-4."""
+    q = np.asarray(line_load, dtype=float)
+    gu = lubricant.pressure_viscosity * lubricant.dynamic_viscosity * speed / radius
+    return np.asarray(4.318 * gu**0.658 * (q / (modulus * radius)) ** 0.0126 * radius / lubricant.pressure_viscosity)
+
+
+def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
+    """Torque [N m] of the hysteresis in both races, slice by slice."""
+    b, _ = slice_contacts(bearing, line_loads)
+    work = (line_loads[..., None] * b).sum(axis=(0, 1)) * bearing.length / line_loads.shape[-1]
+    return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(turning(bearing)))

@@ -1,0 +1,105 @@
+"""Modified rating life L_nm = a_1 a_ISO L_10 (ISO 281:2007): reliability, lubricant and contamination.
+
+a_1 is the three-parameter Weibull law of ISO/TR 1281-2, which ISO 281's table rounds,
+
+    a_1 = 0.95 (ln(1/S)/ln(1/0.9))^(2/3) + 0.05,   S the reliability, 90 to 99.95 %.                                    (1)
+
+a_ISO of ball bearings, radial ones with x = e_C C_u/P, thrust ones with a third of it,
+
+    a_ISO = 0.1 (1 - (2.5671 - k(kappa))^0.83 x^(1/3))^(-9.3),  at most 50,                                            (2)
+    k = 2.2649/kappa^0.054381 (0.1 to 0.4), 1.9987/kappa^0.19087 (0.4 to 1), 1.9987/kappa^0.071739 (1 to 4; beyond as 4).
+
+The fatigue load limit C_u is the load that brings the worst contact to 1500 MPa: of rings C_0/22, the cube of 1500 over
+4200 MPa, times (100 mm/D_pw)^(1/2) beyond a pitch diameter of 100 mm (ISO 281, B.3.3); of a screw under equal loads,
+axially. P is the load under which C gives the same L_10.
+
+Range: kappa from 0.1 on, mineral oils and greases, hardened steel. ISO 3408-5 knows a_1 alone: a_ISO of a screw, whose
+rating is that of a thrust bearing with other factors and whose P is axial, takes (2) of a thrust bearing, and is an
+extension of the standard.
+
+Held against print: a_1 by ISO 281's Table 12 within its rounding; k is continuous at 0.4 and 1 to 1e-4, and 2.5671 at
+0.1, where a_ISO is 0.1 under every load. SKF's a_SKF of its class Explorer, 8 and 20.7 for the bearing 6309 (catalogue
+"Rolling bearings", example 1; a report of its calculator), are (2) with C_u 1.22 times as large in both.
+"""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from rollbench.lowfi.rating.contacts import static_rating
+from rollbench.lowfi.rating.life import Life, is_thrust
+from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
+
+#: Pressure [Pa] up to which ISO 281 expects no fatigue of clean, well lubricated contacts; C_0 over C_u of rings.
+FATIGUE_PRESSURE, STATIC_OVER_FATIGUE = 1.5e9, 22.0
+
+#: Largest a_ISO that the standard takes, and kappa beyond which nothing is gained.
+MOST, FULL_FILM = 50.0, 4.0
+
+
+@record
+class ModifiedLife:
+    """revolutions: L_nm [10^6]; reliability [%]; a_1 and a_ISO, the latter None where no lubricant is given; limit: fatigue
+    load limit C_u [N]."""
+
+    revolutions: float = quantity(
+        "Lnm_million_revolutions",
+        "modified life a_1 a_ISO L10",
+        error="as in L10, and a_ISO: by the contamination, which is an estimate",
+    )
+    reliability: float = quantity("reliability_percent", "share of screws or bearings that reach it")
+    a_1: float = quantity("a_1", "factor of the reliability (ISO 281)")
+    a_iso: float | None = quantity(
+        "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
+    )
+    limit: float = quantity("fatigue_load_limit_N", "load C_u at which the worst contact has 1500 MPa, as computed")
+
+
+def reliability_factor(percent: float) -> float:
+    """a_1 of a reliability [%] by (1).
+
+    >>> [round(reliability_factor(s), 3) for s in (90.0, 95.0, 99.0, 99.95)]
+    [1.0, 0.638, 0.248, 0.077]
+    """
+    return 0.95 * float((log(100.0 / percent) / log(1.0 / 0.9)) ** (2.0 / 3.0)) + 0.05
+
+
+def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
+    """a_ISO by (2); kappa: viscosity ratio, from 0.1 on; clean: e_C C_u/P.
+
+    >>> round(iso_factor(2.45, 0.107), 2)
+    5.5
+    """
+    k = min(kappa, FULL_FILM)
+    c, power = (2.2649, 0.054381) if k < 0.4 else (1.9987, 0.19087) if k < 1.0 else (1.9987, 0.071739)
+    film = float(max(2.5671 - c / k**power, 0.0) ** 0.83)
+    left = 1.0 - film * float(np.cbrt(clean / 3.0 if thrust else clean))
+    return MOST if left <= 0.0 else min(0.1 * float(left**-9.3), MOST)
+
+
+def fatigue_limit(scene: Scene) -> float:
+    """C_u [N], axial for a screw and a thrust bearing, radial for another ring."""
+    if scene.track.lead == 0.0:
+        across = 2.0 * scene.track.pitch_radius
+        return float(static_rating(scene) / STATIC_OVER_FATIGUE * min(1.0, (0.1 / across) ** 0.5))
+    of_one_newton = float(error_free_hertz(scene).pressure(np.ones(4)).max())
+    return float(scene.ball_count * slope_of(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
+
+
+def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
+    """The life modified by the scene's operation; None without life, and where the scene gives nothing of it."""
+    of = scene.operation
+    if life is None or (of.reliability is None and of.viscosity_ratio is None):
+        return None
+    limit = fatigue_limit(scene)
+    share = 90.0 if of.reliability is None else of.reliability
+    a_1, a_iso = reliability_factor(share), None
+    if of.viscosity_ratio is not None and of.contamination is not None:
+        thrust = is_thrust(scene) or scene.track.lead > 0.0
+        a_iso = iso_factor(of.viscosity_ratio, of.contamination * limit / life.equivalent, thrust=thrust)
+    return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * life.revolutions, share, a_1, a_iso, limit)

@@ -1,0 +1,143 @@
+"""Fatigue life and ratings of rows of rollers: ISO 281 with the loads of each roller, as ISO/TS 16281 has them.
+
+Lundberg and Palmgren's line contact (ISO/TR 1281-1), lengths in mm, forces in N, gamma = D cos(alpha)/D_pw, upper sign
+inner race, D the roller's mean diameter, D_pw the pitch diameter, L its effective length, Z rollers, alpha the cup's angle:
+
+    Q_c = 551.13 b_m lambda (1 -+ gamma)^(29/27)/(1 +- gamma)^(1/4) (gamma/cos(alpha))^(2/9)
+          D^(29/27) L^(7/9) Z^(-1/4),                                                                                   (1)
+
+b_m = 1.1 of cylindrical and tapered rollers; lambda = 0.83 up to 45 deg, a radial bearing, above it 0.73 (1 - 0.15
+sin(alpha)), a thrust bearing. lambda covers what ends and uneven loads cost. Ratings of one row:
+
+    C_r = 0.377 Z cos(alpha) Q_ci (1 + (1.04 ((1 - gamma)/(1 + gamma))^(143/108))^(9/2))^(-2/9)
+        = b_m f_c (L cos(alpha))^(7/9) Z^(3/4) D^(29/27),                                                               (2)
+    C_a = Z sin(alpha) (Q_ci^(-9/2) + Q_ce^(-9/2))^(-2/9).
+
+Life of the loads q_jk of roller j in slice k, n equal slices of the capacity q_c = Q_c n^(-7/9) each, with means of
+order 4 over the rollers where the race turns against the load (inner) and 9/2 where it stands (outer):
+
+    S = sum over races and slices of (q_e/q_c)^(9/2),   P = C S^(2/9),   L = (C/P)^(10/3) in 10^6 revolutions.          (3)
+
+The exponent is ISO 281's 10/3; that of line contacts, 4, which ISO/TS 16281 takes (S^(-8/9)), gives (C/P)^(2/3) times
+this life. ISO/TS 16281's stress concentration at the ends is left out together with the 1/lambda that it goes with: an
+even load has the life of ISO 281. Several load cases: means of order 4 at every place of a race, as `lowfi.rating.life`
+(4).
+
+Static (ISO 76): the force Q_0 that presses the cone's middle with 4,000 MPa; C_0r = Z Q_0 cos(alpha)/5, C_0a = Z Q_0
+sin(alpha).
+
+Equivalent load of one row for radial and axial force (ISO 281): P = F_r up to F_a = e F_r, e = 1.5 tan(alpha), then 0.4
+F_r + 0.4 cot(alpha) F_a; above 45 deg tan(alpha) F_r + F_a.
+
+Range: rollers of hardened bearing steel with profiled ends, seated on their ribs, full lubrication, no plastic contact;
+factors for material, reliability and lubricant are one. These are ratings as computed, and no maker's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, degrees, hypot, pi, sin, tan
+
+import numpy as np
+
+from rollbench.lowfi.hertz import contact_modulus
+from rollbench.lowfi.rating.contacts import RACES, STRIBECK, Ratings
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, EquivalentLife, Life
+from rollbench.lowfi.rollers import tapered
+from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
+
+#: Constant of (1) for mm and N; rating factor of today's steel; reductions of radial and of thrust bearings.
+CONTACT, STEEL, RADIAL, THRUST = 551.13, 1.1, 0.83, 0.73
+
+#: Weibull slope of the life of line contacts, orders of the mean load of a race that turns and of one that stands.
+SLOPE, TURNING, STANDING = 9.0 / 8.0, 4.0, 4.5
+
+#: Exponent of the life over the load.
+EXPONENT = 10.0 / 3.0
+
+
+def is_thrust(row: RollerRow) -> bool:
+    """Whether a row is rated as a thrust bearing: a cup's angle above 45 deg."""
+    return degrees(row.cup_angle) > RADIAL_UP_TO + 1e-9
+
+
+def race_capacities(row: RollerRow) -> Array:
+    """Capacity Q_c of a contact with inner and outer race by (1), ``(2,)`` [N]."""
+    alpha, D, length = row.cup_angle, 1e3 * row.diameter, 1e3 * row.length
+    gamma = row.diameter * cos(alpha) / tapered(row).pitch_diameter
+    reduced = THRUST * (1.0 - 0.15 * sin(alpha)) if is_thrust(row) else RADIAL
+    sign = np.array([-1.0, 1.0])
+    curve = (1.0 + sign * gamma) ** (29.0 / 27.0) / (1.0 - sign * gamma) ** 0.25
+    size = (gamma / cos(alpha)) ** (2.0 / 9.0) * D ** (29.0 / 27.0) * length ** (7.0 / 9.0) * row.count**-0.25
+    return np.asarray(STEEL * CONTACT * reduced * curve * size)
+
+
+def dynamic_rating(row: RollerRow) -> float:
+    """Basic dynamic load rating C [N] by (2): radial up to 45 deg, above it axial."""
+    inner, outer = (float(Q) for Q in race_capacities(row))
+    if is_thrust(row):
+        return row.count * sin(row.cup_angle) * float((inner**-4.5 + outer**-4.5) ** (-2.0 / 9.0))
+    gamma = row.diameter * cos(row.cup_angle) / tapered(row).pitch_diameter
+    both = 1.0 + (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)) ** 4.5
+    return 0.377 * row.count * cos(row.cup_angle) * inner * float(both ** (-2.0 / 9.0))
+
+
+def static_rating(row: RollerRow) -> float:
+    """Basic static load rating C_0 [N]: radial up to 45 deg, above it axial."""
+    bearing, E, nu = tapered(row), row.material.youngs_modulus, row.material.poissons_ratio
+    roller, cone, _ = bearing.radii()
+    curvature = float(1.0 / roller + 1.0 / cone)
+    line = pi * ROLLER_DENT_PRESSURE**2 / (contact_modulus(E, nu, E, nu) * curvature)
+    each = row.count * line * row.length
+    return each * sin(row.cup_angle) if is_thrust(row) else each * cos(row.cup_angle) / STRIBECK
+
+
+def ratings(row: RollerRow) -> Ratings:
+    """Both ratings of a row."""
+    return Ratings(dynamic_rating(row), static_rating(row), is_thrust(row), "ISO 281", "ISO 76")
+
+
+def life(row: RollerRow, line_loads: Array) -> Life | None:
+    """Life of line loads ``(count, slices)`` [N/m] by (3), None without load."""
+    top = float(line_loads.max(initial=0.0))
+    if top <= 0.0:
+        return None
+    n = line_loads.shape[-1]
+    force = top * row.length / n  # loads over the largest: no overflow
+    damage = {}
+    for race, capacity, order in zip(RACES, race_capacities(row), (TURNING, STANDING), strict=True):
+        mean = force * np.mean((line_loads / top) ** order, axis=0) ** (1.0 / order)
+        damage[race] = float(((mean / (float(capacity) * n ** (-7.0 / 9.0))) ** 4.5).sum())
+    rated = dynamic_rating(row)
+    equivalent = rated * sum(damage.values()) ** (2.0 / 9.0)
+    races = {race: S ** (-2.0 / 9.0 * EXPONENT) for race, S in damage.items()}
+    standard = "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(row) else "")
+    return Life((rated / equivalent) ** EXPONENT, races, rated, equivalent, standard)
+
+
+def over_cases(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
+    """Line loads ``(count, slices)`` [N/m] whose `life` is that of several load cases with their shares of the revolutions,
+    of which the sum is 1."""
+    top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
+    sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
+    return np.asarray(top * sums ** (1.0 / TURNING))
+
+
+def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
+    """Dynamic equivalent load P [N] of a row under radial and axial force [N] by ISO 281: radial, above 45 deg axial."""
+    if is_thrust(row):
+        return tan(row.cup_angle) * radial + axial
+    if axial <= 1.5 * tan(row.cup_angle) * radial:
+        return radial
+    return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
+
+
+def equivalent_life(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
+    """Life of cases of a row by ISO 281, (C/P_m)^(10/3), P_m the mean of order 10/3 of the equivalent loads of the
+    forces of the shaft on it ``(3,)`` [N] with their shares of the revolutions."""
+    loads = np.array([equivalent_load(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
+    top = float(loads.max())
+    mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
+    return EquivalentLife((dynamic_rating(row) / mean) ** EXPONENT, (mean,), "ISO 281")

@@ -1,0 +1,152 @@
+"""Limits of a screw shaft between its bearings: Euler's buckling load, critical speed and DN value.
+
+A bar of the thread's root diameter d (bore d_b) over the free length L, the nut at its far end,
+
+    F_c = c pi^2 E I / L^2,  n_c = lambda^2/(2 pi L^2) sqrt(E I/(rho A)),  I = pi (d^4 - d_b^4)/64,  A = pi (d^2 - d_b^2)/4,
+
+with c and lambda by how the ends are held, as makers print them:
+
+    fixed, free: 1/4, 1.875    supported both: 1, 3.142    fixed, supported: 2, 3.927    fixed both: 4, 4.730
+
+(c: STAR/Rexroth RE 83 301/12.99, p. 97, f_Fk 2.6, 10.2, 20.4 and 40.6; lambda: THK general catalogue 513-1E, A15-32; a
+fixed and a supported end have 2.05 exactly). Makers let a shaft carry half of F_c, and turn at four fifths of n_c (same
+pages). DN is pitch diameter times speed: what the return of the balls bears is the maker's to say; without it 76,200
+mm/min is taken, 3000 in rpm for returns by tubes (Engineers Edge, critical speed of ball screws).
+
+Range: slender shafts, L of more than some 25 d (a shorter one yields before it buckles, and its bearings give way before it
+whirls); thread over the whole length, steel of 7850 kg/m3; loads count where they and the reactions compress the shaft.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.parts import Scene, Support
+from rollbench.meshes.quantity import quantity, record
+
+#: Factors c and lambda by the holding of both ends.
+FACTORS = {
+    ("fixed", "fixed"): (4.0, 4.730),
+    ("fixed", "supported"): (2.0, 3.927),
+    ("supported", "supported"): (1.0, 3.142),
+    ("fixed", "free"): (0.25, 1.875),
+}
+
+#: Density of steel [kg/m3].
+DENSITY = 7850.0
+
+#: Parts of buckling load and critical speed that makers allow.
+SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
+
+
+@record
+class ShaftLimits:
+    """Limits of the weakest free length of a shaft. length, root [m]; loads [N]: compression: the largest in the shaft, 0
+    where it is only pulled; critical, speed [rad/s], speed None where the scene states none; dn, its limit [m rad/s]."""
+
+    ends: str = quantity("ends", "how that length is held at its ends: fixed (no tilt), supported or free")
+    length: float = quantity("length_mm", "free length: between bearings, or from the only one to the free end")
+    root: float = quantity("root_diameter_mm", "root diameter of the thread, which the formulas take")
+    buckling: float = quantity("buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as said")
+    compression: float = quantity("compression_N", "largest axial compression in the shaft by its loads")
+    critical: float = quantity("critical_speed_rpm", "speed of the first whirl of it", error="as above")
+    speed: float | None = quantity("speed_rpm", "speed of the scene's motion")
+    dn: float | None = quantity("dn_mm_rpm", "DN value: pitch diameter times speed")
+    dn_limit: float = quantity("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
+    allowed_load: float = quantity("allowed_compression_N", "half the buckling load, as makers have it")
+    allowed_speed: float = quantity("allowed_speed_rpm", "least of four fifths of the critical speed and the DN limit")
+
+    @property
+    def warnings(self) -> list[Warned]:
+        """What the scene exceeds."""
+        found = []
+        if self.compression > self.allowed_load:
+            words = f"{self.compression:.4g} N press on {1e3 * self.length:.4g} mm of shaft, {self.ends}"
+            text = f"{words}; makers allow {self.allowed_load:.4g} N, half of its buckling load"
+            found.append(Warned("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N"))
+        if self.speed is not None and self.speed > self.allowed_speed:
+            turns, most, critical = (x * 30.0 / pi for x in (self.speed, self.allowed_speed, self.critical))
+            text = (
+                f"{turns:.4g} rpm; allowed are {most:.4g} rpm, by a critical speed of {critical:.4g} rpm and the DN value"
+            )
+            found.append(Warned("speed", text, f"{turns:.4g} rpm, above {most:.4g} rpm"))
+        return found
+
+
+def root_diameter(scene: Scene) -> float:
+    """Diameter [m] at the bottom of the screw's groove, where its two arcs meet."""
+    track, slack = scene.track, scene.screw.groove_radius - scene.balls.radius
+    deep = sqrt(scene.screw.groove_radius**2 - (slack * sin(track.contact_angle)) ** 2)
+    return 2.0 * (track.pitch_radius + slack * cos(track.contact_angle) - deep)
+
+
+def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
+    """Lengths [m] between neighbouring bearings of a shaft, or from the only one to its farther end, with how their ends
+    are held, the stiffer first. A bearing holds both lateral freedoms; where it holds both tilts it is fixed, but supported
+    within the shaft."""
+    bearings = sorted((s for s in scene.supports if _holds(s, "ux", "uy")), key=lambda s: s.at)
+    held = ["fixed" if _holds(s, "rx", "ry") else "supported" for s in bearings]
+    if len(bearings) == 1:
+        return [(max(bearings[0].at, scene.screw.length - bearings[0].at), (held[0], "free"))]
+    kinds = [held[i] if i in (0, len(held) - 1) else "supported" for i in range(len(held))]
+    pairs = zip(bearings, bearings[1:], kinds, kinds[1:], strict=False)
+    return [(b.at - a.at, (x, y) if x == "fixed" else (y, x)) for a, b, x, y in pairs]
+
+
+def _holds(support: Support, *names: str) -> bool:
+    return {*names} <= {name for name, _ in support.fixed}
+
+
+def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulus: float) -> tuple[float, float]:
+    """Buckling load [N] and critical speed [rad/s] of a bar; lengths [m], modulus [Pa].
+
+    >>> load, speed = euler(2.4, ("fixed", "supported"), 56.5e-3, 0.0, 210e9)
+    >>> round(1e-3 * load), round(speed * 30.0 / pi)
+    (360, 1868)
+    """
+    c, factor = FACTORS[ends]
+    stiff, area = modulus * pi / 64.0 * (root**4 - bore**4), pi / 4.0 * (root**2 - bore**2)
+    return c * pi**2 * stiff / length**2, factor**2 / length**2 * sqrt(stiff / (DENSITY * area))
+
+
+def compression(scene: Scene, result: StaticResult) -> float:
+    """Largest axial compression [N] in the shaft by its loads, supports and nut, which acts at its middle."""
+    balance = result.equilibrium
+    forces = [(x.at, x.force[2]) for x in scene.loads]
+    forces += [(s.at, float(r[2])) for s, r in zip(scene.supports, result.reactions, strict=False)]
+    if balance is not None:
+        forces.append((scene.nut.position, float(balance.contact_force[2])))
+    pushed = np.cumsum([f for _, f in sorted(forces)])
+    return max(float(pushed[:-1].max(initial=0.0)), 0.0)
+
+
+def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
+    """Limits of a screw's shaft under its loads; None of rings, and where no bearing holds the shaft or it tilts freely."""
+    spans = [(x, ends) for x, ends in free_lengths(scene) if ends in FACTORS and x > 0.0]
+    if scene.track.lead == 0.0 or not spans:
+        return None
+    root, track = root_diameter(scene), scene.track
+    found = [euler(x, ends, root, scene.screw.bore, scene.screw.material.youngs_modulus) for x, ends in spans]
+    weakest = min(range(len(spans)), key=lambda k: found[k][0])
+    load, critical = found[weakest][0], min(speed for _, speed in found)
+    length, ends = spans[weakest]
+    speed = None if scene.motion is None else abs(scene.motion.speed)
+    across = 2.0 * track.pitch_radius
+    allowed = scene.operation.dn_limit * 1e-3 * pi / 30.0
+    return ShaftLimits(
+        ", ".join(ends),
+        length,
+        root,
+        load,
+        compression(scene, result),
+        critical,
+        speed,
+        None if speed is None else across * speed,
+        allowed,
+        SHARE_OF_LOAD * load,
+        min(SHARE_OF_SPEED * critical, allowed / across),
+    )

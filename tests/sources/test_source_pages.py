@@ -1,0 +1,61 @@
+"""The page of a source: every number that it prints, with ours as ``rollbench check --printed`` judges it, and figures."""
+
+from collections import Counter
+from functools import cache
+
+import pytest
+from tests.evidence_study import GROUP, STUDY
+from tests.section_items import drawn, figures, tables
+from tests.sources.entries import of_source
+
+from rollbench.compare.case import CASES
+from rollbench.compare.cases.lin.pages import tables as lin
+from rollbench.compare.cases.liu import page as liu
+from rollbench.compare.cases.smith import page as smith
+from rollbench.compare.evidence import evidence
+
+pytestmark = pytest.mark.xdist_group(GROUP)
+
+PAGES = {"lin": lin, "liu": liu, "smith": smith}
+
+
+@cache
+def sections(source):
+    return PAGES[source].section(STUDY, lambda _: None)
+
+
+def shown(source):
+    """Rows of tables that show printed numbers."""
+    every = [table for section in sections(source) for table in tables(section).values()]
+    return [row for table in every if not table.name.startswith("how-") for row in table.rows]
+
+
+@pytest.mark.parametrize("source", PAGES)
+def test_every_printed_number_is_shown(source):
+    numbers = [f.printed.printed for f in evidence(STUDY, *of_source(source)) if not f.printed.claim]
+    cells = [value for row in shown(source) for key, value in row.items() if key.startswith("printed")]
+    listed = Counter(str(cell).split(" ")[0] for cell in cells)
+    assert {number: n for number, n in Counter(numbers).items() if listed[number] < n} == {}
+
+
+@pytest.mark.parametrize("source", PAGES)
+def test_a_row_has_the_value_and_the_verdict_of_the_judge(source):
+    found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.cls != "input" and not f.printed.claim]
+    verdicts = {(f.printed.printed, f.verdict) for f in found}
+    values = [f.value for f in found if f.value is not None]
+    rows = [row for row in shown(source) if isinstance(row.get("right"), float) and row["verdict"] != "input"]
+    assert len(rows) > 20
+    for row in rows:
+        assert row["right"] == pytest.approx(min(values, key=lambda value, row=row: abs(value - row["right"])), abs=1e-9)
+        assert (str(row["printed"]).split(" ")[0], row["verdict"]) in verdicts
+
+
+@pytest.mark.parametrize("source", PAGES)
+def test_figures_can_be_drawn(source):
+    found = [figure for section in sections(source) for figure in figures(section)]
+    assert found
+    drawn(found, finite=0.8)
+
+
+def test_a_case_has_the_page():
+    assert {case.name for case in CASES if case.page} >= set(PAGES)

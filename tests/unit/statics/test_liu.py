@@ -1,0 +1,111 @@
+"""Liu's model on scenes: against Mei's bars, the case's chain, its mirror image and rigid bodies."""
+
+from dataclasses import replace
+from math import cos, sqrt
+
+import numpy as np
+import pytest
+
+from rollbench.compare.cases.liu import evidence
+from rollbench.compare.errors import InputError
+from rollbench.compare.models.answers import gather
+from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.scenes.catalogue import scene
+from rollbench.lowfi.statics.liu import row_of, solve_liu
+from rollbench.lowfi.statics.mei import nut_bar, solve_mei
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import BallErrors, Support
+from rollbench.meshes.section import screw_section
+
+QUIET = Options(discretisation=False)
+
+
+@pytest.mark.parametrize("name", ["lin-case2", "unseen-63x20", "external-thk-bnf-3205-7p5", "liu-drawn"])
+def test_with_constant_angles_it_is_mei_s_model_of_an_elastic_nut(name):
+    """Both starts, circuits with gaps between them, balls too large and too small; another set of equations."""
+    s = scene(name)
+    ours, other = solve_liu(s, law="constant"), solve_mei(s, elastic_nut=True)
+    assert ours.load == pytest.approx(other.load, abs=1e-8 * other.load.max())
+    # the screw against the nut at the loaded end: Mei's nut also gives way from its held face to the first ball
+    ends = [np.interp(s.loads[0].at, r.centreline_z, r.centreline[:, 2]) for r in (ours, other)]
+    face = ours.z.min() - (s.nut.position - 0.5 * s.nut.length)
+    assert ends[1] - ends[0] == pytest.approx(s.loads[0].force[2] * face / nut_bar(s), rel=1e-5)
+
+
+def like_the_case(name, load=5000.0):
+    """A scene of Liu's screw with the nut that gives the compliance of the case's calibration."""
+    s = scene(name)
+    lost = evidence.screw().compliance / (s.track.lead / 26.0) - 1.0 / screw_section(s).EA
+    area = 1.0 / (lost * s.nut.material.youngs_modulus)
+    bore = 2.0 * (s.track.pitch_radius + s.balls.radius * cos(s.track.contact_angle))
+    nut = replace(s.nut, outer_diameter=sqrt(4.0 * area / np.pi + bore**2))
+    return replace(s, nut=nut, loads=(replace(s.loads[0], force=(0.0, 0.0, load)),))
+
+
+@pytest.mark.parametrize(("name", "error"), [("liu-screw", 0.0), ("liu-small", -2.0)])
+def test_its_loads_are_those_of_the_case(name, error):
+    for load in (1000.0, 5000.0):
+        s = like_the_case(name, load)
+        found = run_model(s, "liu", QUIET).load
+        assert found[:, 0] == pytest.approx(evidence.single(error, load).load, rel=1e-8, abs=1e-8)
+        assert np.array_equal(found[:, 0], found[:, 3])
+
+
+def test_mirrored_and_pushed_the_other_way():
+    """A load from the other end, and one of the other sign, on a screw with one large ball."""
+    s = scene("lin-case1")
+    s = replace(s, errors=replace(s.errors, balls=BallErrors(listed=((3, 1e-6),))))
+    load = solve_liu(s).load
+    there = replace(s.errors, balls=BallErrors(listed=((s.ball_count - 2, 1e-6),)))
+    far = replace(s, errors=there, loads=(replace(s.loads[0], at=s.screw.length),))
+    assert solve_liu(far).load[::-1] == pytest.approx(load, rel=1e-9)
+    pulled = solve_liu(replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, -5000.0)),)))
+    assert pulled.load[:, [1, 2]] == pytest.approx(load[:, [0, 3]], rel=1e-9)
+    assert not pulled.load[:, [0, 3]].any()
+    assert pulled.equilibrium.contact_force[2] == pytest.approx(5000.0, rel=1e-9)
+
+
+def test_rigid_bodies_share_equally_at_the_turned_angle():
+    s = scene("unseen-16x5")
+    steel = replace(s.nut.material, youngs_modulus=1e6 * s.nut.material.youngs_modulus)
+    stiff = replace(s, nut=replace(s.nut, material=steel), ingredients=replace(s.ingredients, screw="rigid"))
+    row = row_of(stiff)
+    r = solve_liu(replace(stiff, nut=replace(stiff.nut, material=s.nut.material)))
+    assert row.chain.compliance < 1e-5 * row_of(s).chain.compliance
+    r = solve_liu(stiff)
+    each = s.loads[0].force[2] / s.ball_count
+    assert r.load[:, 0] * np.sin(r.contact_angle[:, 0]) * cos(lead_angle(s.track)) == pytest.approx(each, rel=1e-4)
+    assert r.contact_angle[:, 0].min() > s.track.contact_angle
+
+
+def test_stiffness_is_the_tangent_or_over_the_step():
+    s = scene("liu-drawn")
+    s = replace(s, ingredients=replace(s.ingredients, load_step=600.0))
+    result = run_model(s, "liu", QUIET)
+    answers = gather(s, result, "liu", QUIET)
+    pushed = [replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, f)),)) for f in (4999.5, 5000.5, 5000.0, 5600.0)]
+    at = [solve_liu(x).centreline[0, 2] for x in pushed]
+    shaft = abs(s.loads[0].at - result.z.min()) / screw_section(s).EA
+    assert 1.0 / answers.tangent == pytest.approx((at[1] - at[0]) / 1.0 - shaft, rel=1e-5)
+    assert 1.0 / answers.stepped == pytest.approx((at[3] - at[2]) / 600.0 - shaft, rel=1e-4)
+    assert answers.stepped > answers.tangent
+
+
+@pytest.mark.parametrize(
+    ("key", "change"),
+    [
+        ("errors.balls.oversize", lambda s: {"errors": replace(s.errors, balls=BallErrors(oversize=1e-6))}),
+        ("errors.lead_offset", lambda s: {"errors": replace(s.errors, lead_offset=1e-6)}),
+        ("supports", lambda s: {"supports": (*s.supports, Support(0.0, (("uz", 0.0),)))}),
+        ("loads", lambda s: {"loads": (replace(s.loads[0], at=s.nut.position),)}),
+        ("loads", lambda s: {"loads": (*s.loads, replace(s.loads[0], at=s.screw.length))}),
+    ],
+)
+def test_what_it_does_not_know_is_refused(key, change):
+    s = scene("lin-case1")
+    other = replace(s, **change(s))
+    assert MODELS["liu"].suits(s)
+    assert not MODELS["liu"].suits(other)
+    with pytest.raises(InputError) as refused:
+        run_model(other, "liu", QUIET)
+    assert refused.value.key == key
