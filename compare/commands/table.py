@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
-from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer
+from rollbench.compare.text.printing import Answer, on_terminal, print_answer
 
 
 @app.command
@@ -44,6 +44,7 @@ def table(
     from rollbench.compare.files import need_writable, write_figure
     from rollbench.compare.studies.table import asked_for, solve_table
     from rollbench.compare.studies.table_files import figure, need_format, write_table
+    from rollbench.compare.text.table import table_parts
 
     texts: list[str] = []
     for text in over or ():
@@ -57,12 +58,10 @@ def table(
         need_format(out)
         need_writable(out)
     found = solve_table(asked, engine(where), on_terminal)
-    columns = {k: v for k, v in found.columns().items() if not k.startswith("K_") or k == "K_uz_uz"}
-    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    parts = [aligned(rows), f"{found.converged} of {len(found.rows)} places have an answer"]
+    parts = table_parts(found)
     if out is not None:
         write_table(out, found)
         drawn = figure(found)
         picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
-    return print_answer(Answer(found.to_dict(), parts, 0 if found.converged else 1), as_json)
+    return print_answer(Answer(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)

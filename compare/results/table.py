@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,16 @@ if TYPE_CHECKING:
 
 CONVERGED = "converged"
 
+#: What rows may have beside the stiffness, with the field of the error to expect of it.
+ERROR_OF = {
+    "axial_rigidity_N_per_um": "rigidity_error",
+    "displacement_um": "displacement_error",
+    "largest_load_N": "load_error",
+    "preload_N": "load_error",
+    "largest_pressure_MPa": "pressure_error",
+    "life_million_revolutions": "load_error",
+}
+
 
 @record
 class TableRow:
@@ -28,7 +39,7 @@ class TableRow:
     stiffness: Array | None = quantity(
         "stiffness",
         "change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the screw's section against "
-        "the held nut, row by row",
+        "the held nut, row by row, at `station_mm`, the nut's centre where that is null",
         error="`expected_error_percent.rigidity`, on its axial term",
         parts="[][]",
         default=None,
@@ -37,6 +48,7 @@ class TableRow:
         "axial_rigidity_N_per_um",
         "force per axial displacement of that section, rotation about the axis held, all else free",
         error="`expected_error_percent.rigidity`",
+        heading="rigidity",
         default=None,
     )
     displacement: float | None = quantity(
@@ -53,12 +65,19 @@ class TableRow:
         default=None,
     )  # fmt: skip
     pressure: float | None = quantity(
-        "largest_pressure_MPa", "largest Hertz pressure", error="`expected_error_percent.pressure`", default=None
+        "largest_pressure_MPa",
+        "largest Hertz pressure",
+        error="`expected_error_percent.pressure`",
+        heading="pressure",
+        default=None,
     )
     life: float | None = quantity(
-        "life_million_revolutions", "life L10 of the load distribution", error="some three times that of the loads",
+        "life_million_revolutions",
+        "life L10 of the load distribution",
+        error="some three times that of the loads",
+        heading="life L10",
         default=None,
-    )  # fmt: skip
+    )
     load_error: float | None = quantity(
         "expected_error_percent.load", "to expect of the worst contact load, in per cent of the mean load", default=None
     )
@@ -88,6 +107,11 @@ class Over:
     values: tuple[Any, ...]
 
     @property
+    def unit(self) -> str:
+        """The unit that the column's name ends with; empty without."""
+        return self.column.removeprefix(self.key).lstrip("_")
+
+    @property
     def numbers(self) -> list[float] | None:
         """The values as numbers; None where one is a word."""
         return [float(x) for x in self.values] if all(isinstance(x, int | float) for x in self.values) else None
@@ -110,6 +134,21 @@ class Table(Data):
     def converged(self) -> int:
         """How many places have an equilibrium."""
         return sum(row.converged for row in self.rows)
+
+    @property
+    def places(self) -> list[Mapping[str, Any]]:
+        """The place of each row: its values by the columns of the keys."""
+        columns = [x.column for x in self.over]
+        return [dict(zip(columns, values, strict=True)) for values in product(*(x.values for x in self.over))]
+
+    @property
+    def failures(self) -> dict[str, list[str]]:
+        """Why places have no answer: the places in words, by the reason."""
+        out: dict[str, list[str]] = {}
+        for row, place in zip(self.rows, self.places, strict=True):
+            if not row.converged:
+                out.setdefault(row.status, []).append(place_words(self.over, place))
+        return out
 
     @property
     def stiffness(self) -> Array:
@@ -155,4 +194,6 @@ def table_of(data: Mapping[str, Any]) -> Table:
 
 def place_words(over: Sequence[Over], row: Mapping[str, Any]) -> str:
     """The place of a row in words."""
-    return ", ".join(f"{x.column} {row[x.column]}" for x in over) or "as the scene stands"
+    values = [row[x.column] for x in over]
+    texts = [f"{value:g}" if isinstance(value, float) else str(value) for value in values]
+    return ", ".join(f"{x.key} {text} {x.unit}".rstrip() for x, text in zip(over, texts, strict=True)) or "as it stands"

@@ -111,22 +111,19 @@ def _station(given: str | float | None) -> float | None:
 def axial_key(raw: dict[str, Any], origin: str) -> str:
     """The key of the axial part of the one axial load of a scene's tables. Raises ArgumentError where there are several or
     none."""
-    rows = raw.get("loads", [])
-    axial = [k for k, row in enumerate(rows) if _axial(row)]
-    axial = axial or list(range(len(rows)))
+    named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
+    forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
+    axial = [key for key, force in forces.items() if len(force) == 3 and _number(force[2])] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
         raise ArgumentError("over", LOAD, f"a scene with one axial load, this has {len(axial)}", advice, origin)
-    return f"loads[{axial[0]}].force[2]"
+    return axial[0]
 
 
-def _axial(row: Any) -> bool:
-    """Whether a table of loads has an axial force."""
-    force = row.get("force") if isinstance(row, dict) else None
-    if not isinstance(force, list) or len(force) != 3:
-        return False
-    found = number_and_unit(str(force[2]))
-    return found is not None and float(found[0]) != 0.0
+def _number(text: Any) -> float:
+    """The number of a quantity; zero where there is none."""
+    found = number_and_unit(str(text))
+    return 0.0 if found is None else float(found[0])
 
 
 def _over(vary: Vary) -> Over:
@@ -230,7 +227,7 @@ def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
         "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in asked.over],
         "quantities": list(asked.quantities),
         "freedoms": list(FREEDOMS),
-        "stiffness_at_mm": None if asked.station is None else 1e3 * asked.station,
+        "station_mm": None if asked.station is None else 1e3 * asked.station,
         "converged": sum(row.converged for row in rows),
         "rows": [head | (as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
     }

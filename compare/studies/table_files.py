@@ -14,7 +14,8 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file, write_csv, written
-from rollbench.compare.results.table import Table, place_words, table_of
+from rollbench.compare.quantities import quantities
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_of
 from rollbench.compare.scenes.scene_file import read_text
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import fault, pip
@@ -26,16 +27,6 @@ FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
 
 #: Terms of the tangent that a BearingElement of ROSS takes: its names, row and column.
 ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
-
-#: Panels of the figure, of those that the table has.
-_DRAWN = {
-    "axial_rigidity_N_per_um": "axial rigidity / N/um",
-    "preload_N": "preload / N",
-    "largest_pressure_MPa": "largest pressure / MPa",
-    "life_million_revolutions": "life L10 / million revolutions",
-    "largest_load_N": "largest contact load / N",
-    "displacement_um": "displacement / um",
-}
 
 
 def need_format(path: Path) -> None:
@@ -85,27 +76,45 @@ def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 
 
 def figure(table: Table) -> Figure | None:
-    """Each quantity over the key of numbers with most values, a curve for each value of the others; None without such."""
+    """Each quantity over the key of numbers with most values, a curve for each value of the others; bars: the errors to
+    expect, if they are of that quantity itself. None without such a key."""
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
-    names = [name for name in _DRAWN if any(x is not None for x in columns.get(name, ()))]
+    names = [name for name in ERROR_OF if any(x is not None for x in columns.get(name, ()))]
     if not over or not names:
         return None
     along = max(over, key=lambda k: len(table.over[k].values))
     rest = [x for k, x in enumerate(table.over) if k != along]
     curves: dict[str, list[int]] = {}
-    for k, row in enumerate(table.values["rows"]):  # type: ignore[arg-type]
-        curves.setdefault(place_words(rest, row) if rest else "", []).append(k)  # type: ignore[arg-type]
+    for k, place in enumerate(table.places):
+        curves.setdefault(place_words(rest, place) if rest else "", []).append(k)
     x = columns[table.over[along].column]
+    xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
     panels = []
-    for name in names[:6]:
-        y = columns[name]
-        kept = {label: [k for k in at if y[k] is not None] for label, at in curves.items()}
-        series = tuple(Series(label, [x[k] for k in at], [y[k] for k in at]) for label, at in kept.items() if at)
-        panels.append(Panel("", table.over[along].column, _DRAWN[name], series))
+    for name in names:
+        one, y = quantities(TableRow)[name], columns[name]
+        series = []
+        for label, at in curves.items():
+            known = [k for k in at if y[k] is not None]
+            if known:
+                series.append(Series(label, [x[k] for k in known], [y[k] for k in known], bars=_bars(table, name, known)))
+        same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
+        ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
+        low, high = (of(v for v in y if v is not None) for of in (min, max))
+        panels.append(Panel("", xlabel, ylabel, series, log="y" if 0.0 < 20.0 * low < high else ""))
     left = len(table.rows) - table.converged
     caption = f"Model {table.model}." + (f" {left} of {len(table.rows)} places have no answer." if left else "")
     return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
+
+
+def _bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
+    """Ends of the error bars of a quantity in some rows; None where its error is not known."""
+    errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
+    if ERROR_OF[name] == "load_error" or None in errors:
+        return None
+    values = [table.columns()[name][k] for k in at]
+    low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
+    return low, high
 
 
 def read_table(path: str) -> Table:
@@ -121,8 +130,8 @@ def read_table(path: str) -> Table:
 def ross_text(table: Table) -> str:
     """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place
     has a stiffness."""
-    rows: list[tuple[Any, Array]] = list(zip(table.values["rows"], _matrices(table), strict=True))  # type: ignore[arg-type]
-    kept = [(place_words(table.over, row), k) for row, k in rows if np.isfinite(k).all()]
+    rows = list(zip(table.places, _matrices(table), strict=True))
+    kept = [(place_words(table.over, place), k) for place, k in rows if np.isfinite(k).all()]
     terms = [{name: float(f"{k[at]:.9e}") for name, at in ROSS_TERMS.items()} for _, k in kept]
     lines = [f"    ({place!r}, {row!r})," for (place, _), row in zip(kept, terms, strict=True)]
     dropped, left = 36 - len(ROSS_TERMS), len(rows) - len(kept)
