@@ -309,14 +309,14 @@ def table(
     *,
     quantities: Sequence[str] = (),
     model: str = "",
-    stiffness_at: float | None = None,
+    stiffness_at: float | str | None = None,
 ) -> Table:
     """A scene at places of its keys: 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], preload, pressure, life, and the error
     to expect of each; a place without an answer is a row whose status says why.
 
     scene: name or file; over: keys with their values, ``["nut.position=100:900:9 mm", "load=1:10:4 kN"]``; quantities:
     stiffness, displacement, load, preload, pressure, life, without the second and third unless given; stiffness_at: place
-    on the shaft [m], the nut's centre unless given. Raises InputError.
+    on the shaft [m], the nut's centre unless given; of several sets also the name of one. Raises InputError.
     """
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.studies.table import asked_for, solve_table

@@ -37,7 +37,8 @@ def table(
     model
         The scene's usual one unless given; see: rollbench list.
     stiffness_at
-        Place on the shaft of the stiffness; the nut's centre unless given.
+        Place on the shaft of the stiffness, the nut's centre unless given; of several sets also the name of one, whose
+        stiffness alone it then is.
     out
         File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray); its figure (SVG) beside it.
     """

@@ -38,8 +38,8 @@ class TableRow:
     status: str = quantity("status")
     stiffness: Array | None = quantity(
         "stiffness",
-        "change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the screw's section against "
-        "the held nut, row by row, at `station_mm`, the nut's centre where that is null",
+        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of what "
+        "`stiffness_of` says, at `station_mm`; at the set's centre where that is null, of a whole shaft where the scene asks for it",
         error="`expected_error_percent.rigidity`, on its axial term",
         parts="[][]",
         default=None,
@@ -127,6 +127,8 @@ class Table(Data):
     """Model that solved it."""
     over: tuple[Over, ...]
     """Keys in the order of the rows: the last changes from row to row."""
+    stiffness_of: str
+    """What it is the stiffness of."""
     rows: tuple[TableRow, ...]
     """All places, also those without an answer, whose status says why."""
 
@@ -187,6 +189,7 @@ def table_of(data: Mapping[str, Any]) -> Table:
         values={key: value for key, value in data.items() if key != "schema"},
         scene=data["scene"],
         model=data["model"],
+        stiffness_of=data["stiffness_of"],
         over=tuple(Over(x["key"], x["column"], tuple(x["values"])) for x in data["over"]),
         rows=tuple(x if x.stiffness is None else replace(x, stiffness=np.array(x.stiffness, dtype=float)) for x in rows),
     )

@@ -7,10 +7,12 @@ or the model refuses, or that has no equilibrium, is a row whose status says why
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
+
+import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_of
@@ -23,7 +25,9 @@ from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_over
 from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.rating.contacts import worst_roller
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -50,7 +54,8 @@ LOAD = "load"
 @dataclass(frozen=True)
 class Asked:
     """What a table is made of: text of the scene and the name that errors give it, keys, model, quantities, station [m] of
-    the stiffness (None: the nut's centre)."""
+    the stiffness or name of the set whose stiffness is asked for (None: the nut's centre, of several sets the place that
+    the scene names), and words for what it is the stiffness of."""
 
     text: str
     origin: str
@@ -59,7 +64,8 @@ class Asked:
     over: tuple[Over, ...]
     model: str
     quantities: tuple[str, ...]
-    station: float | None
+    station: float | str | None
+    stiffness_of: str
 
 
 def asked_for(
@@ -84,7 +90,9 @@ def asked_for(
     if math.prod(len(x.choices) for x in keys) > MOST:
         raise ArgumentError("over", f"more than {MOST} places", f"up to {MOST}", "take fewer values")
     columns = tuple(_over(x) for x in typed)
-    return Asked(text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, _station(stiffness_at))
+    return Asked(
+        text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, *_station(stiffness_at, described)
+    )
 
 
 def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
@@ -99,13 +107,24 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
         raise ArgumentError("model", model, allowed, advice)
 
 
-def _station(given: str | float | None) -> float | None:
+def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
+    """Where the stiffness is asked for, and of what it is."""
+    names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
+    if given in names:
+        return given, f"set {given}, its inner part moved and its outer one held"
+    of = "shaft with all bearings and supports" if names else "screw's section against the held nut, without its shaft"
     if given is None or given == "":
-        return None
+        return None, of
     try:
-        return float(given) if isinstance(given, int | float) else units.parse(given, "length")
+        station = float(given) if isinstance(given, int | float) else units.parse(given, "length")
     except ValueError as error:
-        raise ArgumentError("stiffness_at", str(given), "a length with its unit", f'"400 mm"; {error}') from None
+        allowed = ", ".join(("a length with its unit", *names))
+        raise ArgumentError("stiffness_at", str(given), allowed, f'"400 mm"; {error}') from None
+    if not 0.0 <= station <= scene.screw.length:
+        raise ArgumentError(
+            "stiffness_at", str(given), f"0 mm to {1e3 * scene.screw.length:g} mm", "give a place on the shaft"
+        )
+    return station, of
 
 
 def axial_key(raw: dict[str, Any], origin: str) -> str:
@@ -141,7 +160,7 @@ def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
     try:
         raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
         scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
-        if isinstance(scene, Assembly) and asked.station is not None:
+        if isinstance(scene, Assembly) and isinstance(asked.station, float):
             scene = replace(scene, stiffness_at=asked.station)
         return _solved(scene, asked, engine)
     except InputError as error:
@@ -155,24 +174,23 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
         return TableRow(str(result.status))
     matrix, rigidity, status = None, None, CONVERGED
     errors: dict[str, Any] = {"error_words": "no scene of several sets was compared with the 3D reference"}
+    tangent: Tangent | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
-        sets, errors = [(scene, result)], _expected(scene, result)
+        errors = _expected(scene, result)
         if "stiffness" in asked.quantities:
-            station = scene.nut.position if asked.station is None else asked.station
+            station = asked.station if isinstance(asked.station, float) else scene.nut.position
             tangent = tangent_of(scene, station, asked.model, Options())
-            if tangent.status == CONVERGED:
-                matrix, rigidity = tangent.matrix, tangent.rigidity("uz")
-            else:
-                status = f"no stiffness: {tangent.status}"
-    elif isinstance(result, AxisResult):
-        sets = [(s.of.parts, s.balls) for s in result.sets if s.balls is not None and isinstance(s.of.parts, Scene)]
-        if "stiffness" in asked.quantities and result.stiffness is not None:
-            matrix, axial = result.stiffness, float(result.stiffness[2, 2])
-            rigidity = axial if math.isfinite(axial) else None
-    pressure: float | None = None
-    if "pressure" in asked.quantities:
-        worst = [load_answers(of, x.load, x.contact_angle, x.member, x.pressure).worst for of, x in sets]
-        pressure = max((x.pressure for x in worst if x is not None), default=None)
+    elif isinstance(result, AxisResult) and "stiffness" in asked.quantities:
+        of_set = next((s.stiffness for s in result.sets if s.of.name == asked.station), result.stiffness)
+        none = "the place is held, or no contact there is loaded"
+        known = of_set is not None and np.isfinite(of_set).any()
+        tangent = Tangent(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
+    if tangent is not None and tangent.status != CONVERGED:
+        status = f"no stiffness: {tangent.status}"
+    elif tangent is not None:
+        matrix = tangent.matrix
+        rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
+    pressure = max(_pressures(scene, result), default=None) if "pressure" in asked.quantities else None
     moved = found.get("displacement_um")
     life = found.get("life_million_revolutions")
     return TableRow(
@@ -186,6 +204,21 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
         life,
         **errors,
     )
+
+
+def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
+    """The largest pressure [Pa] of each loaded set."""
+    if isinstance(result, StaticResult):
+        sets: list[Any] = [(scene, result, None)]
+    else:
+        sets = [(s.of.parts, s.balls, s.line_loads) for s in result.sets]
+    for parts, balls, lines in sets:
+        if balls is not None:
+            worst: Any = load_answers(parts, balls.load, balls.contact_angle, balls.member, balls.pressure).worst
+        else:
+            worst = worst_roller(parts, lines)
+        if worst is not None:
+            yield worst.pressure
 
 
 def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
@@ -227,7 +260,8 @@ def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
         "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in asked.over],
         "quantities": list(asked.quantities),
         "freedoms": list(FREEDOMS),
-        "station_mm": None if asked.station is None else 1e3 * asked.station,
+        "stiffness_of": asked.stiffness_of,
+        "station_mm": 1e3 * asked.station if isinstance(asked.station, float) else None,
         "converged": sum(row.converged for row in rows),
         "rows": [head | (as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
     }
