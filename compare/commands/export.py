@@ -171,19 +171,19 @@ def run_export(
 def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
     """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and a grid with gaps."""
     from rollbench.compare.files import replace_file
-    from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_text, read_table, ross_text
+    from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
 
-    table, lines = read_table(scene), []
+    table = read_table(scene)
+    lines = [f"left out: {'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
     if ross is not None:
         replace_file(ross, ross_text(table))
-        lines.append(
-            f"wrote {ross}: {', '.join(ROSS_TERMS)} of each place; ROSS drops the other "
-            f"{36 - len(ROSS_TERMS)} of 36 terms: tilting stiffness, displacement with rotation, and axial with radial"
-        )
+        lines.append(f"wrote {ross}. {ROSS_DROPS}")
     if modelica is not None:
-        replace_file(modelica, modelica_text(table))
+        text, left = modelica_text(table)
+        replace_file(modelica, text)
+        lines += [f"left out: {line}" for line in left[len(table.failures) :]]
         lines.append(f"wrote {modelica}: drops no term; written by the format's definition, OpenModelica was not run")
-    return Answer(parts=lines)
+    return Answer(parts=lines, folded=True)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}

@@ -39,7 +39,8 @@ class TableRow:
     stiffness: Array | None = quantity(
         "stiffness",
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of what "
-        "`stiffness_of` says, at `station_mm`; at the set's centre where that is null, of a whole shaft where the scene asks for it",
+        "`stiffness_of` says, at `station_mm`, "
+        "at the set's centre where that is null, of a whole shaft where the scene asks for it",
         error="`expected_error_percent.rigidity`, on its axial term",
         parts="[][]",
         default=None,

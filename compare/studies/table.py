@@ -118,8 +118,8 @@ def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float 
     try:
         station = float(given) if isinstance(given, int | float) else units.parse(given, "length")
     except ValueError as error:
-        allowed = ", ".join(("a length with its unit", *names))
-        raise ArgumentError("stiffness_at", str(given), allowed, f'"400 mm"; {error}') from None
+        allowed = ", ".join(("a length with its unit", *map(units.show, names)))
+        raise ArgumentError("stiffness_at", str(given), allowed, str(error)) from None
     if not 0.0 <= station <= scene.screw.length:
         raise ArgumentError(
             "stiffness_at", str(given), f"0 mm to {1e3 * scene.screw.length:g} mm", "give a place on the shaft"
@@ -244,7 +244,7 @@ def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Ta
     rows: dict[int, TableRow] = {}
     for number, row in first_here([(row_at, (asked, place, kernels)) for place in places], engine, "places", step):
         rows[number] = row
-        step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number]))}: {row.status}")
+        step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
     return table_of(_json(asked, [rows[k] for k in range(len(places))]))
 
 

@@ -6,15 +6,16 @@ ROSS takes five of the 36 terms of the tangent, a CombiTable all of them. Both h
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import replace_file, write_csv, written
-from rollbench.compare.quantities import quantities
+from rollbench.compare.quantities import count_of, quantities
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_of
 from rollbench.compare.scenes.scene_file import read_text
 from rollbench.meshes.arrays import Array
@@ -27,6 +28,12 @@ FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
 
 #: Terms of the tangent that a BearingElement of ROSS takes: its names, row and column.
 ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
+ROSS_DROPS = (
+    "A BearingElement of ROSS (2.3.0) takes 5 of the 36 terms, kxx, kxy, kyx, kyy and kzz, and drops 31: K_ux_uz, K_uy_uz, "
+    "K_uz_ux and K_uz_uy, which couple axial with radial displacement, and all 27 with rx, ry or rz: tilting stiffness, "
+    "torsional stiffness, and what couples rotations with displacements. kzz is K_uz_uz, the axial stiffness with the other "
+    "five freedoms held: no less than the axial rigidity of the table, where only rz is held."
+)
 
 
 def need_format(path: Path) -> None:
@@ -130,19 +137,23 @@ def read_table(path: str) -> Table:
 def ross_text(table: Table) -> str:
     """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place
     has a stiffness."""
-    rows = list(zip(table.places, _matrices(table), strict=True))
-    kept = [(place_words(table.over, place), k) for place, k in rows if np.isfinite(k).all()]
-    terms = [{name: float(f"{k[at]:.9e}") for name, at in ROSS_TERMS.items()} for _, k in kept]
-    lines = [f"    ({place!r}, {row!r})," for (place, _), row in zip(kept, terms, strict=True)]
-    dropped, left = 36 - len(ROSS_TERMS), len(rows) - len(kept)
-    return f'''"""Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.
-
-ROSS takes {len(ROSS_TERMS)} terms of the 6 x 6 tangent: {", ".join(ROSS_TERMS)}.
-Dropped are {dropped}: all of rx, ry and rz (tilting stiffness, and what
-couples displacement and rotation) and what couples uz with ux and uy.
-Damping is not known here: give cxx and others to `bearing`.
-{left} of {len(rows)} places have no stiffness and are left out.
-"""
+    matrices = table.stiffness
+    kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
+    if not kept:
+        advice = "make the table with the quantity stiffness, at a place whose ux, uy and uz are not held"
+        raise InputError(table.scene, "stiffness", "none", "a table with a stiffness at one place or more", advice)
+    places, lines = table.places, []
+    for k in kept:
+        terms = {name: float(f"{matrices[k][at]:.9e}") for name, at in ROSS_TERMS.items()}
+        lines.append(f"    ({place_words(table.over, places[k])!r}, {terms!r}),")
+    head = [
+        f"Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.",
+        f"It is that of: {table.stiffness_of}.",
+        *textwrap.wrap(ROSS_DROPS, 100),
+        "Damping is not known here: give cxx and others to `bearing`.",
+        *(f"left out: {line}" for line in _left_out(table)),
+    ]
+    return f'''{_comments(head)}
 
 import ross
 
@@ -157,46 +168,56 @@ def bearing(n, place, cxx=0.0, **others):
 '''
 
 
-def _matrices(table: Table) -> Array:
-    found = table.stiffness
-    if not np.isfinite(found).all(axis=(1, 2)).any():
-        advice = "make the table with the quantity stiffness"
-        raise InputError(table.scene, "stiffness", "none", "a table with a stiffness at one place or more", advice)
-    return found
+def _left_out(table: Table) -> list[str]:
+    """Which places are left out, and why."""
+    return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
-def modelica_text(table: Table) -> str:
+def _comments(lines: Iterable[str]) -> str:
+    return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
+
+
+def modelica_text(table: Table) -> tuple[str, list[str]]:
     """A file for Modelica.Blocks.Tables: one key gives ``table`` for CombiTable1Ds, its columns named in comments; two give
-    a table of each column for CombiTable2Ds. Raises InputError for more keys, words as values, and a grid with gaps."""
+    a table of each column for CombiTable2Ds. And what is left out of it, with the reasons: places without an answer, and
+    columns without a number at some place. Raises InputError for more keys, words as values, and a grid with gaps."""
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table over one or two keys, each of two numbers or more"
-        raise InputError(table.scene, "over", f"{len(axes)} keys", allowed, "make one over fewer keys")
+        raise InputError(table.scene, "over", count_of(len(axes), "key"), allowed, "make another table")
+    kept = [k for k, row in enumerate(table.rows) if row.converged]
+    if len(axes) == 2 and len(kept) < len(table.rows):
+        reason, places = next(iter(table.failures.items()))
+        advice = "a CombiTable2D has no gaps: make the table without such places"
+        raise InputError(table.scene, places[0], reason, "an answer at each place", advice)
     grid = [np.array(x, dtype=float) for x in axes]
-    columns = {
-        name: np.array(column, dtype=float)
-        for name, column in table.columns().items()
-        if name not in [x.column for x in table.over] and not any(isinstance(x, str) for x in column)
-    }
-    columns = {name: x for name, x in columns.items() if np.isfinite(x).any()}
-    keys = ", ".join(x.column for x in table.over)
-    head = f"#1\n# {table.scene} by rollbench, model {table.model}; over {keys}; stiffness K_force_freedom in N, m, rad\n"
+    rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
+    left = _left_out(table)
+    columns: dict[str, Array] = {}
+    for name, column in rows.items():
+        if name in table.places[0] or any(isinstance(x, str) for x in column):
+            continue
+        if None in column:
+            left.append(f"{name}: no number at {count_of(column.count(None), 'place')} with an answer")
+        else:
+            columns[name] = np.array(column, dtype=float)
+    if len(kept) < 2 or not columns:
+        raise InputError(table.scene, "rows", count_of(len(kept), "answer"), "two answers or more", "; ".join(left))
+    head = [
+        f"{table.scene} by rollbench, model {table.model}; over {', '.join(x.column for x in table.over)}",
+        f"stiffness K_force_freedom in N, m, rad, of: {table.stiffness_of}",
+        *(f"left out: {line}" for line in left),
+    ]
     if len(grid) == 1:
-        whole = np.column_stack([grid[0], *columns.values()])
-        whole = whole[np.isfinite(whole).all(axis=1)]
-        whole = whole[np.argsort(whole[:, 0])]
-        named = "\n".join(f"# column {k}: {name}" for k, name in enumerate((table.over[0].column, *columns), 1))
-        return f"{head}{named}\n{_block('table', whole)}"
-    order = [np.argsort(x) for x in grid]
-    parts = []
-    for name, column in columns.items():
-        values = column.reshape(len(grid[0]), len(grid[1]))[np.ix_(*order)]
-        if not np.isfinite(values).all():
-            advice = "leave the places without an answer out of the table"
-            raise InputError(table.scene, name, "places without a value", "a full grid", advice)
-        inner = np.column_stack([grid[0][order[0]], values])
-        parts.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
-    return head + "".join(parts)
+        head += [f"column {k}: {name}" for k, name in enumerate((table.over[0].column, *columns), 1)]
+        whole = np.column_stack([grid[0][kept], *columns.values()])
+        blocks = [_block("table", whole[np.argsort(whole[:, 0])])]
+    else:
+        order, shape, blocks = [np.argsort(x) for x in grid], [len(x) for x in grid], []
+        for name, column in columns.items():
+            inner = np.column_stack([grid[0][order[0]], column.reshape(shape)[np.ix_(*order)]])
+            blocks.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
+    return "\n".join(["#1", _comments(head), *blocks]), left
 
 
 def _block(name: str, values: Array) -> str:

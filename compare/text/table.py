@@ -39,8 +39,9 @@ def _rounded(percent: float | None) -> float | None:
 
 def _words(found: Table) -> Iterator[str]:
     matrix = any(row.stiffness is not None for row in found.rows)
-    further = "; --json and --out have the 6 x 6 stiffness" if matrix else ""
-    yield f"{found.converged} of {count_of(len(found.rows), 'place')} have an answer; ±: error to expect{further}"
+    further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
+    further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
+    yield f"{found.converged} of {len(found.rows)} places have an answer{further}"
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further place')}" if places[1:] else ""
