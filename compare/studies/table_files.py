@@ -30,9 +30,9 @@ FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
 ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
 ROSS_DROPS = (
     "A BearingElement of ROSS (2.3.0) takes 5 of the 36 terms, kxx, kxy, kyx, kyy and kzz, and drops 31: K_ux_uz, K_uy_uz, "
-    "K_uz_ux and K_uz_uy, which couple axial with radial displacement, and all 27 with rx, ry or rz: tilting stiffness, "
-    "torsional stiffness, and what couples rotations with displacements. kzz is K_uz_uz, the axial stiffness with the other "
-    "five freedoms held: no less than the axial rigidity of the table, where only rz is held."
+    "K_uz_ux and K_uz_uy, which couple axial with radial displacement, and all 27 with rx, ry or rz: tilting and torsional "
+    "stiffness, and what couples rotations with displacements. kzz is K_uz_uz, the axial stiffness with the other five "
+    "freedoms held: no less than the axial rigidity of the table, where only rz is held."
 )
 
 

@@ -1,5 +1,6 @@
 """Tables of stiffness over a scene's keys, their files, and a rotor of ROSS on two of their rows."""
 
+import csv
 import json
 import os
 import re
@@ -9,34 +10,58 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 from tests.helpers import small_screw
 
 import rollbench
-from rollbench.compare.cli import main
-from rollbench.compare.studies.table_files import write_table
+from rollbench.compare.scenes.template import text_of
+from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_text, ross_text, write_table
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import elastic
 from rollbench.meshes.parts import FREEDOMS, Support
 
 #: An interpreter that has ROSS, if not this one.
 ROSS = os.environ.get("ROSS_PYTHON", sys.executable)
+#: Prints natural frequencies [Hz] of two shafts, one of steel and one that is a thousand times as stiff, on two rows of a
+#: table and free, and what the first row adds to the stiffness matrix of the rotor.
 ROTOR = """
-import numpy as np, ross, bearings
-steel = ross.Material("steel", rho=7810, E=211e9, G_s=81.2e9)
-shaft = [ross.ShaftElement(L=0.1, idl=0, odl=0.04, material=steel) for _ in range(8)]
-free = [ross.BearingElement(n=n, kxx=0.0, cxx=0.0) for n in (2, 6)]
-rotors = [ross.Rotor(shaft, [], b) for b in ([bearings.bearing(2, 0), bearings.bearing(6, 1)], free)]
-for rotor in rotors:
-    square = np.linalg.eigvals(np.linalg.solve(rotor.M(), rotor.K(0))).real
-    print("hertz", *np.sqrt(np.sort(square).clip(0.0)) / 2.0 / np.pi)
-print("added", *(rotors[0].K(0) - rotors[1].K(0))[12:15, 12:15].ravel())
+import inspect, json, numpy as np, ross, bearings
+from scipy.linalg import eigh
+found = {"takes": [x for x in inspect.signature(ross.BearingElement).parameters if x[0] == "k" and x != "kwargs"]}
+for name, modulus in (("steel", 211e9), ("rigid", 211e12)):
+    material = ross.Material(name, rho=7810, E=modulus, G_s=modulus / 2.6)
+    shaft = [ross.ShaftElement(L=0.1, idl=0, odl=0.04, material=material) for _ in range(8)]
+    free = [ross.BearingElement(n=n, kxx=0.0, cxx=0.0) for n in (2, 6)]
+    rotors = [ross.Rotor(shaft, [], b) for b in ([bearings.bearing(2, 0), bearings.bearing(6, 1)], free)]
+    for state, rotor in zip(("on rows", "free"), rotors):
+        square = eigh(rotor.K(0), rotor.M(), eigvals_only=True)
+        found[f"{name} {state}"] = (np.sqrt(square.clip(0.0)) / 2.0 / np.pi).tolist()
+    found["mass"], added = rotors[0].m, rotors[0].K(0) - rotors[1].K(0)
+    found["added"] = added[12:18, 12:18].tolist()
+print("found", json.dumps(found))
 """
 
 
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as stopped:
-        main([str(x) for x in arguments])
-    return int(stopped.value.code or 0), *capsys.readouterr()
+@pytest.fixture(scope="module")
+def travel(tmp_path_factory):
+    """The folder with the table of a screw of catalogue size over its travel, one place of which is beyond the thread."""
+    folder = tmp_path_factory.mktemp("travel")
+    (folder / "my.toml").write_text(text_of("ball screw", "40x10"))
+    found = rollbench.table(folder / "my.toml", ["nut.position=100:900:3 mm"], quantities=["stiffness", "pressure"])
+    write_table(folder / "t.json", found)
+    return folder, found
+
+
+@pytest.fixture(scope="module")
+def rotors(travel):
+    """What `ROTOR` prints on the rows of `travel`."""
+    folder, found = travel
+    if subprocess.run([ROSS, "-c", "import ross"], capture_output=True, check=False).returncode:
+        pytest.skip("no ROSS (ross-rotordynamics) here: install rollbench[ross], or name an interpreter by ROSS_PYTHON")
+    (folder / "bearings.py").write_text(ross_text(found))
+    done = subprocess.run([ROSS, "-c", ROTOR], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return {k: np.array(x) for k, x in json.loads(re.search("^found (.*)", done.stdout, re.M)[1]).items()}
 
 
 def test_stiffness_of_a_row_against_finite_differences_of_the_solution(tmp_path):
@@ -61,54 +86,103 @@ def test_stiffness_of_a_row_against_finite_differences_of_the_solution(tmp_path)
     assert np.abs((row.stiffness - measured) / np.outer(size, size)).max() < 1e-4
 
 
-def test_a_nut_beyond_the_thread_is_a_row_with_its_reason_and_the_table_goes_to_ross_and_modelica(tmp_path, capsys):
-    over = ("--over", "nut.position=100:900:3", "mm", "--over", "load=1:10:2", "kN", "--quantities", "stiffness,pressure")
-    code, _, _ = run(capsys, "table", "lin-case3", *over, "--out", tmp_path / "t.json")
-    assert code == 0
-    data = json.loads((tmp_path / "t.json").read_text())
-    assert [row["nut.position_mm"] for row in data["rows"]] == [100.0, 100.0, 500.0, 500.0, 900.0, 900.0]
-    assert [row["status"] == "converged" for row in data["rows"]] == [True] * 4 + [False] * 2
-    assert "must lie on the screw" in data["rows"][4]["status"]
-    assert all(row["expected_error_percent"]["rigidity"] > 0.0 for row in data["rows"][:4])
-    code, _, err = run(capsys, "export", tmp_path / "t.json", "--modelica", tmp_path / "t.txt")
-    assert code == 2
-    assert "full grid" in err
-
-    code, out, _ = run(capsys, "export", tmp_path / "t.json", "--ross", tmp_path / "bearings.py")
-    assert code == 0
-    assert "drops the other 31" in out
-    if subprocess.run([ROSS, "-c", "import ross"], capture_output=True, check=False).returncode:
-        pytest.skip("no ROSS (ross-rotordynamics) here: give an interpreter that has it as ROSS_PYTHON")
-    found = subprocess.run([ROSS, "-c", ROTOR], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-    on, off = (np.array(x.split(), dtype=float) for x in re.findall("^hertz (.*)", found, re.M))
-    added = np.array(re.search("^added (.*)", found, re.M)[1].split(), dtype=float).reshape(3, 3)
-    tangent = np.array(data["rows"][0]["stiffness"])[:3, :3]
-    tangent[2, :2] = tangent[:2, 2] = 0.0
-    assert np.abs(added - tangent).max() < 1e-6 * tangent.max()
-    assert np.sum(off < 1.0) == 6  # a free shaft
-    assert np.sum(on < 1.0) == 1  # bearings without torsion
-    assert (on >= off - 1.0).all()
+def test_a_nut_beyond_the_thread_is_a_row_with_its_reason(travel):
+    _, found = travel
+    assert [place["nut.position_mm"] for place in found.places] == [100.0, 500.0, 900.0]
+    assert [row.converged for row in found.rows] == [True, True, False]
+    assert "must lie on the screw" in found.rows[2].status
 
 
-@pytest.mark.parametrize("load", ["1 kN", "1 kN,3 kN"])
-def test_modelica_file_is_read_back(tmp_path, capsys, load):
-    over = ("--over", "nut.position=100 mm,300 mm", *(("--over", f"load={load}") if "," in load else ()))
-    assert run(capsys, "table", "lin-case3", *over, "--quantities", "stiffness", "--out", tmp_path / "t.json")[0] == 0
-    assert run(capsys, "export", tmp_path / "t.json", "--modelica", tmp_path / "t.txt")[0] == 0
-    text = (tmp_path / "t.txt").read_text()
+def test_a_load_without_equilibrium_is_a_row_with_its_reason(tmp_path, command):
+    file = tmp_path / "bearing.toml"
+    file.write_text(text_of("angular-contact bearing", ""))
+    out = command.said("table", file, "--over", "load=-1 kN,1 kN", "--out", tmp_path / "t.csv")
+    assert "load -1 kN: not held: the load opens bearing" in out
+    rows = list(csv.DictReader((tmp_path / "t.csv").open()))
+    assert [row["status"].split(":")[0] for row in rows] == ["not held", "converged"]
+    assert [bool(row["K_uz_uz"]) for row in rows] == [False, True]
+
+
+def test_every_place_with_an_answer_has_the_error_to_expect(travel):
+    for row in travel[1].rows[:2]:
+        assert min(row.load_error, row.rigidity_error, row.pressure_error) > 0.0
+
+
+def test_text_is_no_wider_than_a_hundred_columns(command):
+    over = ("--over", "nut.position=100 mm,900 mm", "--over", "load=1 kN,2 kN", "--over", "screw.conformity=0.52,0.53")
+    every = "stiffness,displacement,load,preload,pressure,life"
+    out = command.said("table", "lin-case3", *over, "--quantities", every)
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_stiffness_of_one_set_of_several():
+    station, alone = (rollbench.table("axis-fixed-fixed", stiffness_at=at).rows[0] for at in ("450 mm", "nut"))
+    result = rollbench.solve("axis-fixed-fixed")
+    (nut,) = (s for s in result.to_dict()["sets"] if s["name"] == "nut")
+    assert alone.stiffness == pytest.approx(np.array(nut["stiffness"]), rel=1e-9)
+    assert alone.rigidity > station.rigidity > 0.0
+
+
+def test_ross_adds_the_terms_of_the_row_and_drops_the_others(travel, rotors):
+    assert sorted(rotors["takes"]) == sorted(ROSS_TERMS)
+    kept = np.zeros((6, 6))
+    for at in ROSS_TERMS.values():
+        kept[at] = travel[1].rows[0].stiffness[at]
+    assert np.abs(rotors["added"] - kept).max() < 1e-6 * kept.max()
+
+
+def test_natural_frequencies_of_ross_are_those_of_a_rigid_body_on_the_two_rows(travel, rotors):
+    mass = float(rotors["mass"])
+    inertia = mass * (3.0 * 0.02**2 + 0.8**2) / 12.0
+    K = np.zeros((5, 5))
+    for z, row in zip((-0.2, 0.2), travel[1].rows, strict=False):
+        moved = np.array([[1, 0, 0, 0, z], [0, 1, 0, -z, 0], [0, 0, 1, 0, 0]], dtype=float)
+        k = row.stiffness[:3, :3] * np.array([[1, 1, 0], [1, 1, 0], [0, 0, 1]])
+        K += moved.T @ k @ moved
+    square = eigh(K, np.diag([mass, mass, mass, inertia, inertia]), eigvals_only=True)
+    assert rotors["rigid on rows"][1:6] == pytest.approx(np.sqrt(square) / 2.0 / np.pi, rel=3e-3)
+
+
+def test_a_steel_rotor_of_ross_is_held_by_two_rows_and_free_without(rotors):
+    on, off = rotors["steel on rows"], rotors["steel free"]
+    assert np.sum(off < 1.0) == 6
+    assert np.sum(on < 1.0) == 1  # it turns about its axis
+    assert (on >= off - 1.0).all()  # springs lower no frequency
+
+
+def read_back(text):
+    """Tables of a file for CombiTables, by their names."""
     assert text.startswith("#1\n")
-    tables = {}
-    for name, rows, columns, body in re.findall(r"^double (\w+)\((\d+),(\d+)\)\n((?:[^#d].*\n)+)", text, re.M):
-        tables[name] = np.array(body.split(), dtype=float).reshape(int(rows), int(columns))
-    rows = json.loads((tmp_path / "t.json").read_text())["rows"]
-    axial = [row["stiffness"][2][2] for row in rows]
-    if "," in load:
-        assert tables["K_uz_uz"][1:, 0] == pytest.approx([100.0, 300.0])
-        assert tables["K_uz_uz"][0, 1:] == pytest.approx([1.0, 3.0])
-        assert tables["K_uz_uz"][1:, 1:].ravel() == pytest.approx(axial)
-    else:
-        column = int(re.search(r"# column (\d+): K_uz_uz", text)[1]) - 1
-        assert tables["table"][:, column] == pytest.approx(axial)
+    found = re.findall(r"^double (\w+)\((\d+),(\d+)\)\n((?:[^#d].*\n)+)", text, re.M)
+    return {
+        name: np.array(body.split(), dtype=float).reshape(int(rows), int(columns)) for name, rows, columns, body in found
+    }
+
+
+def test_a_modelica_file_over_one_key_has_the_answers_and_says_what_it_leaves_out(travel, command):
+    folder, found = travel
+    out = command.said("export", folder / "t.json", "--modelica", folder / "t.txt")
+    text = (folder / "t.txt").read_text()
+    for said in (out, text):
+        assert "left out: nut.position 900 mm: refused" in said
+    table = read_back(text)["table"]
+    column = int(re.search(r"# column (\d+): K_uz_uz", text)[1]) - 1
+    assert table[:, 0] == pytest.approx([100.0, 500.0])
+    assert table[:, column] == pytest.approx(found.stiffness[:2, 2, 2])
+
+
+def test_a_modelica_file_over_two_keys_has_a_grid_of_each_term():
+    found = rollbench.table("lin-case3", ["nut.position=300 mm,100 mm", "load=1 kN,3 kN"], quantities=["stiffness"])
+    tables = read_back(modelica_text(found)[0])
+    assert tables["K_uz_uz"][1:, 0] == pytest.approx([100.0, 300.0])
+    assert tables["K_uz_uz"][0, 1:] == pytest.approx([1.0, 3.0])
+    assert tables["K_rx_uy"][1:, 1:].ravel() == pytest.approx(found.stiffness[[2, 3, 0, 1], 3, 1])
+
+
+def test_a_grid_with_gaps_is_no_modelica_file(command, tmp_path):
+    found = rollbench.table("lin-case3", ["nut.position=100 mm,900 mm", "load=1 kN,3 kN"], quantities=["stiffness"])
+    write_table(tmp_path / "t.json", found)
+    assert "nut.position 900 mm, load 1 kN" in command.refused("export", tmp_path / "t.json", "--modelica", tmp_path / "t")
 
 
 @pytest.mark.parametrize(
@@ -116,34 +190,36 @@ def test_modelica_file_is_read_back(tmp_path, capsys, load):
     [
         (("--over", "nut.posit=1:2:2"), "did you mean position"),
         (("--over", "nut.position=100:200:2", "parsec"), "no such unit"),
+        (("--over", "load=1:10:3", "mm"), "allowed: a force"),
         (("--over", "load=1:2"), "KEY=A:B:N"),
+        (("--stiffness-at", "900 mm"), "800 mm"),
         (("--quantities", "torque"), "preload"),
         (("--out", "t.xyz"), ".parquet"),
     ],
 )
-def test_unknown_key_unit_quantity_or_file_is_one_line(capsys, arguments, word):
-    code, out, err = run(capsys, "table", "lin-case3", *arguments)
-    assert (code, out) == (2, "")
-    assert word in err
-    assert len(err.splitlines()) == 1
+def test_unknown_key_unit_quantity_place_or_file_is_one_line(command, arguments, word):
+    assert word in command.refused("table", "lin-case3", *arguments)
 
 
-def test_files_hold_every_row(tmp_path):
-    found = rollbench.table("lin-case3", ["nut.position=100:900:2 mm"])
-    assert found.converged == 1
-    write_table(tmp_path / "t.csv", found)
-    lines = (tmp_path / "t.csv").read_text().splitlines()
-    assert len(lines) == 3
-    assert "K_uz_uz" in lines[0]
+def test_a_csv_file_holds_every_row(travel, tmp_path):
+    write_table(tmp_path / "t.csv", travel[1])
+    rows = list(csv.DictReader((tmp_path / "t.csv").open()))
+    assert [row["nut.position_mm"] for row in rows] == ["100.0", "500.0", "900.0"]
+    assert float(rows[1]["K_uz_rx"]) == travel[1].rows[1].stiffness[2, 3]
+
+
+def test_a_parquet_file_holds_every_row(travel, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
-    write_table(tmp_path / "t.parquet", found)
-    assert parquet.read_table(tmp_path / "t.parquet")["K_uz_uz"][0].as_py() == found.rows[0].stiffness[2, 2]
+    write_table(tmp_path / "t.parquet", travel[1])
+    column = parquet.read_table(tmp_path / "t.parquet")["K_uz_uz"].to_pylist()
+    assert column == [*travel[1].stiffness[:2, 2, 2], None]
 
 
-def test_netcdf_has_the_grid(tmp_path):
+def test_netcdf_has_the_grid(travel, tmp_path):
     xarray = pytest.importorskip("xarray")
-    found = rollbench.table("lin-case3", ["nut.position=100:900:2 mm"])
-    write_table(tmp_path / "t.nc", found)
-    read = xarray.open_dataset(tmp_path / "t.nc", engine="scipy")
-    assert read["stiffness"].shape == (2, 6, 6)
-    assert np.array_equal(read["stiffness"][0], found.rows[0].stiffness)
+    write_table(tmp_path / "t.nc", travel[1])
+    with xarray.open_dataset(tmp_path / "t.nc", engine="scipy") as read:
+        assert (
+            read["stiffness"].sel({"nut.position_mm": 500.0, "force": "uz", "freedom": "rx"})
+            == travel[1].stiffness[1, 2, 3]
+        )
