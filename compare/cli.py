@@ -48,7 +48,7 @@ COMMANDS = {
         "doctor": "doctor",
     },
     "How far to trust it": {"compare": "compare", "check": "check", "mesh-study": "mesh_study"},
-    "Many scenes": {"sweep": "sweep"},
+    "Many scenes": {"sweep": "sweep", "table": "table"},
     "To and from other programs": {"export": "export", "condense": "export", "crosscheck": "crosscheck", "schema": "new"},
     "This program and its sources": {
         "list": "printed",

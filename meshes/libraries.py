@@ -28,6 +28,7 @@ EXTRA = {
     **dict.fromkeys(("gmsh", "scikit-fem", "meshio", "h5py", "pymetis"), "reference"),
     **dict.fromkeys(("matplotlib", "pillow", "jinja2", "pyvista", "trimesh"), "report"),
     **dict.fromkeys(("dask", "distributed"), "cluster"),
+    **dict.fromkeys(("pyarrow", "xarray"), "tables"),
 }
 _NO_RUN = "no run of the 3D reference is computed; stored ones are read"
 #: What goes without a package of an extra.
@@ -43,6 +44,8 @@ ONLY_FOR = {
     "jinja2": "no report",
     "dask": "no sweep or reference on a cluster",
     "distributed": "no sweep or reference on a cluster",
+    "pyarrow": "no tables as Parquet",
+    "xarray": "no tables as netCDF",
     "matplotlib": "no report; compare, mesh-study, sweep and the curve of solve write tables without figures",
     "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }

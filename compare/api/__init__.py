@@ -11,6 +11,19 @@ from rollbench.compare.api.calls import (
     read,
     solve,
     sweep,
+    table,
 )
 
-__all__ = ["check", "compare_models", "ensemble", "friction", "load_curve", "mesh_study", "new", "read", "solve", "sweep"]
+__all__ = [
+    "check",
+    "compare_models",
+    "ensemble",
+    "friction",
+    "load_curve",
+    "mesh_study",
+    "new",
+    "read",
+    "solve",
+    "sweep",
+    "table",
+]

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.solved import Result
+    from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
 
 #: Takes the lines of progress of long computations; shown by ``logging.basicConfig(level="INFO")``.
@@ -299,6 +300,29 @@ def sweep(
 
     data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_of(data, Path(out))
+
+
+@held_to_one_thread()
+def table(
+    scene: str | Path,
+    over: Sequence[str] = (),
+    *,
+    quantities: Sequence[str] = (),
+    model: str = "",
+    stiffness_at: float | str | None = None,
+) -> Table:
+    """A scene at places of its keys: 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], preload, pressure, life, and the error
+    to expect of each; a place without an answer is a row whose status says why.
+
+    scene: name or file; over: keys with their values, ``["nut.position=100:900:9 mm", "load=1:10:4 kN"]``; quantities:
+    stiffness, displacement, load, preload, pressure, life, without the second and third unless given; stiffness_at: place
+    on the shaft [m], the nut's centre unless given; of several sets also the name of one. Raises InputError.
+    """
+    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.studies.table import asked_for, solve_table
+    from rollbench.meshes.cache import default_root
+
+    return solve_table(asked_for(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info)
 
 
 def _described(scene: Described | str | Path) -> Described:

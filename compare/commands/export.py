@@ -34,6 +34,8 @@ def export(
     b_over_h: float = 1.5,
     growth: float = 0.4,
     stiffness: float = 2e8,
+    ross: Path | None = None,
+    modelica: Path | None = None,
 ) -> int:
     """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
     as CAD (STEP, lengths in mm), or a small scene as one deck that CalculiX runs (--deck ccx).
@@ -66,8 +68,17 @@ def export(
         Growth of the deck's element sizes per distance from the contacts.
     stiffness
         Contact pressure per overclosure of the deck, in N/mm3.
+    ross
+        Python module with a BearingElement of ROSS for each row of a table: scene is the JSON file of rollbench table.
+    modelica
+        The same table as a file for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two).
     """
     from rollbench.compare.scenes import catalogue, scene_file
+
+    if ross is not None or modelica is not None:
+        if part or format or out is not None or level != 1 or ball is not None or deck:
+            raise ArgumentError("ross, modelica", "given", "none of the options of meshes with it", "leave them out")
+        return print_answer(run_table(scene, ross, modelica))
 
     if deck:
         if part or format or level != 1 or ball is not None:
@@ -155,6 +166,24 @@ def run_export(
     if reduced(mesh, form):
         lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
     return Answer(parts=lines)
+
+
+def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
+    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and a grid with gaps."""
+    from rollbench.compare.files import replace_file
+    from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
+
+    table = read_table(scene)
+    lines = [f"left out: {'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
+    if ross is not None:
+        replace_file(ross, ross_text(table))
+        lines.append(f"wrote {ross}. {ROSS_DROPS}")
+    if modelica is not None:
+        text, left = modelica_text(table)
+        replace_file(modelica, text)
+        lines += [f"left out: {line}" for line in left[len(table.failures) :]]
+        lines.append(f"wrote {modelica}: drops no term; written by the format's definition, OpenModelica was not run")
+    return Answer(parts=lines, folded=True)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}

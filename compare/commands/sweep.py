@@ -38,7 +38,7 @@ def sweep(
     scene
         Name of a shipped scene, or a scene file.
     vary
-        KEY=A:B or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
+        KEY=A:B, KEY=A:B:N or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
         "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys one value. A range of bare whole numbers gives whole
         numbers (errors.seed=1:1000).
     samples

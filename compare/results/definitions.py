@@ -28,6 +28,7 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.solved import ExpectedError
+from rollbench.compare.results.table import TableRow
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.rib import RibContact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque
@@ -88,6 +89,11 @@ TABLES = (
         "Load curve",
         "Of `solve --curve`; the load goes from one sign to the other in place of the scene's loads.",
         (("", LoadCurve), ("points[].", CurvePoint)),
+    ),
+    Table(
+        "Table over keys",
+        "Of `table`; each row also has its place, by the keys that the table goes over and their units.",
+        (("rows[].", TableRow),),
     ),
     Table(
         "Contact, ellipse and static safety",

@@ -192,9 +192,14 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
             words, name = unknown(schema, fault)
             named.add((*where[:-1], name))
             out.append(words)
-        elif not (fault["type"] == "missing" and where in named):
+        elif not ((fault["type"] == "missing" and where in named) or _only_faulty(fault)):
             out.append(_wrong(schema, fault))
     return out
+
+
+def _only_faulty(fault: Any) -> bool:
+    """Whether a list is short only by entries that are at fault themselves, as pydantic counts the sound ones."""
+    return fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"]
 
 
 def _path(where: Sequence[int | str]) -> str:

@@ -6,10 +6,10 @@
 ((32, 4), 12)
 
 ``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``load_curve`` and
-``friction``; ``compare_models`` with the
-3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene;
-write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands by
-``to_dict()``. ``python -m rollbench`` is the command line.
+``friction``; ``compare_models`` with the 3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads
+against it; ``sweep`` over keys of a scene, ``table`` of its stiffness over them; write a ``report``. Results are frozen
+records in SI units, tables in a notebook, and the JSON of the commands by ``to_dict()``. ``python -m rollbench`` is the
+command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
 """
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         read,
         solve,
         sweep,
+        table,
     )
     from rollbench.compare.errors import InputError
     from rollbench.compare.models.user_models import ModelAnswer
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.solved import Result, Status
+    from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Judgement, Verdict
     from rollbench.meshes.parts import Scene
 
@@ -57,6 +59,7 @@ __all__ = [
     "Scene",
     "Status",
     "Sweep",
+    "Table",
     "Verdict",
     "__version__",
     "check",
@@ -70,6 +73,7 @@ __all__ = [
     "report",
     "solve",
     "sweep",
+    "table",
 ]
 #: Where a name of the library stands, if not in the package ``rollbench.compare.api``.
 _ELSEWHERE = {
@@ -78,6 +82,7 @@ _ELSEWHERE = {
     "LoadCurve": "rollbench.compare.results.load_curve",
     "ModelAnswer": "rollbench.compare.models.user_models",
     "Scene": "rollbench.meshes.parts",
+    "Table": "rollbench.compare.results.table",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),

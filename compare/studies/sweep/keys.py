@@ -1,4 +1,5 @@
-"""Keys of a scene that a sweep varies: ``KEY=A:B`` for a range, ``KEY=v1,v2`` for a list, units as in the scene.
+"""Keys of a scene that a sweep or a table varies: ``KEY=A:B`` for a range, ``KEY=A:B:N`` for N equal steps of it,
+``KEY=v1,v2`` for a list, units as in the scene.
 
 ``KEY+KEY=...`` gives several keys the same value. Samples are points of a unit cube by scipy.stats.qmc, one coordinate
 a varied key.
@@ -26,7 +27,7 @@ _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 
-_FORM = "KEY=A:B or KEY=v1,v2, units as in the scene"
+_FORM = "KEY=A:B, KEY=A:B:N or KEY=v1,v2, units as in the scene"
 
 #: Keys of which a scene has one: a varied one takes the place of the others.
 _SAME = (
@@ -101,6 +102,19 @@ class Vary:
         return f"{first} (+{len(others)})" if others else first
 
 
+def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
+    """The keys of a table, each with all its values: `read_vary` without ranges of no number of values, and with none.
+    Raises InputError."""
+    try:
+        keys = read_vary(texts) if texts else ()
+        for one in keys:
+            if not one.choices:
+                raise _refused(one.text, "a number of values, KEY=A:B:N, or a list", f"such as {one.key}=1:5:9")
+    except ArgumentError as error:
+        raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
+    return keys
+
+
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     """The varied keys of the command line. Raises InputError for a text of another form, or a key given twice."""
     found = tuple(_read(text) for text in texts)
@@ -136,16 +150,29 @@ def _range(key: str, text: str, values: str) -> Vary:
     if any(map(has_comma, values.split(":"))):
         raise _refused(text, "numbers with a point", COMMA)
     try:
-        (first, unit), (second, other) = map(_split, values.split(":"))
+        (first, unit), (second, other), *steps = map(_split, values.split(":"))
     except ValueError:
         raise _refused(text, "two numbers, with or without unit") from None
-    if unit and other and unit != other:
-        raise _refused(text, "one unit for both ends", f"write both in {other}")
-    low, high = float(first), float(second)
+    units = list(dict.fromkeys(x for x in (unit, other, *(of for _, of in steps)) if x))
+    if len(units) > 1:
+        raise _refused(text, "one unit for both ends", f"write both in {units[-1]}")
+    low, high, common = float(first), float(second), "".join(units)
     if not low < high:
         raise _refused(text, "A below B", "turn them round, or give a list of values")
-    whole = not (unit or other) and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
-    return Vary(key, text, low, high, unit or other, whole)
+    if steps:
+        return Vary(key, text, low, high, common, choices=_steps(text, low, high, common, [n for n, _ in steps]))
+    whole = not common and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
+    return Vary(key, text, low, high, common, whole)
+
+
+def _steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
+    """Equally many values from low to high, both among them, as a scene file holds them."""
+    if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
+        raise _refused(text, f"A:B:N with N from 2 to {MOST_VALUES}", "e.g. nut.position=100:900:9 mm")
+    numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
+    if unit:
+        return tuple(f"{x:.12g} {unit}" for x in numbers)
+    return tuple(int(x) if x.is_integer() else x for x in numbers)
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -388,7 +388,7 @@ def attempt(
     scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
         return _solve_cases(scene, model, engine, wanted)
-    result, kept = _solve(scene_file.solvable(scene, origin), model, engine, wanted)
+    result, kept = solve_case(scene_file.solvable(scene, origin), model, engine, wanted)
     return {"status": result.status, **kept}
 
 
@@ -398,14 +398,14 @@ def reason(error: InputError) -> str:
 
 
 def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
-    solved = [_solve(case.scene, model, engine, wanted) for case in cycle.cases]
+    solved = [solve_case(case.scene, model, engine, wanted) for case in cycle.cases]
     for case, (result, _) in zip(cycle.cases, solved, strict=True):
         if not result.converged:
             return {"status": f"case {case.name}: {result.status}"}
     return {"status": CONVERGED, **cycle_outputs(cycle, *zip(*solved, strict=True), wanted=wanted)}
 
 
-def _solve(
+def solve_case(
     scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
     """Result and outputs of one load case; several sets are solved from `AXIS_COMPILED` balls on always by compiled

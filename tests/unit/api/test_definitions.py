@@ -11,7 +11,7 @@ from rollbench.compare.scenes.template import template
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (
     *("index", "member", "members", "seed", "set", "level", "levels[]", "converged", "contacts", "seconds", "ball"),
-    *("printed", "value", "reference", "reference_error", "error_percent", "station_mm", "screw", "nut", "schema"),
+    *("load_kN", "values[]", "printed", "value", "reference", "reference_error", "error_percent", "station_mm", "screw", "nut", "schema"),
 )
 
 
@@ -33,6 +33,7 @@ COMMANDS = (
     *("friction lin-case3 --model lin --mu 0.1", "friction lin-case1 --model lin --mu 0.1"),
     "check lin-case1 --model lin --no-compute --limit angle=1",
     "solve lin-case1 --model lin --curve=-300N:300N:3",
+    "table lin-case3 --model lin --over load=1_kN,2_kN --quantities stiffness,displacement,load,preload,pressure,life",
 )
 
 
@@ -58,7 +59,7 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
     of_cases = [f"{word} {tmp_path}/lin.toml --model lin" for word in ("friction", "compare", "check --no-compute")]
     models = {name: "liu" if name == "step" else "lin" for name in scenes}
     commands = (*COMMANDS, *of_cases, *(f"solve {tmp_path}/{name}.toml --model {models[name]}" for name in scenes))
-    words = ([word.replace("_mm", " mm") for word in line.split()] for line in commands)
+    words = ([word.replace("_mm", " mm").replace("_kN", " kN") for word in line.split()] for line in commands)
     printed = list(chain.from_iterable(leaves(command.json(*line, "--json")[1]) for line in words))
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}
     assert not sorted(path for path in numbers if definition(path) is None and path.rsplit(".")[-1] not in NO_QUANTITY)

@@ -17,6 +17,7 @@ SWEEP = ("sweep", "two-balls", *DESIGN, "--model", "lin", "--out", "out")
 COMPARE = ("compare", "lin-case1", "--model", "lin", "--store", "runs")
 PAGE = ("report", "lin-case1", "--out", "page")
 EXPORT = ("export", "lin-case1", "nut", "--out", "nut.vtu")
+TABLE = ("table", "two-balls", "--model", "lin", "--quantities", "load")
 #: Package, command, exit code, words of its output; the first few are tried in every run of the tests.
 CASES = [
     ("gmsh", CHECK, 0, "1 pass"),
@@ -42,6 +43,8 @@ CASES = [
     ("h5py", (*EXPORT[:-1], "nut.med"), 2, "pip install 'rollbench[reference]'"),
     ("dask", (*SWEEP, "--backend", "dask"), 2, "pip install 'rollbench[cluster]'"),
     ("distributed", (*SWEEP, "--backend", "dask"), 2, "pip install 'rollbench[cluster]'"),
+    ("pyarrow", (*TABLE, "--out", "t.parquet"), 2, "pip install 'rollbench[tables]'"),
+    ("xarray", (*TABLE, "--out", "t.nc"), 2, "pip install 'rollbench[tables]'"),
     ("numba", ("friction", "two-balls", "--mu", "0.1"), 0, "friction"),
     ("numba", ("solve", "external-thk-bnf-3205-5", "--model", "lin"), 0, "kernels are interpreted"),
     ("numba", SWEEP, 0, "figures (SVG)"),

@@ -1,0 +1,68 @@
+"""The command rollbench table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
+from rollbench.compare.text.printing import Answer, on_terminal, print_answer
+
+
+@app.command
+def table(
+    scene: str,
+    *,
+    over: Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)] = None,
+    quantities: Word = "",
+    model: Word = "",
+    stiffness_at: Word = "",
+    out: Path | None = None,
+    as_json: Json = False,
+    where: Where | None = None,
+) -> int:
+    """Stiffness (6 x 6), preload, pressure and life of a scene at places of its keys, with the error to expect of each.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    over
+        KEY=A:B:N for N equal steps, or KEY=v1,v2, again for every key, units as in the scene: nut.position=100:900:9 mm;
+        load stands for the axial load.
+    quantities
+        NAME,NAME of stiffness, displacement, load, preload, pressure, life; stiffness,preload,pressure,life unless given.
+    model
+        The scene's usual one unless given; see: rollbench list.
+    stiffness_at
+        Place on the shaft of the stiffness, the nut's centre unless given; of several sets also the name of one, whose
+        stiffness alone it then is.
+    out
+        File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray); its figure (SVG) beside it.
+    """
+    from rollbench.compare.files import need_writable, write_figure
+    from rollbench.compare.studies.table import asked_for, solve_table
+    from rollbench.compare.studies.table_files import figure, need_format, write_table
+    from rollbench.compare.text.table import table_parts
+
+    texts: list[str] = []
+    for text in over or ():
+        if "=" in text or not texts:
+            texts.append(text)
+        else:
+            texts[-1] += f" {text}"  # the unit of a range that nobody quoted
+    names = [name.strip() for name in quantities.split(",") if name.strip()]
+    asked = asked_for(scene, texts, names, model, stiffness_at)
+    if out is not None:
+        need_format(out)
+        need_writable(out)
+    found = solve_table(asked, engine(where), on_terminal)
+    parts = table_parts(found)
+    if out is not None:
+        write_table(out, found)
+        drawn = figure(found)
+        picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
+        parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
+    return print_answer(Answer(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)

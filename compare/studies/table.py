@@ -1,0 +1,267 @@
+"""A scene at places of its keys: the full tangent stiffness, preload, pressure, life, and the error to expect at each.
+
+Keys are read as those of a sweep; ``load`` stands for the axial part of the scene's one axial load. A place that the scene
+or the model refuses, or that has no equilibrium, is a row whose status says why.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_of
+from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, known_model
+from rollbench.compare.quantities import as_json
+from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_of
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.studies.sweep import sample
+from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_over
+from rollbench.lowfi.compliance.parts import LADDER
+from rollbench.lowfi.rating.contacts import worst_roller
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes import units
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.units import number_and_unit
+
+#: What may be asked for: words for it, and the fields of a row.
+QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "stiffness": ("6 x 6 tangent stiffness and axial rigidity", ("stiffness", "axial_rigidity_N_per_um")),
+    "displacement": ("displacement at the load", ("displacement_um",)),
+    "load": ("largest contact load", ("largest_load_N",)),
+    "preload": ("axial preload", ("preload_N",)),
+    "pressure": ("largest Hertz pressure", ("largest_pressure_MPa",)),
+    "life": ("life L10", ("life_million_revolutions",)),
+}
+USUAL = ("stiffness", "preload", "pressure", "life")
+
+#: Most places of a table, and the number from which on kernels are compiled for it.
+MOST, COMPILE_FROM = 100_000, 4
+
+#: Key that stands for the axial load.
+LOAD = "load"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a table is made of: text of the scene and the name that errors give it, keys, model, quantities, station [m] of
+    the stiffness or name of the set whose stiffness is asked for (None: the nut's centre, of several sets the place that
+    the scene names), and words for what it is the stiffness of."""
+
+    text: str
+    origin: str
+    scene: str
+    keys: tuple[Vary, ...]
+    over: tuple[Over, ...]
+    model: str
+    quantities: tuple[str, ...]
+    station: float | str | None
+    stiffness_of: str
+
+
+def asked_for(
+    scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
+) -> Asked:
+    """What the command line or the library asks for, checked as far as it can be before anything is solved. Raises
+    InputError for an unknown scene, key, unit, quantity or model."""
+    described = scene_file.solvable(catalogue.any_scene(scene), scene)
+    shipped = scene in catalogue.scene_names()
+    text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
+    for name in quantities:
+        if name not in QUANTITIES:
+            raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "names with commas between")
+    model = model or default_model(described)
+    _check_model(described, model, quantities)
+    raw = scene_file.read_toml(text, origin)
+    typed = read_over(over)
+    keys = tuple(replace(x, key=axial_key(raw, origin)) if x.key == LOAD else x for x in typed)
+    for vary in keys:
+        for value in vary.choices:
+            scene_tables.keys_of(changed(raw, [vary], [value]), origin)
+    if math.prod(len(x.choices) for x in keys) > MOST:
+        raise ArgumentError("over", f"more than {MOST} places", f"up to {MOST}", "take fewer values")
+    columns = tuple(_over(x) for x in typed)
+    return Asked(
+        text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, *_station(stiffness_at, described)
+    )
+
+
+def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
+    if isinstance(scene, Assembly):
+        if model not in AXIS_MODELS:
+            raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
+        return
+    known_model(model, without=("condensed",))
+    if TANGENT_OF.get(model, model) not in LADDER and "stiffness" in (quantities or USUAL):
+        allowed = ", ".join((*LADDER, *TANGENT_OF))
+        advice = "it has no stiffness matrix: leave stiffness out of `quantities`, or choose another model"
+        raise ArgumentError("model", model, allowed, advice)
+
+
+def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
+    """Where the stiffness is asked for, and of what it is."""
+    names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
+    if given in names:
+        return given, f"set {given}, its inner part moved and its outer one held"
+    of = "shaft with all bearings and supports" if names else "screw's section against the held nut, without its shaft"
+    if given is None or given == "":
+        return None, of
+    try:
+        station = float(given) if isinstance(given, int | float) else units.parse(given, "length")
+    except ValueError as error:
+        allowed = ", ".join(("a length with its unit", *map(units.show, names)))
+        raise ArgumentError("stiffness_at", str(given), allowed, str(error)) from None
+    if not 0.0 <= station <= scene.screw.length:
+        raise ArgumentError(
+            "stiffness_at", str(given), f"0 mm to {1e3 * scene.screw.length:g} mm", "give a place on the shaft"
+        )
+    return station, of
+
+
+def axial_key(raw: dict[str, Any], origin: str) -> str:
+    """The key of the axial part of the one axial load of a scene's tables. Raises ArgumentError where there are several or
+    none."""
+    named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
+    forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
+    axial = [key for key, force in forces.items() if len(force) == 3 and _number(force[2])] or list(forces)
+    if len(axial) != 1:
+        advice = 'name the key, such as "loads[0].force[2]"'
+        raise ArgumentError("over", LOAD, f"a scene with one axial load, this has {len(axial)}", advice, origin)
+    return axial[0]
+
+
+def _number(text: Any) -> float:
+    """The number of a quantity; zero where there is none."""
+    found = number_and_unit(str(text))
+    return 0.0 if found is None else float(found[0])
+
+
+def _over(vary: Vary) -> Over:
+    """The column of a key. Numbers are in the unit that all values have; others stay words."""
+    split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
+    spelt = {x[1] for x in split if x is not None}
+    if None in split or len(spelt) > 1:
+        return Over(vary.key, vary.key, vary.choices)
+    unit = "".join(spelt).replace(" ", "")
+    return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
+
+
+def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
+    """The row of a place; what scene or model refuse is its status."""
+    try:
+        raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
+        scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
+        if isinstance(scene, Assembly) and isinstance(asked.station, float):
+            scene = replace(scene, stiffness_at=asked.station)
+        return _solved(scene, asked, engine)
+    except InputError as error:
+        return TableRow(f"refused: {error}")
+
+
+def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
+    names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
+    result, found = sample.solve_case(scene, asked.model, engine, names)
+    if not result.converged:
+        return TableRow(str(result.status))
+    matrix, rigidity, status = None, None, CONVERGED
+    errors: dict[str, Any] = {"error_words": "no scene of several sets was compared with the 3D reference"}
+    tangent: Tangent | None = None
+    if isinstance(scene, Scene) and isinstance(result, StaticResult):
+        errors = _expected(scene, result)
+        if "stiffness" in asked.quantities:
+            station = asked.station if isinstance(asked.station, float) else scene.nut.position
+            tangent = tangent_of(scene, station, asked.model, Options())
+    elif isinstance(result, AxisResult) and "stiffness" in asked.quantities:
+        of_set = next((s.stiffness for s in result.sets if s.of.name == asked.station), result.stiffness)
+        none = "the place is held, or no contact there is loaded"
+        known = of_set is not None and np.isfinite(of_set).any()
+        tangent = Tangent(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
+    if tangent is not None and tangent.status != CONVERGED:
+        status = f"no stiffness: {tangent.status}"
+    elif tangent is not None:
+        matrix = tangent.matrix
+        rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
+    pressure = max(_pressures(scene, result), default=None) if "pressure" in asked.quantities else None
+    moved = found.get("displacement_um")
+    life = found.get("life_million_revolutions")
+    return TableRow(
+        status,
+        matrix,
+        rigidity,
+        None if moved is None else 1e-6 * moved,
+        found.get("largest_load_N") if "load" in asked.quantities else None,
+        found.get("preload_N"),
+        pressure,
+        life,
+        **errors,
+    )
+
+
+def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
+    """The largest pressure [Pa] of each loaded set."""
+    if isinstance(result, StaticResult):
+        sets: list[Any] = [(scene, result, None)]
+    else:
+        sets = [(s.of.parts, s.balls, s.line_loads) for s in result.sets]
+    for parts, balls, lines in sets:
+        if balls is not None:
+            worst: Any = load_answers(parts, balls.load, balls.contact_angle, balls.member, balls.pressure).worst
+        else:
+            worst = worst_roller(parts, lines)
+        if worst is not None:
+            yield worst.pressure
+
+
+def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
+    """Errors to expect of a row, by its fields."""
+    form = estimate(scene, result)
+    return {
+        "load_error": form.percent,
+        "rms_error": form.rms_percent,
+        "displacement_error": form.displacement_percent,
+        "rigidity_error": form.rigidity_percent,
+        "pressure_error": form.pressure_percent,
+        "error_words": "" if form.percent is not None else form.words[-1],
+    }
+
+
+def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Table:
+    """All rows, side by side where asked. step: hears of the progress. Raises InputError where workers are lost."""
+    raw = scene_file.read_toml(asked.text, asked.origin)
+    for path, other in displaced(raw, asked.keys):
+        step(f"{path} takes the place of the scene's {other}")
+    places = list(product(*(vary.choices for vary in asked.keys)))
+    kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
+    rows: dict[int, TableRow] = {}
+    for number, row in first_here([(row_at, (asked, place, kernels)) for place in places], engine, "places", step):
+        rows[number] = row
+        step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
+    return table_of(_json(asked, [rows[k] for k in range(len(places))]))
+
+
+def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
+    """What the command prints. A quantity that nobody asked for has no key."""
+    names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
+    without = {name for _, of in QUANTITIES.values() for name in of} - names
+    places = product(*(x.values for x in asked.over))
+    heads = [dict(zip([x.column for x in asked.over], place, strict=True)) for place in places]
+    return {
+        "scene": asked.scene,
+        "model": asked.model,
+        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in asked.over],
+        "quantities": list(asked.quantities),
+        "freedoms": list(FREEDOMS),
+        "stiffness_of": asked.stiffness_of,
+        "station_mm": 1e3 * asked.station if isinstance(asked.station, float) else None,
+        "converged": sum(row.converged for row in rows),
+        "rows": [head | (as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
+    }

@@ -1,0 +1,225 @@
+"""A table of `rollbench.compare.studies.table` as files: CSV, JSON, Parquet, netCDF, figure, ROSS and Modelica.
+
+ROSS takes five of the 36 terms of the tangent, a CombiTable all of them. Both hold constants at each place: no damping.
+"""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError, one_line
+from rollbench.compare.files import replace_file, write_csv, written
+from rollbench.compare.quantities import count_of, quantities
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_of
+from rollbench.compare.scenes.scene_file import read_text
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.libraries import fault, pip
+from rollbench.meshes.parts import FREEDOMS
+from rollbench.reports.content import Figure, Panel, Series
+
+#: Files of a table by suffix, with the package that each needs.
+FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
+
+#: Terms of the tangent that a BearingElement of ROSS takes: its names, row and column.
+ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
+ROSS_DROPS = (
+    "A BearingElement of ROSS (2.3.0) takes 5 of the 36 terms, kxx, kxy, kyx, kyy and kzz, and drops 31: K_ux_uz, K_uy_uz, "
+    "K_uz_ux and K_uz_uy, which couple axial with radial displacement, and all 27 with rx, ry or rz: tilting and torsional "
+    "stiffness, and what couples rotations with displacements. kzz is K_uz_uz, the axial stiffness with the other five "
+    "freedoms held: no less than the axial rigidity of the table, where only rz is held."
+)
+
+
+def need_format(path: Path) -> None:
+    """Raise InputError for a file name of another format, or one whose package is missing."""
+    if path.suffix not in FORMATS:
+        raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
+    package = FORMATS[path.suffix]
+    if package and (reason := fault(package)):
+        raise ArgumentError("out", str(path), f"{package} for {path.suffix} ({reason})", pip(package))
+
+
+def write_table(path: Path, table: Table) -> None:
+    """Write all rows, in the format of the file's suffix. Raises InputError."""
+    columns = table.columns()
+    if path.suffix == ".csv":
+        rows = zip(*columns.values(), strict=True)
+        write_csv(path, [dict(zip(columns, row, strict=True)) for row in rows])
+    elif path.suffix == ".json":
+        replace_file(path, json.dumps(table.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    elif path.suffix == ".parquet":
+        import pyarrow
+        import pyarrow.parquet
+
+        with written(path):
+            pyarrow.parquet.write_table(pyarrow.table(columns), path)
+    else:
+        with written(path):
+            _dataset(table, columns).to_netcdf(path, engine="scipy")
+
+
+def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
+    """The table on its grid: a dimension for every key, two more for the stiffness."""
+    import xarray
+
+    dims = [x.column for x in table.over]
+    shape = [len(x.values) for x in table.over]
+    data: dict[str, Any] = {}
+    for name, column in columns.items():
+        if name not in dims and not name.startswith("K_"):
+            words = any(isinstance(x, str) for x in column)
+            values = np.array([x or "" for x in column]) if words else np.array(column, dtype=float)
+            data[name] = (dims, values.reshape(shape))
+    if any(name.startswith("K_") for name in columns):
+        data["stiffness"] = ([*dims, "force", "freedom"], table.stiffness.reshape(*shape, 6, 6))
+    coords = {x.column: list(x.values) for x in table.over} | {"force": list(FREEDOMS), "freedom": list(FREEDOMS)}
+    return xarray.Dataset(data, coords, {"scene": table.scene, "model": table.model})
+
+
+def figure(table: Table) -> Figure | None:
+    """Each quantity over the key of numbers with most values, a curve for each value of the others; bars: the errors to
+    expect, if they are of that quantity itself. None without such a key."""
+    over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
+    columns = table.columns()
+    names = [name for name in ERROR_OF if any(x is not None for x in columns.get(name, ()))]
+    if not over or not names:
+        return None
+    along = max(over, key=lambda k: len(table.over[k].values))
+    rest = [x for k, x in enumerate(table.over) if k != along]
+    curves: dict[str, list[int]] = {}
+    for k, place in enumerate(table.places):
+        curves.setdefault(place_words(rest, place) if rest else "", []).append(k)
+    x = columns[table.over[along].column]
+    xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
+    panels = []
+    for name in names:
+        one, y = quantities(TableRow)[name], columns[name]
+        series = []
+        for label, at in curves.items():
+            known = [k for k in at if y[k] is not None]
+            if known:
+                series.append(Series(label, [x[k] for k in known], [y[k] for k in known], bars=_bars(table, name, known)))
+        same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
+        ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
+        low, high = (of(v for v in y if v is not None) for of in (min, max))
+        panels.append(Panel("", xlabel, ylabel, series, log="y" if 0.0 < 20.0 * low < high else ""))
+    left = len(table.rows) - table.converged
+    caption = f"Model {table.model}." + (f" {left} of {len(table.rows)} places have no answer." if left else "")
+    return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
+
+
+def _bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
+    """Ends of the error bars of a quantity in some rows; None where its error is not known."""
+    errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
+    if ERROR_OF[name] == "load_error" or None in errors:
+        return None
+    values = [table.columns()[name][k] for k in at]
+    low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
+    return low, high
+
+
+def read_table(path: str) -> Table:
+    """The table of a JSON file that ``rollbench table`` wrote. Raises InputError for another file."""
+    text = read_text(path)
+    try:
+        return table_of(json.loads(text))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        allowed = "the JSON of rollbench table"
+        raise InputError(path, "file", "something else", allowed, "write it by --out FILE.json") from None
+
+
+def ross_text(table: Table) -> str:
+    """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place
+    has a stiffness."""
+    matrices = table.stiffness
+    kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
+    if not kept:
+        advice = "make the table with the quantity stiffness, at a place whose ux, uy and uz are not held"
+        raise InputError(table.scene, "stiffness", "none", "a table with a stiffness at one place or more", advice)
+    places, lines = table.places, []
+    for k in kept:
+        terms = {name: float(f"{matrices[k][at]:.9e}") for name, at in ROSS_TERMS.items()}
+        lines.append(f"    ({place_words(table.over, places[k])!r}, {terms!r}),")
+    head = [
+        f"Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.",
+        f"It is that of: {table.stiffness_of}.",
+        *textwrap.wrap(ROSS_DROPS, 100),
+        "Damping is not known here: give cxx and others to `bearing`.",
+        *(f"left out: {line}" for line in _left_out(table)),
+    ]
+    return f'''{_comments(head)}
+
+import ross
+
+PLACES = [
+{chr(10).join(lines)}
+]
+
+
+def bearing(n, place, cxx=0.0, **others):
+    """The bearing at node n with the stiffness of PLACES[place]."""
+    return ross.BearingElement(n=n, cxx=cxx, **PLACES[place][1], **others)
+'''
+
+
+def _left_out(table: Table) -> list[str]:
+    """Which places are left out, and why."""
+    return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
+
+
+def _comments(lines: Iterable[str]) -> str:
+    return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
+
+
+def modelica_text(table: Table) -> tuple[str, list[str]]:
+    """A file for Modelica.Blocks.Tables: one key gives ``table`` for CombiTable1Ds, its columns named in comments; two give
+    a table of each column for CombiTable2Ds. And what is left out of it, with the reasons: places without an answer, and
+    columns without a number at some place. Raises InputError for more keys, words as values, and a grid with gaps."""
+    axes = [x.numbers for x in table.over]
+    if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
+        allowed = "a table over one or two keys, each of two numbers or more"
+        raise InputError(table.scene, "over", count_of(len(axes), "key"), allowed, "make another table")
+    kept = [k for k, row in enumerate(table.rows) if row.converged]
+    if len(axes) == 2 and len(kept) < len(table.rows):
+        reason, places = next(iter(table.failures.items()))
+        advice = "a CombiTable2D has no gaps: make the table without such places"
+        raise InputError(table.scene, places[0], reason, "an answer at each place", advice)
+    grid = [np.array(x, dtype=float) for x in axes]
+    rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
+    left = _left_out(table)
+    columns: dict[str, Array] = {}
+    for name, column in rows.items():
+        if name in table.places[0] or any(isinstance(x, str) for x in column):
+            continue
+        if None in column:
+            left.append(f"{name}: no number at {count_of(column.count(None), 'place')} with an answer")
+        else:
+            columns[name] = np.array(column, dtype=float)
+    if len(kept) < 2 or not columns:
+        raise InputError(table.scene, "rows", count_of(len(kept), "answer"), "two answers or more", "; ".join(left))
+    head = [
+        f"{table.scene} by rollbench, model {table.model}; over {', '.join(x.column for x in table.over)}",
+        f"stiffness K_force_freedom in N, m, rad, of: {table.stiffness_of}",
+        *(f"left out: {line}" for line in left),
+    ]
+    if len(grid) == 1:
+        head += [f"column {k}: {name}" for k, name in enumerate((table.over[0].column, *columns), 1)]
+        whole = np.column_stack([grid[0][kept], *columns.values()])
+        blocks = [_block("table", whole[np.argsort(whole[:, 0])])]
+    else:
+        order, shape, blocks = [np.argsort(x) for x in grid], [len(x) for x in grid], []
+        for name, column in columns.items():
+            inner = np.column_stack([grid[0][order[0]], column.reshape(shape)[np.ix_(*order)]])
+            blocks.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
+    return "\n".join(["#1", _comments(head), *blocks]), left
+
+
+def _block(name: str, values: Array) -> str:
+    rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
+    return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

@@ -1,0 +1,51 @@
+"""A scene at places of its keys for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rollbench.compare.quantities import count_of, quantities
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow
+from rollbench.compare.text.printing import aligned, fitted, text_width
+
+#: Most reasons that are printed.
+REASONS = 5
+
+
+def table_parts(found: Table) -> list[Any]:
+    """A row for each place with its quantities and the errors to expect, in tables as wide as a text; then what has no
+    answer, and why."""
+    return [*fitted(aligned(_rows(found)), text_width()), "", *_words(found)]
+
+
+def _rows(found: Table) -> list[dict[str, Any]]:
+    named, rows = quantities(TableRow), []
+    for row, place in zip(found.rows, found.places, strict=True):
+        shown = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
+        for key, field in ERROR_OF.items():
+            value = named[key].value(row)
+            shown[f"{named[key].label} {named[key].unit}"] = value
+            if field != "load_error":
+                shown[f"{named[key].label} ± %"] = None if value is None else _rounded(getattr(row, field))
+        rows.append(shown | {"loads ± %": _rounded(row.load_error)})
+    return rows
+
+
+def _rounded(percent: float | None) -> float | None:
+    """An error to two significant digits."""
+    return None if percent is None else float(f"{percent:.2g}")
+
+
+def _words(found: Table) -> Iterator[str]:
+    matrix = any(row.stiffness is not None for row in found.rows)
+    further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
+    further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
+    yield f"{found.converged} of {len(found.rows)} places have an answer{further}"
+    reasons = list(found.failures.items())
+    for reason, places in reasons[:REASONS]:
+        others = f" and {count_of(len(places) - 1, 'further place')}" if places[1:] else ""
+        yield f"{places[0]}{others}: {reason}"
+    if reasons[REASONS:]:
+        yield f"{count_of(len(reasons) - REASONS, 'further reason')}: in --json and --out"
+    yield from dict.fromkeys(f"no error to expect: {row.error_words}" for row in found.rows if row.error_words)
