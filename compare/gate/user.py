@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.given_files import EVERY, GivenLoads, GivenValue, Only, comma_or, read_loads, read_values
+from rollbench.compare.gate.given_files import GivenValue, read_values
 from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, limit_of, parse_limits
 from rollbench.compare.gate.verdict import (
     LARGEST,
@@ -40,6 +40,7 @@ from rollbench.compare.models.comparison import (
     referenced,
 )
 from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
@@ -61,7 +62,7 @@ UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 def read_reference(
     path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
-    """The reference of a file with the columns of `given_files`, of every flank; headings that nothing is known of. only:
+    """The reference of a file with the columns of `loads_file`, of every flank; headings that nothing is known of. only:
     rows that are read; contacts: how many the nominal screw loads, where the scene itself does not tell.
 
     Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or one note above the table,
