@@ -207,25 +207,13 @@ def compare(
 
     wanted = None if levels is None else parse_levels(levels)
     command = model_of(program)
-    means_nothing = {
-        "model": model is not None,
-        "model_command": command != "",
-        "balls": balls,
-        "reference": reference is not None,
-    }
+    means_nothing = {"model": model is not None, "model_command": command != ""}
+    means_nothing |= {"balls": balls, "reference": reference is not None}
     if all_rolling(scenes, bodies, means_nothing):
         answer = run_rolling_compare(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
     else:
-        answer = run_compare(
-            scenes,
-            [*(model or ()), *filter(None, [command])],
-            wanted,
-            store,
-            engine(where),
-            fresh=fresh,
-            balls=balls,
-            reference=reference,
-        )
+        models = [*(model or ()), *filter(None, [command])]
+        answer = run_compare(scenes, models, wanted, store, engine(where), fresh=fresh, balls=balls, reference=reference)
     return print_answer(answer, as_json)
 
 

@@ -43,8 +43,8 @@ class OfProgram:
     model_command: Annotated[
         Word,
         Parameter(
-            help='Command of a program that is the model, "prog {scene.json} {loads.csv}": it reads the scene (SI units, as '
-            "export SCENE --format json writes it) and writes loads as solve --loads-csv does. Exit code 1 where it fails."
+            help='Command of a program that is the model, "prog {scene.json} {loads.csv}": it reads the scene, as '
+            "export SCENE --format json writes it, and writes loads as solve --loads-csv does. Exit code 1 where it fails."
         ),
     ] = ""
     model_seconds: Annotated[float | None, Parameter(help="Seconds that it has for a scene; 60 unless given.")] = None

@@ -41,6 +41,7 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
+from rollbench.compare.models.programs import shown
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
@@ -281,7 +282,7 @@ def check_scenes(
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
             out += [v for one in each for v in _verdicts(one, files, limits, request)]
-            judged = request.model if request.loads is None else request.loads.name
+            judged = shown(request.model) if request.loads is None else request.loads.name
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
             beside = each if value.force is None else referenced(files.at[value.force], request.stores)
@@ -473,7 +474,7 @@ def as_shares(limits: Limits) -> Iterator[str]:
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
-    scene, ref = one.scene, one.found
+    scene, ref, title = one.scene, one.found, shown(name)
     if one.of is not None:
         answer = answered(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
@@ -486,14 +487,14 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model has no loads: {status}"
-        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
+        return [Verdict(scene.name, title, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
     loads = from_result(result)
-    verdicts = judge(name, result.load, ref, limits) + contact_verdicts(
-        name, contacts_by(scene, loads, limits.others), scene, ref, limits
+    verdicts = judge(title, result.load, ref, limits) + contact_verdicts(
+        title, contacts_by(scene, loads, limits.others), scene, ref, limits
     )
     if one.of is not None:
         return verdicts
-    return verdicts + [value_verdict(name, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
+    return verdicts + [value_verdict(title, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
 
 
 def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:

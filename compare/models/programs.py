@@ -1,7 +1,7 @@
 """A user's low-order model as a program of any language: a command that reads a scene as JSON and writes loads as CSV.
 
 ``prog {scene.json} {loads.csv}`` is run for every scene with two paths in place of the braces, without a shell, in the
-folder where rollbench was called. Such a command stands wherever the name of a model does, so that it reaches every worker as
+folder where rollbench was called. Such a command stands wherever the name of a model does, so it reaches every worker as
 text; ``{seconds=600}`` in it is its limit of time (`model_command` writes it).
 """
 
@@ -38,11 +38,13 @@ from rollbench.meshes.parts import SIDES, Scene
 SCENE, LOADS, LIMIT = "{scene.json}", "{loads.csv}", re.compile(r"\{seconds=([^{}]*)\}")
 #: Seconds that a program has for a scene unless it is given others, and the most that it may be given.
 SECONDS, LONGEST = 60.0, 1e6
+#: Least load of a contact [N]: what a program leaves below it is round-off.
+LEAST = 1e-9
 #: Note of the loads' file that gives the motion of the screw at the nut's centre.
 DISPLACEMENT = "displacement"
 #: Bytes of a program's output in which its last line is looked for.
 TAIL = 4096
-MEND = "run it by hand on the JSON of `rollbench export SCENE --format json`"
+MEND = "run it by hand on what rollbench export SCENE --format json writes; `model_seconds` gives it more time"
 
 
 def is_command(name: str) -> bool:
@@ -148,11 +150,12 @@ class Program:
                     words, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, start_new_session=True
                 )
             except OSError as error:
+                said.unlink()
                 return f"cannot be started: {error.strerror or error}"
             try:
                 code = process.wait(self.seconds)
             except subprocess.TimeoutExpired:
-                return f"was ended after {self.seconds:g} s, its limit of time (`model_seconds`)"
+                return f"was ended after {self.seconds:g} s, its limit of time"
             finally:
                 _end(process)
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
@@ -160,12 +163,13 @@ class Program:
     def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
         """What is said of a program that did not answer, with its last line."""
         line = last_line(said)
-        words = f"its last line: {line}" if line else "it printed nothing"
-        return ProgramError(self.label, scene.name, f"{why}; {words}", MEND)
+        words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
+        return ProgramError(self.label, scene.name, why + words, MEND)
 
     def _read(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
         """The answer of a file. Raises InputError."""
         given = read_loads(path, scene.ball_count, scene)
+        given.load[given.load < LEAST] = 0.0
         lacking = [side for side in SIDES if side not in given.flanks]
         if lacking:
             raise InputError(LOADS, "rows", f"no loads on {', '.join(lacking)}", "every ball on SL, SR, NL and NR", "")
@@ -192,14 +196,14 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         process.wait()
 
 
-def last_line(path: Path) -> str:
-    """The last line of a program's output, empty where it printed none."""
+def last_line(path: Path) -> str | None:
+    """The last line of a program's output, empty where it printed none; None where it was not run."""
     try:
         with path.open("rb") as file:
             file.seek(max(0, path.stat().st_size - TAIL))
             lines = file.read().decode("utf-8", errors="replace").split("\n")
     except OSError:
-        return ""
+        return None
     return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
 
