@@ -47,7 +47,7 @@ COMMANDS = {
         "verify": "report",
         "doctor": "doctor",
     },
-    "How far to trust it": {"compare": "compare", "check": "check", "mesh-study": "mesh_study"},
+    "How far to trust it": {"compare": "compare", "check": "check", "survey": "survey", "mesh-study": "mesh_study"},
     "Many scenes": {"sweep": "sweep"},
     "To and from other programs": {"export": "export", "condense": "export", "crosscheck": "crosscheck", "schema": "new"},
     "This program and its sources": {

@@ -41,7 +41,7 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
-from rollbench.compare.models.programs import shown
+from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
@@ -84,7 +84,7 @@ def read_reference(
     further = {q.name: given.further[name] for name, q in OF_CONTACTS.items() if name in given.further}
     share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
     parts = GridParts(share)
-    run = _as_run(scene, given.load, angle)
+    run = as_run(scene, given.load, angle)
     label = re.sub(r"\s+", " ", path.name)
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
 
@@ -129,7 +129,7 @@ def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
-def _as_run(scene: Scene, load: Array, angle: Array) -> Run:
+def as_run(scene: Scene, load: Array, angle: Array) -> Run:
     """A run without mesh: loads [N] and angles [deg]."""
     return Run(
         scene=scene.name,
@@ -282,7 +282,7 @@ def check_scenes(
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
             out += [v for one in each for v in _verdicts(one, files, limits, request)]
-            judged = shown(request.model) if request.loads is None else request.loads.name
+            judged = title_of(request.model) if request.loads is None else request.loads.name
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
             beside = each if value.force is None else referenced(files.at[value.force], request.stores)
@@ -474,7 +474,7 @@ def as_shares(limits: Limits) -> Iterator[str]:
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
-    scene, ref, title = one.scene, one.found, shown(name)
+    scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
         answer = answered(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")

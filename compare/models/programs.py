@@ -63,10 +63,10 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
     return name
 
 
-def shown(name: str) -> str:
+def title_of(name: str) -> str:
     """The name of a model in words: of a command its words without folders and files.
 
-    >>> shown("awk -f /home/me/share.awk {scene.json} {loads.csv}"), shown("lin")
+    >>> title_of("awk -f /home/me/share.awk {scene.json} {loads.csv}"), title_of("lin")
     ('awk -f share.awk', 'lin')
     """
     return program(name).label if is_command(name) else name

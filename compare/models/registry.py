@@ -340,7 +340,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     def run(scene: Scene, options: Options) -> StaticResult:
         return user_models.run(name, scene, options.member)
 
-    return Model(name, "", programs.shown(name), user_models.WORDS, run, "it is a function of a scene of one set")
+    return Model(name, "", programs.title_of(name), user_models.WORDS, run, "it is a function of a scene of one set")
 
 
 def random_errors(scene: Scene | Assembly) -> bool:

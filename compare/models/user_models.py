@@ -125,7 +125,7 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
     from rollbench.lowfi.statics.problem import SIGNS
     from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 
-    function, layout, shown = load(name), ball_layout(scene), programs.shown(name)
+    function, layout, shown = load(name), ball_layout(scene), programs.title_of(name)
     given, start = with_draws(scene, member), perf_counter()
     try:
         found = function(given)

@@ -28,7 +28,7 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.compare.models.programs import shown
+from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, Model, is_model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
@@ -66,7 +66,7 @@ class Beside:
     @property
     def title(self) -> str:
         """Name for tables."""
-        return shown(self.answer.model)
+        return title_of(self.answer.model)
 
     @property
     def pressure(self) -> float:
