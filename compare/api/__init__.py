@@ -10,7 +10,20 @@ from rollbench.compare.api.calls import (
     new,
     read,
     solve,
+    survey,
     sweep,
 )
 
-__all__ = ["check", "compare_models", "ensemble", "friction", "load_curve", "mesh_study", "new", "read", "solve", "sweep"]
+__all__ = [
+    "check",
+    "compare_models",
+    "ensemble",
+    "friction",
+    "load_curve",
+    "mesh_study",
+    "new",
+    "read",
+    "solve",
+    "survey",
+    "sweep",
+]

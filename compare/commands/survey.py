@@ -88,8 +88,8 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
             yield (
                 f"{title} is off by {middle['largest_percent']:.3g} % of the mean load on the worst contact, median of "
                 f"{len(answered)} drawn ball screws, by {answered[0]['largest_percent']:.3g} % at most; 3D reference on "
-                f"level {data['level']}, uncertain by {bars[len(bars) // 2]:.2g} % in the median, {bars[-1]:.2g} % at most, "
-                f"by experience with its level; {times[len(times) // 2]:.2g} s a screw"
+                f"level {data['level']}, uncertain by {bars[len(bars) // 2]:.2g} % in the median, {bars[-1]:.2g} % at "
+                f"most, by experience with its level; {times[len(times) // 2]:.2g} s a screw"
             )
             yield f"check at {data['max_error_percent']:g} %: {counts}"
             yield "worst: " + "; ".join(

@@ -265,6 +265,8 @@ def figure(data: Mapping[str, Any]) -> Figure:
             Panel("screw by screw", f"screws in the order of the error of {main}", label, points, log="y"),
         ),
         f"Against level {data['level']} of the 3D reference; refined and lin as the survey's record has them.",
+        columns=1,
+        size=(4.0, 6.4),
     )
 
 
