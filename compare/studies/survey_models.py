@@ -31,6 +31,7 @@ from rollbench.compare.reference.store import SCHEMA, UNSAID
 from rollbench.compare.results.base import with_schema
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
+from rollbench.compare.studies.sweep.run import COMPILE_FROM
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.canonical import digest
 from rollbench.meshes.helix import ball_layout
@@ -108,7 +109,7 @@ def reference(scene: Scene, number: int) -> Reference | None:
     return reference_of(scene.name, scene, (run,), contacts=nominal_contacts(scene))
 
 
-def judged(model: str, number: int, limit: float = LIMIT) -> Row:
+def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
     """What a model finds for a screw, JSON-ready: its errors in per cent and the gate's verdict at a limit [%], or why
     there is no answer; the error where it raised one."""
     scene = drawn(number)
@@ -121,7 +122,7 @@ def judged(model: str, number: int, limit: float = LIMIT) -> Row:
         return row | {"status": "the model does not describe it"}
     start = perf_counter()
     try:
-        result = run_model(scene, model, Options(discretisation=False, engine="compiled"))
+        result = run_model(scene, model, Options(discretisation=False, engine=engine))
     except InputError as error:
         return row | {"status": one_line(str(error), 300), "error": error}
     seconds = perf_counter() - start
@@ -186,12 +187,13 @@ def run_models(
 
 def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]) -> list[Row]:
     """Rows of a model by the screw's number. Raises the first error of a model that fails on each of the first screws."""
-    first = [judged(model, number, limit) for number in numbers[:FIRST]]
+    engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
+    first = [judged(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
     if first and len(errors) == len(first):
         raise errors[0]
     rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    jobs: list[parallel.Job] = [(judged, (model, number, limit)) for number in numbers[FIRST:]]
+    jobs: list[parallel.Job] = [(judged, (model, number, limit, engine)) for number in numbers[FIRST:]]
     for _, row in parallel.as_done(jobs, "joblib", None, workers):
         rows[row["screw"]] = row
         if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
