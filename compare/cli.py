@@ -47,7 +47,7 @@ COMMANDS = {
         "verify": "report",
         "doctor": "doctor",
     },
-    "How far to trust it": {"compare": "compare", "check": "check", "mesh-study": "mesh_study"},
+    "How far to trust it": {"compare": "compare", "check": "check", "survey": "survey", "mesh-study": "mesh_study"},
     "Many scenes": {"sweep": "sweep", "table": "table"},
     "To and from other programs": {"export": "export", "condense": "export", "crosscheck": "crosscheck", "schema": "new"},
     "This program and its sources": {
@@ -164,8 +164,9 @@ def _let_threads_end() -> None:
 
 @_terminable()
 def main(tokens: list[str] | None = None) -> None:
-    """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130, TERM 143; an output that
-    nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
+    """Entry point: bad input gives one line on standard error and exit code 2, a user's program that fails 1, an
+    interrupt 130, TERM 143; an output that nobody reads any more ends quietly with 141, one that cannot be written with 74
+    and one line."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
@@ -183,7 +184,7 @@ def main(tokens: list[str] | None = None) -> None:
             sys.modules["rollbench.lowfi.jit"].compile_afterwards()
     except InputError as error:
         _say(in_options(error).lines())
-        sys.exit(2)
+        sys.exit(error.code)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
         from rollbench.meshes.units import COMMA, has_comma

@@ -34,6 +34,9 @@ class InputError(Exception):
     line writes them as options.
     """
 
+    #: Exit code of a command that it ends.
+    code = 2
+
     def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
         """Keep the parts; the text is put together by ``str()``."""
         super().__init__(file, key, value, allowed, advice, more)
@@ -79,6 +82,12 @@ class Refusal(InputError):
         """One line: ``file: key: reason; advice: ...``."""
         reason = one_line(" ".join(self.value.split()), _WHOLE).rstrip(".; ")
         return f"{one_line(self.file)}: {one_line(self.key)}: {reason}; advice: {one_line(self.advice, 300)}"
+
+
+class ProgramError(Refusal):
+    """A user's program, as a model, that did not answer a scene: it, the scene, what went wrong and its last line."""
+
+    code = 1
 
 
 @contextmanager

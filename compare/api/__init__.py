@@ -10,6 +10,7 @@ from rollbench.compare.api.calls import (
     new,
     read,
     solve,
+    survey,
     sweep,
     table,
 )
@@ -24,6 +25,7 @@ __all__ = [
     "new",
     "read",
     "solve",
+    "survey",
     "sweep",
     "table",
 ]

@@ -17,10 +17,12 @@ from rollbench.compare.results.data import (
     Ensemble,
     Friction,
     MeshStudy,
+    Survey,
     Sweep,
     ensemble_of,
     friction_of,
     mesh_study_of,
+    survey_of,
     sweep_of,
 )
 from rollbench.compare.scenes import catalogue, scene_file
@@ -323,6 +325,20 @@ def table(
     from rollbench.meshes.cache import default_root
 
     return solve_table(asked_for(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info)
+
+
+@held_to_one_thread()
+def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
+    """How wrong a model is on ball screws drawn as catalogues have them, against stored loads of the 3D reference.
+
+    model: one or several, by name or as `rollbench.model_command` gives it; refined and lin stand beside them as the
+    survey's record has them; count: of the first screws; max_error: limit of the verdicts in per cent; workers: parallel
+    processes. A screw without answer is a row with its reason. Raises InputError, also where a model fails on each of the
+    first screws.
+    """
+    from rollbench.compare.studies.survey_models import run_models
+
+    return survey_of(run_models([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info))
 
 
 def _described(scene: Described | str | Path) -> Described:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app, cache_folder
+from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Word, app, cache_folder, model_of
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
 
@@ -173,6 +173,7 @@ def check(
     source: Names = None,
     only: Names = None,
     as_json: Json = False,
+    program: OfProgram | None = None,
 ) -> int:
     """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
     balance, 3D references); with --printed: every number and claim that the sources print.
@@ -235,6 +236,7 @@ def check(
     only
         With --printed: the tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical; all unless given.
     """
+    model = model_of(program, model)
     if printed:
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}

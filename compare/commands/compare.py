@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, Where, app, engine
+from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Where, app, engine, model_of
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.running import need_packages
 from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer, ruled
@@ -172,6 +172,7 @@ def compare(
     reference: Path | None = None,
     bodies: str = "half-space",
     as_json: Json = False,
+    program: OfProgram | None = None,
     where: Where | None = None,
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
@@ -205,13 +206,14 @@ def compare(
     """
 
     wanted = None if levels is None else parse_levels(levels)
-    means_nothing = {"model": model is not None, "balls": balls, "reference": reference is not None}
+    command = model_of(program)
+    means_nothing = {"model": model is not None, "model_command": command != ""}
+    means_nothing |= {"balls": balls, "reference": reference is not None}
     if all_rolling(scenes, bodies, means_nothing):
         answer = run_rolling_compare(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
     else:
-        answer = run_compare(
-            scenes, model or (), wanted, store, engine(where), fresh=fresh, balls=balls, reference=reference
-        )
+        models = [*(model or ()), *filter(None, [command])]
+        answer = run_compare(scenes, models, wanted, store, engine(where), fresh=fresh, balls=balls, reference=reference)
     return print_answer(answer, as_json)
 
 

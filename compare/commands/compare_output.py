@@ -51,7 +51,7 @@ def answers_table(whole: Compared) -> RenderableType:
         unit = f"({q.unit})" if "/" in q.unit else q.unit
         cells = cell(value, q.format), cell(ref, q.format), cell(off, "+.2f")
         rows.append((f"{q.label} / {unit}" if unit else q.label, *cells))
-    return plain(("answer", whole.spoken.label, whole.itself.label, "difference / %"), rows, ("answer",), apart=2)
+    return plain(("answer", whole.spoken.title, whole.itself.label, "difference / %"), rows, ("answer",), apart=2)
 
 
 def start_lines(whole: Compared) -> list[str]:
@@ -59,7 +59,7 @@ def start_lines(whole: Compared) -> list[str]:
     if not whole.start:
         return []
     return [
-        f"displacements: from the place without loads, by {whole.spoken.label} {1e6 * whole.start:.3g} um from the nominal "
+        f"displacements: from the place without loads, by {whole.spoken.title} {1e6 * whole.start:.3g} um from the nominal "
         "one, which the reference's are counted from too"
     ]
 
@@ -68,7 +68,7 @@ def _cells(b: Beside) -> list[str]:
     e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     errors = ["", "", ""] if e is None else [f"{e.max_percent:.2f}", f"{e.ball} {e.side}".strip(), f"{e.rms_percent:.2f}"]
     return [
-        b.label,
+        b.title,
         *errors,
         f"{loads.max(initial=0.0):.1f}",
         f"{mean_load(loads, b.contacts):.1f}",
@@ -88,7 +88,7 @@ def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
     by_stamp: dict[str, list[str]] = {}
     for b in (itself, *models):
         if b.answer.seconds and b.answer.measured:
-            by_stamp.setdefault(b.answer.measured, []).append(f"{b.label} {b.answer.seconds:.0f} s")
+            by_stamp.setdefault(b.answer.measured, []).append(f"{b.title} {b.answer.seconds:.0f} s")
     return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
 
 
@@ -100,7 +100,7 @@ def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -
         row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
         row |= {"reference_N": float(reference.load[i, s])}
         row |= {"uncertainty_N": float(reference.uncertainty[i, s])}
-        rows.append(row | {f"{b.label}_N": float(b.answer.load[i, s]) for b in models})
+        rows.append(row | {f"{b.title}_N": float(b.answer.load[i, s]) for b in models})
     return rows
 
 
@@ -111,7 +111,7 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
         if not (reference.load[:, s] > 0.0).any():
             continue
         series = [loads(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
-        series += [loads(b.label, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
+        series += [loads(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
         panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 

@@ -51,7 +51,7 @@ def export(
     out
         File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.step or, with --deck, <scene>.inp.
     format
-        vtu, msh, med, inp or step; by the file's name unless given.
+        vtu, msh, med, inp, step, or json (what --model-command hands to a program); by the file's name unless given.
     level
         Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
     ball
@@ -91,11 +91,25 @@ def export(
         )
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
         raise ArgumentError("unit, balls, b_over_h, growth, stiffness", "given", "with --deck", "add --deck ccx")
+    if format == "json" or (not format and out is not None and out.suffix == ".json"):
+        if part or level != 1 or ball is not None:
+            raise ArgumentError("format", "json", "no `part`, `level` or `ball` with it", "leave them out")
+        return print_answer(run_json(catalogue.scene(scene), out))
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
             raise ArgumentError("format", "step", "no `part`, `level` or `ball` with it", "leave them out")
         return print_answer(run_step(scene_file.solvable(catalogue.any_scene(scene), scene), out))
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
+
+
+def run_json(scene: Scene, out: Path | None) -> Answer:
+    """Write a scene as a program that is a model gets it; ``<scene>.json`` unless given. Raises InputError."""
+    from rollbench.compare.files import replace_file
+    from rollbench.compare.models.programs import scene_json
+
+    out = out or Path(f"{scene.name}.json")
+    replace_file(out, scene_json(scene))
+    return Answer(parts=[f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"])
 
 
 def run_export(

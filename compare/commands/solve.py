@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Word, app
+from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Word, app, model_of
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.text.printing import Answer, on_terminal, print_answer, ruled
 
@@ -94,8 +94,8 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
     """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
     say so."""
     from rollbench.compare.files import write_csv
-    from rollbench.compare.gate.given_files import loads_csv
     from rollbench.compare.models.load_cases import Solved
+    from rollbench.compare.models.loads_file import loads_csv
     from rollbench.compare.quantities import count_of
 
     rows = []
@@ -226,6 +226,7 @@ def solve(
     time_limit: float | None = None,
     strict: Flag = False,
     assumptions: Flag = False,
+    program: OfProgram | None = None,
 ) -> int:
     """Solve one scene with one model, or many members of a scene with random errors.
 
@@ -275,6 +276,9 @@ def solve(
         Also print the assumptions, what is left out, the balance and the solver.
     """
 
+    model = model_of(program, model)
+    if program is not None and time_limit is not None:
+        raise ArgumentError("time_limit", f"{time_limit:g}", "without a program", "`model_seconds` limits each of its runs")
     if members is not None:
         from rollbench.compare.reference.jobs import Engine
 

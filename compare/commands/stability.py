@@ -69,7 +69,10 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
     records = survey.run_survey(SEED, count, folder, workers, on_terminal, keep)
     bad = survey.unanswered(records)
     if keep is not None:
+        from rollbench.compare.studies.survey_models import LOADS, keep_loads
+
         replace_file(keep, survey.text(SEED, records))
+        keep_loads(keep.with_name(LOADS), folder / "runs", count)
     found = survey.summary(records)
     parts: list[Any] = [aligned(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
@@ -101,7 +104,8 @@ def stability(
     workers
         Number of scenes of the survey in parallel, 1 unless given; each needs up to 4 GB.
     keep
-        File to write the survey's record to, for the report's table; scenes that this file answers are not solved again.
+        File to write the survey's record to, for the report's table, and beside it the loads that rollbench survey judges
+        by; scenes that this file answers are not solved again.
     """
 
     if survey is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
+from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine, model_of
 from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ def sweep(
     outputs: Word = "",
     out: Path = Path("rollbench-sweep"),
     as_json: Json = False,
+    program: OfProgram | None = None,
     where: Where | None = None,
 ) -> int:
     """Solve a scene at many values of its keys; each sample is stored, and an interrupted sweep resumes.
@@ -58,6 +59,7 @@ def sweep(
     from rollbench.compare.studies.sweep.summary import sweep_of
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
+    model = model_of(program, model)
     what = sweep_of(scene, vary, samples, method, seed, model, names)
     return print_answer(run_sweep(what, out, engine(where)), as_json)
 

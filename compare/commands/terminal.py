@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from rollbench.compare import __version__
+from rollbench.compare.errors import ArgumentError
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -32,6 +33,35 @@ Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative=""
 WORKERS = "Runs at the same time, 1 to 3 GB each of the 3D reference; 1 here, 2 of a report, the cluster's unless given."
 WAIT = "Seconds to wait for a worker of the scheduler where there is none, as on a cluster with a queue; 60 unless given."
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class OfProgram:
+    """A program of any language as a model."""
+
+    model_command: Annotated[
+        Word,
+        Parameter(
+            help='Command of a program that is the model, "prog {scene.json} {loads.csv}": it reads the scene, as '
+            "export SCENE --format json writes it, and writes loads as solve --loads-csv does. Exit code 1 where it fails."
+        ),
+    ] = ""
+    model_seconds: Annotated[float | None, Parameter(help="Seconds that it has for a scene; 60 unless given.")] = None
+
+
+def model_of(program: OfProgram | None, model: str = "") -> str:
+    """The model that is asked for by its name, or by a command. Raises InputError for both, and for seconds alone."""
+    if program is None or program == OfProgram():
+        return model
+    if not program.model_command:
+        raise ArgumentError("model_seconds", f"{program.model_seconds:g}", "with `model_command`", "give the command")
+    if model:
+        raise ArgumentError("model_command", program.model_command, "without `model`", "leave one out")
+    from rollbench.compare.models.programs import SECONDS, model_command
+
+    seconds = SECONDS if program.model_seconds is None else program.model_seconds
+    return model_command(program.model_command, seconds)
 
 
 @Parameter(name="*")

@@ -17,8 +17,8 @@ from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.files import no_figure, replace_file, write_figure
-from rollbench.compare.gate.given_files import read_table
 from rollbench.compare.gate.verdict import Verdict, of_whom
+from rollbench.compare.models.loads_file import read_table
 from rollbench.reports.cells import harmless
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.given_files import EVERY, GivenLoads, GivenValue, Only, comma_or, read_loads, read_values
+from rollbench.compare.gate.given_files import GivenValue, read_values
 from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, limit_of, parse_limits
 from rollbench.compare.gate.verdict import (
     LARGEST,
@@ -40,6 +40,8 @@ from rollbench.compare.models.comparison import (
     referenced,
 )
 from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
+from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
@@ -61,7 +63,7 @@ UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 def read_reference(
     path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
-    """The reference of a file with the columns of `given_files`, of every flank; headings that nothing is known of. only:
+    """The reference of a file with the columns of `loads_file`, of every flank; headings that nothing is known of. only:
     rows that are read; contacts: how many the nominal screw loads, where the scene itself does not tell.
 
     Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or one note above the table,
@@ -82,7 +84,7 @@ def read_reference(
     further = {q.name: given.further[name] for name, q in OF_CONTACTS.items() if name in given.further}
     share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
     parts = GridParts(share)
-    run = _as_run(scene, given.load, angle)
+    run = as_run(scene, given.load, angle)
     label = re.sub(r"\s+", " ", path.name)
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
 
@@ -127,7 +129,7 @@ def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
-def _as_run(scene: Scene, load: Array, angle: Array) -> Run:
+def as_run(scene: Scene, load: Array, angle: Array) -> Run:
     """A run without mesh: loads [N] and angles [deg]."""
     return Run(
         scene=scene.name,
@@ -280,7 +282,7 @@ def check_scenes(
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
             out += [v for one in each for v in _verdicts(one, files, limits, request)]
-            judged = request.model if request.loads is None else request.loads.name
+            judged = title_of(request.model) if request.loads is None else request.loads.name
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
             beside = each if value.force is None else referenced(files.at[value.force], request.stores)
@@ -472,7 +474,7 @@ def as_shares(limits: Limits) -> Iterator[str]:
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
-    scene, ref = one.scene, one.found
+    scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
         answer = answered(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
@@ -485,14 +487,14 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model has no loads: {status}"
-        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
+        return [Verdict(scene.name, title, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
     loads = from_result(result)
-    verdicts = judge(name, result.load, ref, limits) + contact_verdicts(
-        name, contacts_by(scene, loads, limits.others), scene, ref, limits
+    verdicts = judge(title, result.load, ref, limits) + contact_verdicts(
+        title, contacts_by(scene, loads, limits.others), scene, ref, limits
     )
     if one.of is not None:
         return verdicts
-    return verdicts + [value_verdict(name, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
+    return verdicts + [value_verdict(title, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
 
 
 def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.files import like_path
-from rollbench.compare.models import user_models
+from rollbench.compare.models import programs, user_models
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 
@@ -313,18 +313,21 @@ def default_model(scene: Scene | Assembly) -> str:
 
 
 def is_model(name: str) -> bool:
-    """Whether a model has that name: one of ours, or of an installed package."""
-    return name in MODELS or name in user_models.installed()
+    """Whether a model has that name: one of ours, of an installed package, or a command."""
+    return name in MODELS or programs.is_command(name) or name in user_models.installed()
 
 
 def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
-    """The model of that name: ours, or that of an installed package, which is loaded now; ours where both have the name.
+    """The model of that name: ours, that of an installed package, which is loaded now, ours where both have the name, or
+    that of a command.
 
     Raises ArgumentError for another name and for those it is asked without, with all that are known, and as
     `user_models.load`.
     """
-    names = [x for x in (*MODELS, *(x for x in user_models.installed() if x not in MODELS)) if x not in without]
-    if name not in names:
+    command = programs.is_command(name)
+    others = () if command else user_models.installed()
+    names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in without]
+    if name not in names and not command:
         import difflib
 
         near = difflib.get_close_matches(name.lower(), names, n=1)
@@ -337,7 +340,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     def run(scene: Scene, options: Options) -> StaticResult:
         return user_models.run(name, scene, options.member)
 
-    return Model(name, "", name, user_models.WORDS, run, "it is a function of a scene of one set")
+    return Model(name, "", programs.title_of(name), user_models.WORDS, run, "it is a function of a scene of one set")
 
 
 def random_errors(scene: Scene | Assembly) -> bool:

@@ -6,21 +6,22 @@ In the ``pyproject.toml`` of that package::
     mine = "my_package:contact_loads"
 
 ``rollbench compare my.toml --model mine`` then judges it as the models of rollbench are judged. A model is loaded only when
-it is named.
+it is named. A program of any language takes the place of such a function by its command (`programs`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from math import cos, sin
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, ProgramError, Refusal
+from rollbench.compare.models import programs
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen, with_draws
@@ -36,7 +37,7 @@ GROUP = "rollbench.models"
 #: Part of the largest force or moment that may be left unbalanced without a warning.
 UNBALANCED = 0.01
 #: How such a model answers a contact force, and what is to be expected of it.
-WORDS = "the model is a function of an installed package"
+WORDS = "the model is a function of an installed package, or a program"
 NOT_COMPARED = "a model of yours has not been compared with the 3D reference"
 ASSUMPTION = "contact angles stay nominal: the model gives loads only"
 
@@ -74,15 +75,19 @@ def installed() -> dict[str, EntryPoint]:
 
 
 def origin(name: str) -> str:
-    """Where an installed model comes from: its function, and the version of its package."""
+    """Where a user's model comes from: its function, and the version of its package; of a command its files."""
+    if programs.is_command(name):
+        return programs.program(name).files
     point = installed()[name]
     return point.value if point.dist is None else f"{point.value}, {point.dist.name} {point.dist.version}"
 
 
 @cache
 def load(name: str) -> UserModel:
-    """The function of an installed model. Raises ArgumentError where several packages have a model of that name, or its
-    package cannot be imported or has no function there."""
+    """The function of an installed model, or what runs a command. Raises ArgumentError where several packages have a model
+    of that name, its package cannot be imported or has no function there, or the command is none."""
+    if programs.is_command(name):
+        return partial(_answer_of, programs.program(name))
     from importlib.metadata import entry_points
 
     point = installed()[name]
@@ -98,36 +103,45 @@ def load(name: str) -> UserModel:
     return found
 
 
+def _answer_of(program: programs.Program, scene: Scene) -> ModelAnswer:
+    given, moved = program(scene)
+    pressure = given.further.get("pressure")
+    return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
+
+
 def _broken(point: EntryPoint, reason: str) -> ArgumentError:
     advice = "mend the package that adds the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
 
 def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
-    """The result of an installed model: its loads at nominal contact angles, how far they are from balance, and the time it
+    """The result of a user's model: its loads at nominal contact angles, how far they are from balance, and the time it
     took. A specimen of a scene with random errors is given to it as a scene with the errors that were drawn.
 
-    Raises ArgumentError for an answer of a wrong shape or with numbers that mean nothing, Refusal where the function fails.
+    Raises ArgumentError for an answer of a wrong shape or with numbers that mean nothing, Refusal where the function fails,
+    ProgramError where a program does.
     """
     from rollbench.lowfi.statics.contacts import error_free, hertz_C
     from rollbench.lowfi.statics.problem import SIGNS
     from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 
-    function, layout = load(name), ball_layout(scene)
+    function, layout, shown = load(name), ball_layout(scene), programs.title_of(name)
     given, start = with_draws(scene, member), perf_counter()
     try:
         found = function(given)
+    except ProgramError:
+        raise
     except Exception as error:  # whatever the user's function raises
         advice = "mend the model, or choose another one"
-        raise Refusal(scene.name, "model", f"{name} fails with {type(error).__name__}: {error}", advice) from error
+        raise Refusal(scene.name, "model", f"{shown} fails with {type(error).__name__}: {error}", advice) from error
     seconds = perf_counter() - start
     answer = found if isinstance(found, ModelAnswer) else ModelAnswer(found)
-    load_of = _numbers(name, "loads", answer.loads, (layout.z.size, 4), least=0.0)
+    load_of = _numbers(shown, "loads", answer.loads, (layout.z.size, 4), least=0.0)
     pressure, moved = None, np.full(6, np.nan)
     if answer.pressure is not None:
-        pressure = _numbers(name, "pressure", answer.pressure, load_of.shape, least=0.0)
+        pressure = _numbers(shown, "pressure", answer.pressure, load_of.shape, least=0.0)
     if answer.displacement is not None:
-        moved = _numbers(name, "displacement", answer.displacement, (6,))
+        moved = _numbers(shown, "displacement", answer.displacement, (6,))
     beta = scene.track.contact_angle
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     normal = np.einsum("sa,nak->nsk", SIGNS * np.array([cos(beta), sin(beta)]), axes)
@@ -150,7 +164,7 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
         solver=SolverReport(1, 1, balance.largest, seconds, load_of.size, 0, "user", "of the model"),
         assumed=(*scene.assumed, ASSUMPTION),
         left_out=(),
-        warnings=tuple(_warnings(name, balance)),
+        warnings=tuple(_warnings(shown, balance)),
         pressure=pressure,
     )
 

@@ -28,6 +28,7 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
+from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, Model, is_model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
@@ -59,8 +60,13 @@ class Beside:
 
     @property
     def label(self) -> str:
-        """Name for tables."""
+        """What names it among others."""
         return self.answer.model
+
+    @property
+    def title(self) -> str:
+        """Name for tables."""
+        return title_of(self.answer.model)
 
     @property
     def pressure(self) -> float:
@@ -210,7 +216,7 @@ def _off(b: Beside, expected: str = "") -> str:
         return ""
     where = f" (ball {e.ball} {e.side})" if e.ball else ""
     return (
-        f"{b.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+        f"{b.title} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
         f"{e.rms_percent:.2f} % RMS{expected}, and by {b.by_gate:.2f} %, {RULE}"
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from statistics import median
 from typing import Any, TypeAlias
 
 from rollbench.compare.quantities import from_json
@@ -435,6 +436,37 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
         converged=data["converged"],
         outputs=_outputs(data["outputs"]),
         sobol={name: {key: x["total"] for key, x in of.items()} for name, of in indices.items() if of is not None},
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Survey(Data):
+    """How wrong models are on the drawn ball screws whose reference is stored."""
+
+    screws: int
+    """How many screws were judged."""
+    median: Mapping[str, float]
+    """Error of the worst contact load [% of the mean load] by model: its median over the screws with an answer."""
+    largest: Mapping[str, float]
+    """The same: the largest."""
+    rows: Mapping[str, tuple[Mapping[str, JSON], ...]]
+    """Every screw by model, in the units of the keys, its ``status`` "converged" or why there is no answer."""
+
+
+def survey_of(data: Mapping[str, Any]) -> Survey:
+    """The record of what ``rollbench survey`` answers."""
+    sizes = {
+        name: [float(row["largest_percent"]) for row in rows if row["status"] == "converged"]
+        for name, rows in data["models"].items()
+    }
+    return Survey(
+        values=data,
+        shown="summary",
+        notes=(f"{data['screws']} of {data['of']} drawn screws have a stored reference, on level {data['level']}",),
+        screws=data["screws"],
+        median={name: median(x) for name, x in sizes.items() if x},
+        largest={name: max(x) for name, x in sizes.items() if x},
+        rows={name: tuple(rows) for name, rows in data["models"].items()},
     )
 
 

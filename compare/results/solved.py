@@ -12,6 +12,7 @@ import numpy as np
 
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
+from rollbench.compare.models.programs import title_of
 from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
 from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -320,7 +321,9 @@ class Result(Record, Balls):
             return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
         each = several or {"": self.loads}
-        return [(f"{self.scene}{case}{of}, {self.model}", loads) for of, loads in each.items() if loads is not None]
+        return [
+            (f"{self.scene}{case}{of}, {title_of(self.model)}", loads) for of, loads in each.items() if loads is not None
+        ]
 
     def view(self, path: str | Path) -> Path:
         """Write a page with the loaded screw, which can be turned; its path. Of a scene of one set without load cases.
@@ -337,7 +340,7 @@ class Result(Record, Balls):
         found, loaded = one.result, one.result.load > 0.0
         arrows = found.contact_point[loaded], (found.force_direction * found.load[..., None])[loaded]
         words = "Balls are coloured by their load; arrows are the contact forces on them."
-        title = f"{self.scene}, {self.model}"
+        title = f"{self.scene}, {title_of(self.model)}"
         write_view(LoadedScrew("view", title, one.scene, found.load, *arrows, words, turns=True), Path(path))
         return Path(path)
 
@@ -348,7 +351,7 @@ class Result(Record, Balls):
     @property
     def _notes(self) -> tuple[str, ...]:
         status = f"{self.status}: {self.reason}" if self.reason else self.status
-        return (f"{self.scene}, {self.model}: {status}", *self.warnings)
+        return (f"{self.scene}, {title_of(self.model)}: {status}", *self.warnings)
 
     def __repr__(self) -> str:
         """Scene, model and status; then loads, displacement, pressure and life in one line each."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
+from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, count_of, shown
 from rollbench.compare.results.load_curve import LoadCurve
@@ -68,7 +69,7 @@ def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool =
         tables = _set_tables(one.result, balls=balls)
     else:
         drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
-        titles = [f"{one.scene.name}{drawn}, model {result.model}: {result.status}"]
+        titles = [f"{one.scene.name}{drawn}, model {title_of(result.model)}: {result.status}"]
         tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
         grid = discretisation_percent(one.scene, one.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
@@ -133,7 +134,7 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     if curve.converged and not any(row["status"] != "converged" for row in rows):
         used.remove(CURVE_COLUMNS[-1])
     return [
-        f"{curve.scene}, model {curve.model}: load along {way} at {curve.at}, {len(rows)} points",
+        f"{curve.scene}, model {title_of(curve.model)}: load along {way} at {curve.at}, {len(rows)} points",
         *([curve.above] if curve.above else []),
         f"lash (dead zone between the signs): {lash}; from end to end {size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness outside the lash, to the ends: {stiff}"] if stiff else []),

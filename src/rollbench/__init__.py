@@ -32,14 +32,16 @@ if TYPE_CHECKING:
         new,
         read,
         solve,
+        survey,
         sweep,
         table,
     )
     from rollbench.compare.errors import InputError
+    from rollbench.compare.models.programs import model_command
     from rollbench.compare.models.user_models import ModelAnswer
     from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
-    from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
+    from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Survey, Sweep
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.table import Table
@@ -58,6 +60,7 @@ __all__ = [
     "Result",
     "Scene",
     "Status",
+    "Survey",
     "Sweep",
     "Table",
     "Verdict",
@@ -68,10 +71,12 @@ __all__ = [
     "friction",
     "load_curve",
     "mesh_study",
+    "model_command",
     "new",
     "read",
     "report",
     "solve",
+    "survey",
     "sweep",
     "table",
 ]
@@ -83,9 +88,10 @@ _ELSEWHERE = {
     "ModelAnswer": "rollbench.compare.models.user_models",
     "Scene": "rollbench.meshes.parts",
     "Table": "rollbench.compare.results.table",
+    "model_command": "rollbench.compare.models.programs",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
-    **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
+    **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Survey", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
     **dict.fromkeys(("Judgement", "Verdict"), "rollbench.compare.results.verdict"),
 }

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, ProgramError, Refusal
 from rollbench.compare.models import user_models
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS, known_model
 from rollbench.compare.reference import parallel
@@ -117,6 +117,8 @@ def _try_first(sweep: Sweep, places: Array) -> None:
             refused.append(error)
     if len({reason(error) for error in refused}) > 1:
         return
+    if isinstance(refused[-1], ProgramError):
+        raise refused[-1]
     few = f"each of the first {min(FIRST, len(places))} samples is refused for one reason, the last one so"
     raise Refusal(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 

@@ -17,6 +17,7 @@ OTHERS = {
     "audit": (("audit", "--only", "lin-3.2"),),  # which prints a zero where another number is computed
     "compare": (("compare", "lin-case1", "--model", "lin"),),
     "check": (("check", "lin-case1", "--model", "lin", "--no-compute"),),
+    "survey": (("survey", "--model", "mei", "--count", "2"), ("survey", "--screw", "0")),
     "mesh_study": (("mesh-study", "two-balls", "--levels", "2"),),
 }
 #: Why others are not run here.

@@ -7,11 +7,12 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
-from rollbench.compare.gate.given_files import GivenValue, column, read_loads, read_values
+from rollbench.compare.gate.given_files import GivenValue, read_values
 from rollbench.compare.gate.user import asked, check_scenes
 from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
 from rollbench.compare.models import loading, uncertainty
 from rollbench.compare.models.comparison import referenced
+from rollbench.compare.models.loads_file import column, read_loads
 from rollbench.compare.reference import jobs, store, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError, Refusal
-from rollbench.compare.gate import given_files, user
+from rollbench.compare.gate import user
 from rollbench.compare.gate.publish import HEADS, Outcome, junit, markdown, publish, table
 from rollbench.compare.gate.user import Asked, asked, check_scenes, limits_of
+from rollbench.compare.models import loads_file
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import estimate, jobs, store
 from rollbench.compare.scenes import catalogue, scene_file
@@ -107,7 +108,7 @@ ORDERED = "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n"
 @pytest.mark.parametrize("text", [GOOD, *SAVED, GOOD.replace(",", ";").replace(".", ","), ORDERED])
 def test_spreadsheets_as_they_are_saved(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
-    found = given_files.read_loads(tmp_path / "a.csv", 2)
+    found = loads_file.read_loads(tmp_path / "a.csv", 2)
     assert found.flanks == ("SL", "NR")
     np.testing.assert_array_equal(found.load, [[100.0, 0.0, 0.0, 90.5], [0.0, 0.0, 0.0, 80.0]])
 
@@ -132,7 +133,7 @@ FAULTY = [
 def test_faulty_loads_are_refused_by_line(tmp_path, old: str, new: str, key: str, words: str) -> None:
     (tmp_path / "a.csv").write_text(GOOD.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        given_files.read_loads(tmp_path / "a.csv", 2)
+        loads_file.read_loads(tmp_path / "a.csv", 2)
     assert caught.value.key == key
     assert words in str(caught.value)
 
@@ -198,7 +199,7 @@ def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path) -
     text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
     assert (text.splitlines()[0], "#" in text, len(rows)) == ("ball,flank,newton,azimuth_deg,z_mm", False, 32 * 4)
     result = run_model(catalogue.scene("lin-case1"), "lin", Options())
-    given = given_files.read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
+    given = loads_file.read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
     np.testing.assert_array_equal(given.load, result.load)
     assert given.renumbered == 0
     found = judged(tmp_path, rows)

@@ -1,0 +1,115 @@
+"""The command ``rollbench survey``: how wrong a model is on the drawn ball screws whose reference is stored."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_of
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer
+
+
+@app.command
+def survey(
+    *,
+    model: Names = None,
+    count: int = 240,
+    max_error: float = 7.0,
+    screw: int | None = None,
+    out: Path = Path(),
+    workers: int | None = None,
+    as_json: Json = False,
+    program: OfProgram | None = None,
+) -> int:
+    """How wrong a model is on 240 ball screws, drawn as catalogues have them, whose 3D reference is stored: nothing is
+    computed but the model. A table beside the models of rollbench, every screw as CSV, and a figure.
+
+    Exit code 1 where the model has no answer for a screw; one that fails on the first five of them is not asked further.
+
+    Parameters
+    ----------
+    model
+        Models: of rollbench list, or of an installed package.
+    count
+        Number of screws, of the first.
+    max_error
+        Limit of the verdicts in per cent, as of rollbench check.
+    screw
+        Write this drawn screw as a scene file, and its reference for check and compare --reference; judge nothing.
+    out
+        Folder of the files that are written; the present one unless given.
+    workers
+        Screws at the same time; 1 unless given.
+    """
+    command = model_of(program)
+    models = [*(model or ()), *filter(None, [command])]
+    if screw is not None:
+        if models:
+            raise ArgumentError("screw", str(screw), "without a model", "it writes a drawn screw")
+        return print_answer(run_screw(screw, out), as_json)
+    if not models:
+        raise ArgumentError("model", "nothing", "a model, or `model_command`", "name the model to be judged")
+    return print_answer(run_survey(models, count, max_error, out, workers), as_json)
+
+
+def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None) -> Answer:
+    """Judge models and write table and figure; exit code 1 where one has no answer for a screw. Raises InputError."""
+    from rollbench.compare.files import need_writable, write_csv, write_figure
+    from rollbench.compare.models.programs import title_of
+    from rollbench.compare.studies.survey_models import figure, run_models
+
+    stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(title_of, models))}")
+    table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
+    for path in (table, drawing):
+        need_writable(path)
+    data = run_models(models, count, workers, max_error, on_terminal)
+    write_csv(table, [{"model": title_of(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
+    drawn = write_figure(drawing, figure(data)) if any("verdict" in r for r in data["models"][models[0]]) else "no figure"
+    bad = sum(data["without_answer"].values())
+    return Answer(data, [*_parts(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0)
+
+
+def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
+    from rollbench.compare.models.programs import title_of
+    from rollbench.compare.studies.survey_models import WORST, where
+
+    missing = "" if data["screws"] == data["of"] else f" of {data['of']}; of the others none is stored"
+    for name in models:
+        rows, title = data["models"][name], title_of(name)
+        answered = sorted((r for r in rows if "verdict" in r), key=lambda r: -float(r["largest_percent"]))
+        if answered:
+            middle = answered[len(answered) // 2]
+            bars, times = (sorted(r[key] for r in answered) for key in ("uncertainty_percent", "seconds"))
+            counts = ", ".join(f"{n} {word}" for word, n in sorted(data["verdicts"][name].items()))
+            yield (
+                f"{title} is off by {middle['largest_percent']:.3g} % of the mean load on the worst contact, median of "
+                f"{len(answered)} drawn ball screws, by {answered[0]['largest_percent']:.3g} % at most; 3D reference on "
+                f"level {data['level']}, uncertain by {bars[len(bars) // 2]:.2g} % in the median, {bars[-1]:.2g} % at "
+                f"most, by experience with its level; {times[len(times) // 2]:.2g} s a screw"
+            )
+            yield f"check at {data['max_error_percent']:g} %: {counts}"
+            yield "worst: " + "; ".join(
+                f"screw {r['screw']} ({r['title']}) {r['largest_percent']:.3g} % at ball {r['at']}"
+                for r in answered[:WORST]
+            )
+        reasons: dict[str, list[int]] = {}
+        for r in (r for r in rows if "verdict" not in r):
+            reasons.setdefault(re.sub(r"survey-\d+-\d+", "the screw", r["status"]), []).append(r["screw"])
+        for reason, numbers in reasons.items():
+            yield f"no answer for {len(numbers)} of {len(rows)} screws, the first {numbers[0]}: {reason}"
+    yield f"{data['screws']} screws with a stored reference{missing}"
+    yield aligned(data["summary"], ".2f", "errors / %, sizes over the screws")
+    yield aligned(where(data["models"]), ".2f", "worst contact load by kind of screw: medians / % of the mean load")
+
+
+def run_screw(number: int, out: Path) -> Answer:
+    """Write a drawn screw and its reference. Raises InputError."""
+    from rollbench.compare.studies.survey_models import write_screw
+
+    text, loads = write_screw(number, out)
+    command = f"rollbench check {shlex.quote(str(text))} --reference {shlex.quote(str(loads))} --model MODEL"
+    return Answer({"files": [str(text), str(loads)]}, [f"wrote {text} and {loads}, for: {command}"])

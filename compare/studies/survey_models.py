@@ -1,0 +1,289 @@
+"""How wrong a model is on the drawn screws of the survey, a user's beside ours: loads against stored ones of the reference.
+
+The loads of the survey's runs are kept beside its record (`keep_loads`), each with a digest of its screw: where that is not
+the screw that is drawn now, nothing is judged.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.errors import ArgumentError, InputError, one_line
+from rollbench.compare.files import place, replace_file
+from rollbench.compare.gate.user import as_run
+from rollbench.compare.gate.verdict import LIMIT, Limits, judge
+from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.loads_file import loads_csv
+from rollbench.compare.models.programs import title_of
+from rollbench.compare.models.registry import Options, known_model, run_model
+from rollbench.compare.reference import parallel
+from rollbench.compare.reference.estimate import Reference, reference_of, uncertainty_percent
+from rollbench.compare.reference.store import SCHEMA, UNSAID
+from rollbench.compare.results.base import with_schema
+from rollbench.compare.scenes import scene_file
+from rollbench.compare.studies import survey
+from rollbench.compare.studies.sweep.run import COMPILE_FROM
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.meshes.canonical import digest
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.reports.content import Figure, Panel, Series
+
+#: File of the loads, beside the survey's record.
+LOADS = "survey-loads.json"
+#: Errors that are summed up, as the survey's record names them, and their words.
+ERRORS = {
+    "largest_percent": "worst contact load, of the mean load",
+    "rms_percent": "contact loads, RMS, of the mean load",
+    "pressure_percent": "largest pressure",
+}
+#: Screws that are tried first: where a model fails on each, it is not asked about the others.
+FIRST = 5
+#: Most screws that are named as the worst.
+WORST = 5
+
+Row = dict[str, Any]
+
+
+def drawn(number: int) -> Scene:
+    """Screw ``number`` of the survey."""
+    return scene_file.loads(survey.scene_text(survey.SEED, number), f"{name_of(number)}.toml")
+
+
+def name_of(number: int) -> str:
+    """Name of a drawn screw, and of its files."""
+    return f"survey-{survey.SEED}-{number}"
+
+
+def keep_loads(path: Path, runs: Path, count: int) -> int:
+    """Write the loads of the first ``count`` screws to a file, from runs in a folder and what the file has; how many it
+    has then. Raises InputError where it cannot be written."""
+    before = _read(path)
+    for number in range(count):
+        run = survey.kept(runs, scene := drawn(number))
+        if run is not None:
+            load = [[float(f"{x:.6g}") for x in row] for row in run.load]
+            before[number] = {"number": number, "of": _digest(scene), "moving": run.moving, "load": load}
+    rows = ",\n".join(json.dumps(before[number], separators=(",", ":")) for number in sorted(before))
+    head = json.dumps({"seed": survey.SEED, "level": survey.LEVEL})
+    replace_file(path, f'{head[:-1]}, "screws": [\n{rows}\n]}}\n')
+    return len(before)
+
+
+def _digest(scene: Scene) -> str:
+    return digest(SCHEMA, replace(scene, **UNSAID))[:16]
+
+
+def _read(path: Path) -> dict[int, Row]:
+    """Rows of a file of loads; none where there is none, or where it is of another seed or level."""
+    if not path.exists():
+        return {}
+    found = json.loads(path.read_text(encoding="utf-8"))
+    same = (found["seed"], found["level"]) == (survey.SEED, survey.LEVEL)
+    return {row["number"]: row for row in found["screws"]} if same else {}
+
+
+@cache
+def stored() -> dict[int, Row]:
+    """Loads that come with the package, by the screw's number."""
+    return _read(place(f"references/{LOADS}"))
+
+
+def reference(scene: Scene, number: int) -> Reference | None:
+    """The reference of a drawn screw by its stored loads, with the uncertainty that its level has by experience; None where
+    none are stored for this screw."""
+    row = stored().get(number)
+    if row is None or row["of"] != _digest(scene):
+        return None
+    load = np.array(row["load"])
+    run = replace(as_run(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
+    return reference_of(scene.name, scene, (run,), contacts=nominal_contacts(scene))
+
+
+def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
+    """What a model finds for a screw, JSON-ready: its errors in per cent and the gate's verdict at a limit [%], or why
+    there is no answer; the error where it raised one."""
+    scene = drawn(number)
+    row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
+    found = reference(scene, number)
+    if found is None:
+        return row | {"status": "no stored reference"}
+    known = known_model(model)
+    if not known.suits(scene):
+        return row | {"status": "the model does not describe it"}
+    start = perf_counter()
+    try:
+        result = run_model(scene, model, Options(discretisation=False, engine=engine))
+    except InputError as error:
+        return row | {"status": one_line(str(error), 300), "error": error}
+    seconds = perf_counter() - start
+    if not result.converged:
+        return row | {"status": str(result.status), "seconds": seconds}
+    verdict = judge(title_of(model), result.load, found, Limits(limit))[0]
+    error = load_error(result.load, found.load, found.contacts)
+    pressed = np.cbrt(result.load.max() / found.load.max())  # Hertz
+    return row | {
+        "status": survey.ANSWERED,
+        "largest_percent": error.max_percent,
+        "at": f"{error.ball} {error.side}",
+        "rms_percent": error.rms_percent,
+        "pressure_percent": float(error_percent(pressed, 1.0)),
+        "uncertainty_percent": uncertainty_percent(found),
+        "gate_percent": verdict.error_percent,
+        "verdict": verdict.word,
+        "seconds": seconds,
+    }
+
+
+def run_models(
+    models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
+) -> dict[str, Any]:
+    """Judge models on the first ``count`` screws, JSON-ready; ours beside them by the survey's record.
+
+    Raises InputError for a model or numbers that cannot be, and that of a model that fails on each of the first screws.
+    """
+    if not 1 <= count <= survey.SCENES:
+        raise ArgumentError("count", str(count), f"1 to {survey.SCENES}", "choose a number in that range")
+    if not 0.0 < limit < float("inf"):
+        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "7 is the gate's")
+    for name in models:
+        known_model(name, without=("condensed",))
+    numbers = [number for number in range(count) if number in stored()]
+    rows = {name: _each(name, numbers, workers, limit, step) for name in models}
+    ours = [r for r in survey.shipped()["scenes"] if r["number"] in numbers]
+    record: dict[str, list[Row]] = {
+        name: [
+            {"screw": r["number"], "title": r["title"].partition(": ")[2], "status": r["status"]} | r["models"][name]
+            for r in ours
+            if name in r.get("models", {})
+        ]
+        for name in survey.MODELS
+        if name not in models
+    }
+    everything = rows | record
+    return with_schema(
+        {
+            "seed": survey.SEED,
+            "level": survey.LEVEL,
+            "screws": len(numbers),
+            "of": count,
+            "max_error_percent": limit,
+            "summary": [line for name, of in everything.items() for line in summary(name, of)],
+            "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
+            "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
+            "models": everything,
+        }
+    )
+
+
+def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]) -> list[Row]:
+    """Rows of a model by the screw's number. Raises the first error of a model that fails on each of the first screws."""
+    engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
+    first = [judged(model, number, limit, engine) for number in numbers[:FIRST]]
+    errors = [row["error"] for row in first if "error" in row]
+    if first and len(errors) == len(first):
+        raise errors[0]
+    rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
+    jobs: list[parallel.Job] = [(judged, (model, number, limit, engine)) for number in numbers[FIRST:]]
+    for _, row in parallel.as_done(jobs, "joblib", None, workers):
+        rows[row["screw"]] = row
+        if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
+            pulse = int((perf_counter() - begin) / 10.0)
+            step(f"[{len(rows)}/{len(numbers)}] {title_of(model)}: {perf_counter() - begin:.0f} s")
+    return [{k: v for k, v in rows[number].items() if k != "error"} for number in numbers]
+
+
+def summary(model: str, rows: Sequence[Row]) -> list[Row]:
+    """Of every error its median, 95th percentile and largest size over the screws with an answer."""
+    out = []
+    for error, words in ERRORS.items():
+        sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
+        if sizes:
+            found = title_of(model), words, len(sizes), *map(float, np.percentile(sizes, [50, 95])), max(sizes)
+            out.append(dict(zip(("model", "error", "screws", "median", "p95", "largest"), found, strict=True)))
+    return out
+
+
+#: Features of a screw after which it is asked where a model is wrong, by words of its title and values of its record.
+WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
+    "preload: none": lambda r: r["title"].endswith((", none", ", none, flange")),
+    "preload: oversize, force": lambda r: ", oversize" in r["title"] or ", force" in r["title"],
+    "preload: lead offset": lambda r: ", lead offset" in r["title"],
+    "clearance": lambda r: ", clearance" in r["title"],
+    "moment or radial load": lambda r: r["moment_Nm"] > 0.0 or r["radial_N"] > 0.0,
+    "offset or tilted support": lambda r: r["offset_um"] > 0.0 or r["tilt_mrad"] > 0.0,
+    "axial load alone": lambda r: not any(r[k] for k in ("moment_Nm", "radial_N", "offset_um", "tilt_mrad")),
+}
+
+
+def where(models: Mapping[str, Sequence[Row]]) -> list[Row]:
+    """Median of the worst load error [% of the mean load] of the models on screws of one kind, kind by kind."""
+    known = {r["number"]: r for r in survey.shipped()["scenes"]}
+    out = []
+    for words, fits in WHERE.items():
+        chosen = {number for number, r in known.items() if "moment_Nm" in r and fits(r)}
+        sizes = {
+            title_of(name): [r["largest_percent"] for r in rows if r["screw"] in chosen and "largest_percent" in r]
+            for name, rows in models.items()
+        }
+        counts = [len(x) for x in sizes.values()]
+        if any(counts):
+            out.append({"screws": words, "number": max(counts)} | {k: float(np.median(x)) for k, x in sizes.items() if x})
+    return out
+
+
+def figure(data: Mapping[str, Any]) -> Figure:
+    """Share of the screws within an error, and every screw in the order of the first model's error; ours beside it."""
+    models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
+    lines, points = [], []
+    main = next(iter(models))
+    order = [r["screw"] for r in sorted(models[main], key=lambda r: float(r["largest_percent"]))]
+    for title, rows in models.items():
+        if not rows:
+            continue
+        sizes = np.sort([r["largest_percent"] for r in rows])
+        share = 100.0 * np.arange(1, sizes.size + 1) / sizes.size
+        lines.append(Series(title, sizes.tolist(), share.tolist(), "line", emphasis=title == main))
+        by = {r["screw"]: r for r in rows}
+        found = [(k, by[number]) for k, number in enumerate(order, 1) if number in by]
+        names = [f"screw {r['screw']}, {r['title']}" for _, r in found]
+        errors = [r["largest_percent"] for _, r in found]
+        points.append(Series(title, [k for k, _ in found], errors, "markers", emphasis=title == main, names=names))
+    label = "worst contact load: error / % of the mean load"
+    return Figure(
+        "survey",
+        f"{main} on {len(models[main])} drawn ball screws",
+        (
+            Panel("screws within an error", label, "share of the screws / %", lines, log="x", zero=True),
+            Panel("screw by screw", f"screws in the order of the error of {main}", label, points, log="y"),
+        ),
+        f"Against level {data['level']} of the 3D reference; refined and lin as the survey's record has them.",
+        columns=1,
+        size=(4.0, 6.4),
+    )
+
+
+def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
+    """Write a drawn screw as a scene file, and its stored loads as a reference that `check` and `compare` take; both paths.
+    Raises InputError for a screw without stored reference, and where a file cannot be written."""
+    allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
+    if not 0 <= number < survey.SCENES or (found := reference(scene := drawn(number), number)) is None:
+        raise ArgumentError("screw", str(number), allowed, "choose another one")
+    text, loads = folder / f"{name_of(number)}.toml", folder / f"{name_of(number)}-reference.csv"
+    layout = ball_layout(scene)
+    rows = loads_csv(found.load, layout.azimuth, layout.z)
+    bars = [f"{x:.6g}" for x in found.uncertainty.ravel()]
+    lines = [",".join((*row.values(), bar)) for row, bar in zip(rows, bars, strict=True)]
+    head = f"# provenance: level {survey.LEVEL} of the 3D reference, screw {number} of the survey"
+    replace_file(text, survey.scene_text(survey.SEED, number))
+    replace_file(loads, "\n".join([head, ",".join((*rows[0], "uncertainty_N")), *lines]) + "\n")
+    return text, loads
