@@ -272,7 +272,7 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
 
 
 def _grip(c: Contact) -> Array:
-    """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
+    """Parameter r of each cell ``(n,)`` [N s/m]: a share of its stiffness."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 

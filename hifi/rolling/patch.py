@@ -121,7 +121,7 @@ class Regular:
         return np.asarray(left @ self._part(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Derivative of `block` along x [1/N]."""
+        """Differentiate `block` along x [1/N]."""
         powers = exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.scale)
@@ -168,7 +168,7 @@ def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
 
 
 def _log_sum(x: Array, y: Array) -> Array:
-    """x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
+    """Antiderivative x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
@@ -245,7 +245,7 @@ def _matrix(cells: Index, table: Array) -> Array:
 def press(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
-    """Normal contact on a grid by a primal-dual active set; open cells carry exactly nothing.
+    """Solve normal contact on a grid by a primal-dual active set; open cells carry exactly nothing.
 
     Parameters
     ----------
@@ -339,8 +339,10 @@ class Patch:
 
     @property
     def strain(self) -> Array:
-        """Rate ``(2 n,)`` of tangential displacement, per length of rolling, by the normal forces: like half spaces have
-        none."""
+        """Rate ``(2 n,)`` of tangential displacement by the normal forces, per length of rolling.
+
+        Zero for half-spaces of the same material.
+        """
         if self.regular is None:
             return np.zeros(2 * len(self.at))
         return np.asarray(-self.regular.slope(self.at, TANGENTS, NORMAL) @ self.normal)
