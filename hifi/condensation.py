@@ -26,9 +26,9 @@ from rollbench.hifi.bodies.coarse import (
     free_transform,
     freedoms,
     isostatic,
+    local_compliance,
     mode_rows,
     of_order,
-    own_compliance,
     patch_modes,
 )
 from rollbench.hifi.bodies.grid_wave import GridWave, grid_wave
@@ -171,7 +171,7 @@ def condense_side(
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
 
-        local += own_compliance(C, V, response)
+        local += local_compliance(C, V, response)
         total += C
     return SidePatches(groove, ball, local, grid_wave(m, side, groove, total, b))
 

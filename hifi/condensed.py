@@ -131,7 +131,7 @@ def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
     return np.asarray(amplitudes @ setup.ball.G @ amplitudes.T)
 
 
-def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
+def beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
     """Displacement of every contact per unit of its force beyond its patches.
 
     Through its body and, with the opposite contact, the ball, of whose response half counts to each of the two contacts.
@@ -155,7 +155,7 @@ def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
     return np.asarray(ball + [body_motion(setup, s, spreads[s]) for s in setup.sides])
 
 
-def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
+def local_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
     """Approach of every side's contact over its force, beyond Hertz's law and the matrices.
 
     Parameters
@@ -179,10 +179,10 @@ def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
             for s, f in zip(setup.sides, loads, strict=True)
         ]
     )
-    fixed = rest_of(setup, spreads)
+    fixed = beyond_patches(setup, spreads)
     for k in range(loads.shape[1]):
         at_load = {s: spread(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
-        extra[:, k] += rest_of(setup, at_load) - fixed
+        extra[:, k] += beyond_patches(setup, at_load) - fixed
     return extra, loads
 
 
@@ -225,7 +225,7 @@ def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
         Contents of a file.
     """
     spreads = {s: spread(setup, s, float(np.median(forces_of(setup, s)))) for s in setup.sides}
-    local, forces = own_terms(setup, spreads)
+    local, forces = local_terms(setup, spreads)
     N = setup.layout.z.size
     nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
     if setup.nut is not None:

@@ -217,7 +217,7 @@ def expected_touch(p: PlacedSet, gap: Array) -> Array:
     return out
 
 
-def over_hats(p: PlacedSet, values: Array) -> Array:
+def pressure_means(p: PlacedSet, values: Array) -> Array:
     """Means over the pressure functions of values at the contact nodes.
 
     Parameters
@@ -303,14 +303,14 @@ def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
     return np.concatenate(rows, axis=1)
 
 
-def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_array:
+def directions_matrix(directions: Sequence[Array], free_motions: Array) -> sp.csr_array:
     """Matrix N of the gap closed by unit rigid motions.
 
     Parameters
     ----------
     directions : Sequence[Array]
         Normals ``(balls, n, 3)`` of every set.
-    unheld : (pairs, k) Array
+    free_motions : (pairs, k) Array
         Motion of the grooves' nodes along their normals by the unconstrained rigid motions of shaft and housings.
 
     Returns
@@ -319,7 +319,7 @@ def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_arra
         Rows: pairs; columns: three displacements of each ball, then the unconstrained motions.
     """
     balls = sp.block_diag([sp.csr_array(normals) for of_set in directions for normals in of_set])
-    return sp.hstack([balls, sp.csr_array(-unheld)]).tocsr()
+    return sp.hstack([balls, sp.csr_array(-free_motions)]).tocsr()
 
 
 def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -> Array:

@@ -26,7 +26,7 @@ from rollbench.hifi.coupling import (
     modal_motion,
     mounted_screw,
     node_arms,
-    over_hats,
+    pressure_means,
     relative_motion,
     rigid_rows,
     wave_gaps,
@@ -250,22 +250,22 @@ class Case:
             normals = arms / length[..., None]
             back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(over_hats(p, self._rigid_rows(p, normals)))
-            gap = over_hats(p, gap)
-            directions.append(over_hats(p, normals))
+            by_rigid.append(pressure_means(p, self._rigid_rows(p, normals)))
+            gap = pressure_means(p, gap)
+            directions.append(pressure_means(p, normals))
             rests.append((gap + level[k]).ravel())
             touching += list(expected_touch(p, gap)) if start is None else []
         motions = self.mounted.motions
-        unheld = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
+        free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
-        N = directions_matrix(directions, unheld)
+        N = directions_matrix(directions, free_motions)
         result, state = solve_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
         forces = self.split(result.forces)
         resultants = [_loads(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
-        return Round(result, state, directions, by_rigid, unheld, forces, load, angle)
+        return Round(result, state, directions, by_rigid, free_motions, forces, load, angle)
 
     def _rigid_rows(self, p: PlacedSet, normals: Array) -> Array:
         """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
@@ -309,7 +309,7 @@ class Case:
             loads = [*loads[-2:], last.load]
         return last, done, left
 
-    def verdict(self, last: Round, updates: int, left: float) -> tuple[str, float]:
+    def status(self, last: Round, updates: int, left: float) -> tuple[str, float]:
         """Status of a solution.
 
         Parameters
@@ -420,7 +420,7 @@ class Case:
         last, done, left = self.settled(first, most, report, moving=moving)
         seconds = perf_counter() - begin
         still = self.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
-        status, may_move = self.verdict(last, done, left)
+        status, may_move = self.status(last, done, left)
         stations, centreline, housings = self.centreline(last)
         balance, along_groove, screw_balance = self.unbalanced(last)
         return ReferenceResult(

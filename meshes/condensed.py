@@ -75,7 +75,7 @@ class CondensedBodies:
     #: Hertz constants C ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
     hertz: Array
 
-    def own_law(self, side: int) -> tuple[float, float]:
+    def local_law(self, side: int) -> tuple[float, float]:
         """Fit the approach e F + h F^(4/3) of one side's contacts beyond Hertz's.
 
         Beyond the linear elasticity of the bodies (e) the next term of a smooth contact is of the order of its area times
@@ -97,7 +97,7 @@ class CondensedBodies:
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Root mean square deviation of the samples from `own_law`, over the approach; what the contact grid leaves."""
+        """Root mean square deviation of the samples from `local_law`, over the approach; what the contact grid leaves."""
         return self._fit(list(self.sides).index(side))[1]
 
     def _fit(self, k: int) -> tuple[Array, float]:

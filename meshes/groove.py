@@ -223,7 +223,7 @@ class Groove:
         apex, edge = flank_limits(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
-        r, zeta, _ = m.unroll(*m.section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
+        r, zeta, _ = m.unroll(*m.section_point(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
         middle = float(m.centre[sides[-1], 1]) if m.one_arc else 0.0
         zeta = np.abs(zeta - middle)
         wall = float(r.min() - behind if spec.outer else behind - r.max())
@@ -262,7 +262,7 @@ class Groove:
         r, zeta, psi : Array
             As of `GrooveMap.unroll` [m, m, rad].
         """
-        return self.m.unroll(*self.m.section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
+        return self.m.unroll(*self.m.section_point(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
         """Radius and unrolled height of a flank.

@@ -140,7 +140,7 @@ class GrooveMap:
         along = outward * cos(self.alpha) ** 2 / (self.R + outward * self.ball)
         return 1.0 / (1.0 / self.ball - 1.0 / float(self.radius[side])), 1.0 / (1.0 / self.ball - along)
 
-    def section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
+    def section_point(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
         """Section coordinates at an angle and distance from the centre of a flank's arc.
 
         Parameters
@@ -216,7 +216,7 @@ class GrooveMap:
         return np.sqrt(np.maximum(r * r - (z3 * s) ** 2, 0.0)) - self.R, z3
 
     def polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
-        """Polar section coordinates about the centre of a flank's arc; the inverse of `section`.
+        """Polar section coordinates about the centre of a flank's arc; the inverse of `section_point`.
 
         Parameters
         ----------

@@ -36,7 +36,7 @@ def switch_off() -> None:
 
 
 @contextmanager
-def made_anew() -> Iterator[None]:
+def no_cache() -> Iterator[None]:
     """Context in which nothing is read from the cache or written to it, for work that is timed."""
     before, _stores[:] = list(_stores), []
     try:

@@ -67,7 +67,7 @@ class Quantity:
         """SI unit of the values."""
         return units.DIMENSIONS[self.dimension][0]
 
-    def read(self, value: object) -> float:
+    def si_value(self, value: object) -> float:
         """SI value of a quantity of a scene file.
 
         Parameters
@@ -87,7 +87,7 @@ class Quantity:
 
         Examples
         --------
-        >>> quantity_of(Size).read("32 mm")
+        >>> quantity_of(Size).si_value("32 mm")
         0.032
         """
         number, low, high = (self._number(v) for v in (value, self.low, self.high))
@@ -145,10 +145,10 @@ class Quantity:
         return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Validate with `read`."""
+        """Validate with `si_value`."""
         from pydantic_core import core_schema
 
-        return core_schema.no_info_plain_validator_function(self.read)
+        return core_schema.no_info_plain_validator_function(self.si_value)
 
     def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Describe a number, or text with a unit."""
@@ -177,17 +177,17 @@ class ForceOrShare(Quantity):
     #: Largest share [%].
     most: float = 50.0
 
-    def read(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
-        """SI value of a force, or its share of C; otherwise as `Quantity.read`.
+    def si_value(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
+        """SI value of a force, or its share of C; otherwise as `Quantity.si_value`.
 
         Examples
         --------
-        >>> ForceOrShare("force", "0 N", "1 MN", "5 kN").read("5 % of C")
+        >>> ForceOrShare("force", "0 N", "1 MN", "5 kN").si_value("5 % of C")
         ShareOfRating(share=0.05)
         """
         match = _OF_C.fullmatch(value) if isinstance(value, str) else None
         if match is None:
-            return super().read(value)
+            return super().si_value(value)
         percent = float(match[1])
         if not 0.0 < percent <= self.most:
             advice = "makers preload with 3 to 8 % of C, and seldom with more than 10 %"

@@ -227,7 +227,7 @@ def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
     r, zeta, psi : float
         As of `GrooveMap.unroll` [m, m, rad].
     """
-    x3, z3 = m.section(side, np.array(m.beta), np.array(m.radius[side]))
+    x3, z3 = m.section_point(side, np.array(m.beta), np.array(m.radius[side]))
     r, zeta, psi = m.unroll(x3, z3)
     return float(r), float(zeta), float(psi)
 
@@ -253,7 +253,7 @@ def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
     """
     gamma = m.beta + size.gamma * xi[:, 0] * (1.0 - TAPER * xi[:, 1])
     rho = m.radius[side] + size.depth * xi[:, 1]
-    r, zeta, _ = m.unroll(*m.section(side, gamma, rho))
+    r, zeta, _ = m.unroll(*m.section_point(side, gamma, rho))
     return m.space(r, zeta, socket_centre(m, side)[2] + size.phi * xi[:, 2])
 
 
@@ -336,7 +336,7 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
     apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
 
     def excess(gamma: float) -> float:
-        return float(m.unroll(*m.section(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
+        return float(m.unroll(*m.section_point(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
 
     if excess(m.beta) * excess(np.pi) < 0.0:
         edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))

@@ -150,7 +150,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
 
     Parameters
     ----------
-    scene, drawn, side, gamma :
+    scene, drawn, side, gamma
         As for `surface_derivatives`.
 
     Returns
@@ -183,14 +183,14 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
 
 
 def printed_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
-    """ "Principal radii" as Table B.1 of Lin prints them: eigenvalues of II without I^-1.
+    """Compute "principal radii" as Table B.1 of Lin prints them: eigenvalues of II without I^-1.
 
     They are no radii of curvature; they have the dimension of a length only because the parameters are angles. For
     comparison with the printed table; use `principal_curvatures` for everything else.
 
     Parameters
     ----------
-    scene, drawn, side, gamma :
+    scene, drawn, side, gamma
         As for `surface_derivatives`, of one flank.
 
     Returns

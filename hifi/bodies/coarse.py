@@ -31,7 +31,7 @@ import scipy.sparse as sp
 from scipy.linalg import qr
 from skfem import Mesh
 
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, hat_rows
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, pressure_rows
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import elasticity, mean_weights, share
 from rollbench.hifi.elements.rigid import rigid_modes
@@ -418,7 +418,7 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    return piece_compliance(piece, patch, hat_rows(patch, normals), young, poisson)
+    return piece_compliance(piece, patch, pressure_rows(patch, normals), young, poisson)
 
 
 def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
@@ -505,7 +505,7 @@ def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: f
     return _relieved(F, len(rows), Q @ rigid_modes(points_of(piece.mesh)), loads, piece)
 
 
-def own_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
+def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
     """Local compliance A_own of a contact, beyond the modes that the coarse body keeps.
 
     Parameters

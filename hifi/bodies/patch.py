@@ -272,7 +272,7 @@ def _patch(
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 
-def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
+def pressure_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
     """Rows of the mean displacements along normals over every pressure function, on a patch's degrees of freedom.
 
     Parameters
@@ -433,7 +433,7 @@ def _partition(
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.tie, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
-    forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
+    forces = pressure_rows(mesh, normals, carrier)[:, inner].T.tocsc()
     return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
 
 

@@ -132,7 +132,7 @@ def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Arr
     """
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
     gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
-    r, _, psi = m.unroll(*m.section(side, gamma, np.array(m.radius[side])))
+    r, _, psi = m.unroll(*m.section_point(side, gamma, np.array(m.radius[side])))
     ahead = psi - socket_centre(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
     return float(m.R * np.abs(ahead).max(initial=0.0))
 

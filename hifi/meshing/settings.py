@@ -95,7 +95,7 @@ def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
 #: Newton steps at most, and the imbalance over the largest force at which they end.
 STEPS, BALANCED = 200, 1e-6
 
-#: Stiffness that keeps open balls and unheld screws in place, and that of supports, over that of a loaded contact.
+#: Stiffness that keeps open balls and unsupported screws in place, and that of supports, over that of a loaded contact.
 SOFT, HELD = 1e-7, 1e4
 
 #: Share of the largest load that the former may carry: more, and nothing else holds the screw.

@@ -295,7 +295,7 @@ def tractions(
     return sp.csr_array(sp.csr_array(nodal) @ spread)
 
 
-def free_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Response of a free body, loads balanced and motions without rigid parts.
 
     Parameters
@@ -327,12 +327,12 @@ def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
     return compliance(K[free][:, free], rows.tocsr()[:, free])
 
 
-def held_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as of the free body's."""
     return _held(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
-def half_space_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Response of a block of a half-space, its cut faces in the motion of the half-space.
 
     As in `hifi.contact.block`; arguments as of the free body's.
@@ -363,7 +363,7 @@ def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: flo
     return out
 
 
-def beside(
+def matched_half_space(
     body: ContactBody,
     zone: Zone,
     size: float,
@@ -409,7 +409,7 @@ def beside(
     points = points_of(block.mesh).copy()
     points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
     block = replace(block, mesh=moved(block.mesh, points))
-    return half_space_answer(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
+    return half_space_response(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
 @keyed
@@ -473,8 +473,8 @@ def ball_kernel(
 ) -> Regular:
     """Compute the kernel that a whole ball of ``radius`` [m] adds to a half-space."""
     body = whole_ball(radius, zone)
-    answer = free_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return Regular(answer - beside(body, zone, radius, young, poisson, degree), zone.half, degree)
+    answer = free_response(body, tractions(body, zone, degree, bends), young, poisson)
+    return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
 @kept
@@ -483,8 +483,8 @@ def bar_kernel(
 ) -> Regular:
     """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past it."""
     body = grooved_bar(groove, size, zone)
-    answer = held_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return of_groove(answer - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    answer = fixed_response(body, tractions(body, zone, degree, bends), young, poisson)
+    return of_groove(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @kept
@@ -533,7 +533,7 @@ def patch_kernels(
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = Frame(cut.centre, cut.axes)
         matrix = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
-        kernels.append(matrix - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
+        kernels.append(matrix - matched_half_space(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
     return of_groove(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
 
 

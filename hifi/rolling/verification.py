@@ -23,7 +23,7 @@ from rollbench.hifi.rolling.bodies import (
     ball_kernel,
     contact_kernel,
     cuts_of,
-    half_space_answer,
+    half_space_response,
     of_groove,
     tractions,
 )
@@ -493,7 +493,7 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
         In closed form [m/N].
     """
     block = half_space(size, zone)
-    computed = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    computed = half_space_response(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
     sides = 2.0 * np.array(zone.half)
     _, at = grid((MEANS, MEANS), sides / MEANS)
     both = influence(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal() / sides.prod()

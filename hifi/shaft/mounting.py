@@ -283,7 +283,7 @@ def mount_all(
         P[freedom(body, at) : freedom(body, at) + 6] += wrench
     held = [freedom(body, at) + k for body, at, k, _ in frame.holds()]
     values = [value for *_, value in frame.holds()]
-    motions = unheld(frame, nodes[0])
+    motions = free_motions(frame, nodes[0])
     pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in pin_freedoms(motions)]
     # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
     rows = np.zeros((len(held) + len(pins), len(K)))
@@ -375,7 +375,7 @@ def _apart(stations: Sequence[float]) -> list[float]:
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
-def unheld(frame: Frame, origin: float) -> Array:
+def free_motions(frame: Frame, origin: float) -> Array:
     """Rigid motions of screw and housings that neither supports nor springs constrain.
 
     Parameters

@@ -325,7 +325,7 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
     along, land, deep = cells
     period = 2.0 * np.pi * abs(m.rg) / m.starts
     gamma = np.linspace(0.0, np.pi / 2.0, 4001)
-    r, zeta, _ = m.unroll(*m.section(1, gamma, np.full(gamma.size, m.radius[1])))
+    r, zeta, _ = m.unroll(*m.section_point(1, gamma, np.full(gamma.size, m.radius[1])))
     kept = (zeta >= 0.0) & (r <= outer)
     r, zeta = r[kept], zeta[kept]
     edge = float(zeta[-1])

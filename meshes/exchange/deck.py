@@ -138,12 +138,12 @@ def number(value: float) -> str:
     return f"{value:.12e}"
 
 
-def lines(entries: Iterable[int | str]) -> Iterator[str]:
+def data_lines(entries: Iterable[int | str]) -> Iterator[str]:
     """Entries with commas, at most 16 on a line; a line that is continued ends with a comma.
 
     Examples
     --------
-    >>> list(lines(range(18)))
+    >>> list(data_lines(range(18)))
     ['0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,', '16, 17']
     """
     words = [str(x) for x in entries]
@@ -151,9 +151,9 @@ def lines(entries: Iterable[int | str]) -> Iterator[str]:
         yield ", ".join(words[k : k + 16]) + ("," if k + 16 < len(words) else "")
 
 
-def rows(entries: Iterable[int]) -> Iterator[str]:
-    """Entries with commas as `lines`, for sets, which continue without a comma."""
-    return (line.removesuffix(",") for line in lines(entries))
+def set_lines(entries: Iterable[int]) -> Iterator[str]:
+    """Entries with commas as `data_lines`, for sets, which continue without a comma."""
+    return (line.removesuffix(",") for line in data_lines(entries))
 
 
 def checked_names(names: Sequence[str]) -> None:
@@ -217,7 +217,7 @@ def outer_faces(cells: Index) -> Index:
     return np.asarray(faces[np.sort(first[count == 1])])
 
 
-def write(deck: Deck, unit: str = "mm") -> str:
+def deck_text(deck: Deck, unit: str = "mm") -> str:
     """Text of a deck.
 
     Parameters
@@ -283,10 +283,10 @@ def _body(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]
         yield f"{k}, {number(x[0])}, {number(x[1])}, {number(x[2])}"
     yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
     for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
-        yield from lines([k, *row])
+        yield from data_lines([k, *row])
     for name, members in body.nodes.items():
         yield f"*NSET, NSET={name}"
-        yield from rows((members + nodes + 1).tolist())
+        yield from set_lines((members + nodes + 1).tolist())
     for name, corners in body.faces.items():
         yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
         yield from (f"{cell + cells + 1}, S{face}" for cell, face in element_faces(body.cells, corners).tolist())

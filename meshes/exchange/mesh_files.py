@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.exchange.deck import element_faces, lines, number, rows
+from rollbench.meshes.exchange.deck import data_lines, element_faces, number, set_lines
 from rollbench.meshes.leftovers import temporary
 from rollbench.meshes.libraries import pip
 from rollbench.meshes.node_order import VTK
@@ -287,11 +287,11 @@ def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mappin
     text += [f"{k}, {number(x)}, {number(y)}, {number(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)]
     text.append(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[cell]}")
     for k, row in enumerate((cells + 1).tolist(), start=1):
-        text += lines([k, *row])
+        text += data_lines([k, *row])
     sets = [("NSET", name, np.unique(members)) for name, members in faces.items()]
     sets += [("ELSET", region, np.arange(len(cells)))] if region else []
     for keyword, name, members in sets:
-        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *rows((members + 1).tolist())]
+        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *set_lines((members + 1).tolist())]
     for name, members in faces.items():
         text.append(f"*SURFACE, NAME={name.replace(' ', '_')}, TYPE=ELEMENT")
         corners = members[:, : 3 if cell.startswith("tetra") else 4]
