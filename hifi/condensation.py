@@ -212,7 +212,7 @@ def turned(patches: SidePatches) -> SidePatches:
     return SidePatches(turn(patches.groove), turn(patches.ball), patches.local[np.ix_(order, order)], wave)
 
 
-#: Boundaries of the nut's mesh by where it is held.
+#: Boundaries of the nut's mesh that are fixed, by ``Solid.nut_held``.
 NUT_HELD = {
     "outer surface": ("outside",),
     "left face": ("low end",),
@@ -221,7 +221,7 @@ NUT_HELD = {
     "flange face": ("seat",),
 }
 
-#: What follows the name of a flange's face whose centring fit is bonded.
+#: Suffix of ``Dimensions.nut_held`` of a flange whose centring fit is bonded.
 FIT = " and centring"
 
 #: Half the thickness of the slice whose mean motion is that of a section, over the screw's radius; least cells of one.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rollbench.hifi.setup import Setup
 
 
-#: Number of forces at which a contact's own approach is sampled.
+#: Number of forces at which the approach of a contact is sampled.
 SAMPLES = 16
 
 

@@ -57,7 +57,7 @@ def supernodes(K: sp.csc_array) -> Supernodes:
     order = dissected[(later := _postorder(tree))]
     first = _first_columns(_renamed(tree, later))
     rows = _rows(graph[order][:, order], first)
-    # from vertices to their freedoms
+    # from vertices to their degrees of freedom
     freedoms, weights = np.argsort(group, kind="stable"), np.bincount(group)
     begin = np.concatenate([[0], np.cumsum(weights)])
     place = np.concatenate([[0], np.cumsum(weights[order])])
@@ -132,7 +132,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
     n = graph.shape[0]
     edges = sp.tril(graph, -1).tocoo()
     spanning = minimum_spanning_tree(sp.csr_array((edges.row.astype(float), (edges.row, edges.col)), (n, n))).tocoo()
-    parent, top = [n] * n, list(range(n))  # top: on the way to the highest vertex that is connected so far
+    parent, top = [n] * n, list(range(n))  # top: ancestor, compressed towards the highest vertex that is connected so far
     ascending = np.argsort(spanning.row, kind="stable")
     for i, j in zip(spanning.row[ascending].tolist(), spanning.col[ascending].tolist(), strict=True):
         while top[j] != j:
@@ -172,7 +172,7 @@ def _first_columns(parent: Index) -> Index:
 
 
 def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """Rows of every supernode: its own, those of its graph's edges, and what its children leave."""
+    """Rows of every supernode: its diagonal block, those of its graph's edges, and those that its children pass on."""
     owner = np.repeat(np.arange(first.size - 1), np.diff(first))
     left: list[list[Index]] = [[] for _ in first[1:]]
     rows = []
@@ -377,11 +377,11 @@ Solve = Callable[[Array], Array]
 
 SMALL = 3_000
 
-"""Freedoms below which SuperLU is as fast as anything for one right-hand side."""
+"""Degrees of freedom below which SuperLU is as fast as anything for one right-hand side."""
 
 FEW = 100_000
 
-"""Entries of all right-hand sides below which it is so for them."""
+"""Entries of all right-hand sides below which SuperLU is as fast for them."""
 
 SINGULAR = 1e13
 
@@ -389,7 +389,7 @@ SINGULAR = 1e13
 
 CHECKED = 1e-5
 
-"""Largest relative error of the known answer of such a sweep: soft bodies lose up to half the digits."""
+"""Largest relative error of a known solution by fronts: soft bodies lose up to half the digits."""
 
 
 class FactorError(ArithmeticError):

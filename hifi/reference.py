@@ -39,17 +39,17 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.parts import Scene
 
-#: Change of any contact's load that is left when directions and gaps count as settled, over the mean load: a hundredth of
-#: what the mesh leaves open on the finest level (0.1 %).
+#: Remaining change of any contact load at which directions and gaps count as settled, over the mean load: a hundredth of
+#: the mesh uncertainty on the finest level (0.1 %).
 SETTLED = 1e-5
-#: Times at most that directions and gaps follow the motion; most scenes take three or four.
+#: Largest number of updates of directions and gaps; most scenes take three or four.
 ROUNDS = 30
-#: Largest ratio of changes by which a rest is told: slower ones are as good as none.
+#: Largest ratio of successive changes from which the remaining change is extrapolated: a slower series does not converge.
 SLOWEST = 0.99
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
-#: Seconds after which every round of a solution is told.
+#: Seconds after which every round of a solution is reported.
 SLOW = 5.0
-#: Ingredients of the reference that can be left out, to see what they change.
+#: Parts of the reference model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
 #: Motion of balls and grooves that stay in their nominal places (`relative_motion`).
 _NOWHERE = np.zeros((1, 1, 3)), np.zeros((1, 1))

@@ -85,7 +85,7 @@ def make(
             alone.append(_make(job, cache))
             report(k, alone[-1])
         return alone
-    from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
+    from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not further ones
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(jobs)) - 1

@@ -24,7 +24,7 @@ Thrust = Literal["both", "+z", "-z", "deep groove"]
 
 
 #: Rows of a set of equal bearings from left to right, by its name: the thrust on the shaft that each carries. B: back to
-#: back, F: face to face, T: tandem; a third letter adds one row (D), a pair (B, F), or two rows (T) beside the second.
+#: back, F: face to face, T: tandem; a third letter adds one row (D), a pair (B, F), or two rows (T) next to the second.
 ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
     "DB": ("-z", "+z"),
     "DF": ("+z", "-z"),

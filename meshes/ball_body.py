@@ -27,7 +27,7 @@ Flags = NDArray[np.bool_]
 
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
 GROWTH = (0.072, 0.72)
-#: Depth of a ball's socket over that of the groove's; depth of its corners at least, over the ball's radius.
+#: Depth of a ball's socket over that of the groove's; least depth of its corners, over the ball's radius.
 SHALLOWER, CORNER = 0.75, 0.12
 
 

@@ -53,7 +53,7 @@ RECORDS, BEFORE = "records", ("joblib", "rollbench")
 _DIGEST = 32
 #: Seconds that a record took to make, before its content.
 _SECONDS = struct.Struct("<d")
-#: Largest size of a cache [bytes], unless told otherwise.
+#: Largest size of a cache [bytes], by default.
 LIMIT = 4_000_000_000
 
 _BEGAN = time.time()
@@ -160,7 +160,7 @@ class Cache:
             return None
 
     def _write(self, path: Path, content: bytes) -> None:
-        """Keep a record, and make room for it."""
+        """Write a record, and remove old ones that exceed the limit."""
         if len(content) > self.limit:
             return
         try:

@@ -111,7 +111,7 @@ def _record(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _usual(record: type) -> Mapping[str, str]:
-    """Texts of the frozen defaults of a record, by field; none of one that only caches know."""
+    """Texts of the frozen defaults of a record, by field; none of a record that is not `keyed`."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 

@@ -33,11 +33,11 @@ LARGEST_FILE = 200_000_000
 DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
 #: How numpy packs members.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-#: Head of an array as numpy writes it: numbers of one kind or a text, the first index slowest or fastest, and the shape.
+#: Header of an array as numpy writes it: numbers of one kind or a text, the first index slowest or fastest, and the shape.
 HEAD = re.compile(
     rb"\{'descr': '([<>|=][fiuU]\d{1,4})', 'fortran_order': (True|False), 'shape': \(((?:\d{1,12},? ?)*)\), \} *\n"
 )
-#: Beginning of an array by numpy's formats 1.0 and 2.0, and how its head's length stands there.
+#: Beginning of an array by numpy's formats 1.0 and 2.0, and the format of its header's length.
 BEGINNING = {b"\x93NUMPY\x01\x00": "<H", b"\x93NUMPY\x02\x00": "<I"}
 #: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3

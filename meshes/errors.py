@@ -16,7 +16,7 @@ from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
 from rollbench.meshes.parts import SIDES, FourierTerm, Scene, SideErrors
 
-#: Distance from the nut's centre, over the ball's radius, up to which a ball stands at it.
+#: Distance from the nut's centre, over the ball's radius, up to which a ball counts as at the centre.
 AT_CENTRE = 1e-6
 #: In place of a generator where nothing is random: `numpy.random` is not loaded there.
 _UNUSED = cast("np.random.Generator", None)
@@ -136,6 +136,7 @@ class Drawn:
                 continue
             phi = on_nut if name.startswith("N") else on_screw
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
+            # (2.27): roundness along x3, pitch along z3; (4.1) has the pitch error along the axis
             offset = np.stack([_series(self.roundness[s], phi), along * _series(self.pitch[s], phi)], axis=-1)
             centre[:, s] += offset[0]
             slopes[:, :, s] += offset[1:]

@@ -409,8 +409,8 @@ def refuse_bad(quality: Quality, name: str) -> None:
     )
 
 
-#: Scaled Jacobian below which a curved cell is mended, and below which its edges are straightened, though the surface
-#: suffers.
+#: Scaled Jacobian below which a curved cell is untangled, and below which its edges are straightened, though the surface
+#: becomes less exact.
 BENT, STRAIGHTENED = 0.05, 0.01
 
 

@@ -18,7 +18,7 @@ from rollbench.meshes.shell import Placing
 from rollbench.meshes.sockets import ON_GROOVE, SocketSize, flank_limits, groove_lines, whole_turns
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
-#: Circles of a flanged nut nearer to each other [m] are one.
+#: Distance [m] below which circles of a flanged nut count as one.
 SAME = 1e-8
 
 

@@ -114,7 +114,7 @@ def ball_layout(scene: Scene) -> BallLayout:
     offsets = 2.0 * pi * np.arange(track.starts) / track.starts
     azimuths = np.asarray(scene.balls.azimuths, dtype=float)
     azimuth = (azimuths[None, :] + offsets[:, None]).ravel()
-    z = scene.nut.position + reduced_lead(track) * np.tile(azimuths - track.phase, track.starts)
+    z = scene.nut.position + reduced_lead(track) * np.tile(azimuths - track.phase, track.starts)  # (2.1)
     return layout_at(track, azimuth, z)
 
 
@@ -142,7 +142,7 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
     alpha = lead_angle(track)
     c, s = np.cos(azimuth), np.sin(azimuth)
     radial, binormal, tangent, centre = np.zeros((4, azimuth.size, 3))
-    radial[:, 0], radial[:, 1] = c, s
+    radial[:, 0], radial[:, 1] = c, s  # x3, z3 and y3 of (2.6)
     binormal[:, 0], binormal[:, 1], binormal[:, 2] = s * sin(alpha), -c * sin(alpha), cos(alpha)
     tangent[:, 0], tangent[:, 1], tangent[:, 2] = -s * cos(alpha), c * cos(alpha), sin(alpha)
     centre[:, 0], centre[:, 1], centre[:, 2] = track.pitch_radius * c, track.pitch_radius * s, z

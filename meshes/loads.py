@@ -7,7 +7,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array, Mask
 
 #: Share of the largest contact load below which a contact carries nothing, where nothing but loads is known: a flank that
-#: is barely touched beside those that bear the load.
+#: barely touches, next to those that carry the load.
 BARELY = 0.01
 
 

@@ -15,7 +15,8 @@ from rollbench.meshes.quantity import quantity, record
 #: Distance of the contact from the apex between both arcs, over the ball's radius, below which they count as one: there a
 #: third of a contact of usual size lies beyond the apex.
 NEAR = 0.0774
-#: Contact angle [rad] of a groove of one arc: the way in which thrust turns it has a sign, its size plays no part.
+#: Contact angle [rad] of a groove of one arc: its sign gives the direction in which thrust turns it, its size has no
+#: effect.
 LEAST = 1e-7
 
 

@@ -57,7 +57,8 @@ SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 #: Freedoms of a station of the screw: displacements along x, y, z and small rotations about them.
 FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
-#: Where a nut may be held: the inner and outer halves of a face are rings on both sides of the middle of its width.
+#: Surfaces by which a nut may be fixed: the inner and outer halves of a face are rings on both sides of the middle of
+#: its width.
 NutHeld = Literal[
     "left face",
     "right face",

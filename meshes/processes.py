@@ -54,7 +54,7 @@ def held_to_one_thread() -> Iterator[None]:
     if not for_one_thread():
         yield
         return
-    import scipy.linalg  # noqa: F401 - it brings a library of its own: later it would not be held
+    import scipy.linalg  # noqa: F401 - it brings another BLAS, which must be loaded before threads are limited
 
     libraries = [(library, library.num_threads) for library in _loaded()]
     for library, _ in libraries:
@@ -117,7 +117,7 @@ def _wait_for_end(parent: int) -> None:
     os._exit(1)
 
 
-#: Whether the record may hold earlier work: a reset was asked for and refused.
+#: Whether the record may include earlier work: a reset was asked for and refused.
 _stale = False
 
 

@@ -31,7 +31,7 @@ from rollbench.meshes.ranges import (
     quantity_of,
 )
 
-#: Longest table that stands on the line of its key.
+#: Longest table that is written on the line of its key.
 LINE = 100
 #: Thermal expansion of steel [1/K], by which a strain is written as a warming.
 STEEL = 11.5e-6

@@ -62,7 +62,8 @@ def groove_section(scene: Scene) -> GrooveSection:
     d2 = slack * cos(beta) + scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     if abs(d2) >= r:
         raise ValueError("the screw's outer surface does not cut the groove")
-    g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)
+    g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)  # (C.4)
+    # (C.5): twice the sector of one arc less two triangles
     area = 2.0 * (0.5 * r * r * (g2 - g1) - 0.5 * (r * sin(g2) - d1) * d2 - 0.5 * (r * cos(g1) - d2) * d1)
     return GrooveSection(g1, g2, area)
 
@@ -109,9 +110,9 @@ def volume_ratio(scene: Scene) -> float:
     track = scene.track
     if track.lead == 0.0:
         return 1.0
-    cut = groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)
+    cut = groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)  # (C.6)
     full = pi * (scene.screw.outer_diameter / 2.0) ** 2 * track.lead
-    return 1.0 - cut / full
+    return 1.0 - cut / full  # (C.7)
 
 
 @dataclass(frozen=True)
@@ -218,11 +219,11 @@ def screw_section(scene: Scene) -> BeamSection:
     ratio = volume_ratio(scene)
     if ratio <= 0.0:
         raise ValueError("the groove takes more volume than the screw has")
-    factor = {"groove": sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]
+    factor = {"groove": sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]  # k_r of (C.8)
     return tube_section(scene.screw.outer_diameter * factor, scene.screw.bore, scene.screw.material)
 
 
-#: Stations closer than this share a node; the rest of the way is rigid. [m]
+#: Stations closer than this share a node, and are joined to it rigidly. [m]
 MERGE = 1.0e-5
 
 #: Element length of the source inside the nut (Lin 2.4.1). [m]

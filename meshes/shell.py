@@ -100,13 +100,13 @@ BEND = (1.2, 1.1)
 #: Longest edges of the smooth surface behind a groove over the wall's thickness.
 WALL = 1.6
 
-#: How fast edges grow away from the surface.
+#: Growth of the edge length per distance from the surface.
 INWARD = 0.5
 
-#: Cubes in which gmsh's questions for sizes are answered at once, along x, y and z, on faces and in volumes.
+#: Cubes for which sizes are evaluated at once for gmsh's callback, along x, y and z, on faces and in volumes.
 FACE_BLOCK, VOLUME_BLOCK = (12, 12, 1), (4, 4, 4)
 
-#: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
+#: gmsh's options: no output, one thread and no randomness but its fixed seed, sizes from faces inwards.
 OPTIONS = {
     "General.NumThreads": 1,
     "Mesh.MaxNumThreads1D": 1,
@@ -122,17 +122,17 @@ OPTIONS = {
     "Mesh.OptimizeThreshold": 0.5,
 }
 
-#: Sine of an angle from which a triangle is sound.
+#: Sine of the smallest angle from which a triangle is well shaped.
 SLENDER = 0.3
 
 #: What is tried in turn: gmsh's algorithms for faces (6 frontal, 5 Delaunay) and volume (1 Delaunay, 4 frontal), share of
 #: the element sizes.
 ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))
 
-#: Flanks as near as this [m] to where they should be are without fault; else the nearest of all attempts is taken.
+#: Deviation [m] of flanks from the exact surface that counts as none; otherwise the best of all attempts is taken.
 EXACT = 1e-9
 
-#: So are meshes without a cell of a smaller scaled Jacobian.
+#: Smallest scaled Jacobian of a mesh that counts as faultless.
 POOREST = 0.005
 
 

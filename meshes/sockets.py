@@ -18,28 +18,28 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES
 
-#: Socket where nothing is near: half width in gamma [rad]; depth and half length along the track over the ball's radius
+#: Usual socket: half width in gamma [rad]; depth and half length along the track over the ball's radius
 #: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
-#: Smallest share of that size at which a contact zone still finds room.
+#: Smallest share of that size that is accepted.
 LEAST = 0.4
-#: That share beside a flat end, where a lip leaves no more depth; contacts keep the width and length that they need.
+#: That share near a flat end, where the wall leaves no more depth; contacts keep the width and length that they need.
 LIP = 0.1
-#: Share of a socket's half width and length that its contact zone fills, if there is room; and at most.
+#: Share of a socket's half width and length that its contact zone fills: usually, and at most.
 FILLED, ZONE = 0.6, 0.95
-#: Width that sockets offer to contacts over what they need, unless that takes more than half of what is left.
+#: Width of sockets for contacts over the required one, unless that takes more than half of the remaining flank.
 SPARE = 1.15
-#: Flank kept free beside a socket, over its half width: as a rule, and where the contact needs the room.
+#: Flank kept free next to a socket, over its half width: usually, and where the contact needs more width.
 BESIDE, CLOSE = 0.25, 0.03
 #: Track kept free between two sockets, over their half length.
 BETWEEN = 0.6
-#: Material kept under a socket, over its depth; and beside it to an end or to the next turn, over the ball's radius.
+#: Material kept under a socket, over its depth; and from it to an end or to the next turn, over the ball's radius.
 UNDER, AWAY = 0.5, 0.12
-#: That beside an end, where no more is left.
+#: Material kept to an end, where no more is available.
 THIN = 0.05
-#: How much narrower a socket is at its bottom: beside the edge of a groove there is room for it to bulge.
+#: Relative reduction of a socket's width at its bottom: leaves room for its faces to bulge next to the edge of a groove.
 TAPER = 0.2
-#: How far a ball may lie off its groove, over its radius.
+#: Largest distance of a ball from its groove, over its radius.
 ON_GROOVE = 1e-3
 #: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`, and how far diagonals stand out
 #: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does,

@@ -16,7 +16,7 @@ from rollbench.meshes.parts import Scene, UnfitKey
 #: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
 #: modelling spread.
 HOLE = 1.0 / 11.0
-#: Stations [m] nearer to each other are one.
+#: Distance [m] below which stations count as one.
 SAME = 1e-9
 #: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
 SHAFT = 1.5
@@ -97,7 +97,7 @@ def groove_depths(scene: Scene) -> tuple[float, float]:
 
 
 def _check_lands(scene: Scene, land: float, depth: float) -> None:
-    """Raise ValueError, naming what the scene says, where lands of radius ``land`` [m] leave the nut no groove or no wall.
+    """Raise ValueError, naming the scene's key, where lands of radius ``land`` [m] leave the nut no groove or no wall.
 
     depth: of the nut's groove below the pitch cylinder [m].
     """

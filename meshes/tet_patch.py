@@ -1,7 +1,7 @@
 """Local first-order tetrahedra of a fine patch by gmsh, as the source meshed its contacts, and first-order coarse bodies.
 
 A patch's box is meshed in its local coordinates (gamma, depth, azimuth) scaled to lengths, with a body of influence about
-the contact. The contact zone is a surface of its own, so that the patches of ball and groove have the same contact nodes
+the contact. The contact zone is a separate surface, so that the patches of ball and groove have the same contact nodes
 even where their sockets are triangulated differently. Units inside: mm (gmsh), metres outside.
 """
 
@@ -17,9 +17,9 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.shell import MM, session
 from rollbench.meshes.sockets import SocketMesh
 
-#: gmsh's Delaunay tetrahedra are that much larger than regular ones of the edge asked for (cube root of mean volumes).
+#: Edge of gmsh's Delaunay tetrahedra over the one asked for (cube root of mean volumes).
 LARGER = 1.22
-#: Of gmsh.
+#: Options of gmsh.
 OPTIONS = {
     "General.NumThreads": 1,
     "Mesh.MeshSizeExtendFromBoundary": 0,
@@ -177,7 +177,7 @@ def _geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, i
     lines: dict[tuple[int, int], int] = {}
 
     def line(i: int, j: int) -> int:
-        """Line between two corners, made once; negative where it runs the other way."""
+        """Line between two corners, made once; negative where it is reversed."""
         if (j, i) in lines:
             return -lines[j, i]
         if (i, j) not in lines:

@@ -1,6 +1,6 @@
 """Quantities as text (``"20 mm"``, ``"5 kN"``) to SI numbers.
 
-A number followed by a unit is read; nothing is evaluated. A unit stands in a table, with or without a prefix, or is a
+A number followed by a unit is read; nothing is evaluated. A unit is in a table, with or without a prefix, or is a
 product or quotient of such units; factors are exact decimals.
 """
 
@@ -11,7 +11,7 @@ import re
 from decimal import Decimal
 from functools import lru_cache
 
-#: What each dimension is called, its SI unit, and an example.
+#: By dimension, its SI unit and an example.
 DIMENSIONS = {
     "length": ("m", "20 mm"),
     "force": ("N", "5 kN"),
@@ -36,7 +36,7 @@ COMMON = {
 
 _PI = "3.14159265358979323846264338328"
 #: By dimension, the names of units that may have a prefix or stand in a product, and their factor to SI, exact: a decimal
-#: or a quotient of two. Degrees by themselves are turned by ``math.radians``.
+#: or a quotient of two. A plain number of degrees is converted by ``math.radians``.
 _TABLE = {
     "length": {
         "m meter metre": "1",

@@ -54,7 +54,7 @@ class Socket:
 
 
 #: Sizes of the elliptic pressures that `patch_modes` has to carry, over the contact zone, and their places along each of
-#: its axes, over the room that is left around them.
+#: its axes, over the free width around them.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 #: Weight of all other forces against them; strength over the largest that is round-off.
@@ -523,7 +523,7 @@ def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) ->
         C_fine - V G_coarse V^T [m/N], over the mean of `REALISATIONS` coarse meshes.
     """
     G = np.mean([coarse(1.0 + STEP * n) for n in range(REALISATIONS)], axis=0)
-    A = fine - V @ G @ V.T
+    A = fine - V @ G @ V.T  # A_own = C_fine - V G_coarse V^T
     return np.asarray(0.5 * (A + A.T))
 
 

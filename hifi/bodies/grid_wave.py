@@ -34,8 +34,8 @@ Flags = NDArray[np.bool_]
 ACROSS, ALONG, FORCES = 12, 8, 24
 #: Places in a cell across and along over which only a mean is taken.
 MEAN = (8, 8)
-#: Powers of the force in an approach over Hertz's: of second-order cells beside the ellipse, none, of the body around the
-#: contact (as the force), of curvatures that change over the ellipse.
+#: Powers of the force in an approach over Hertz's: of second-order cells at the edge of the ellipse, none, of the body
+#: around the contact (as the force), of curvatures that change over the ellipse.
 POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
 #: Part of its zone that the largest ellipse fills; least short semi-axis over the cell, and over the largest one where that
 #: asks for more.
@@ -167,7 +167,7 @@ def approaches_at(
     W = mean_weights(patch.weights)
     normal, tangent, forward = directions(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
-    # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
+    # the ball's centre moved by t: the gap is least at t times (relative radius / r) from the nominal contact
     scale = m.ball / np.array(m.relative_radii(side, m.beta))
     beside = cell_sizes(m, side, patch) * np.array(place)
     t = scale * beside

@@ -2,9 +2,9 @@
 
 27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
 
-With the freedoms of the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each spread
-by a pressure hat (`hifi.elements.forms`): mean displacements over the hats along the normals u_c = A f + H q, reaction
-on the socket r = S q - H^T f.
+With the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by a
+pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H q,
+reaction on the socket r = S q - H^T f.
 """
 
 from __future__ import annotations

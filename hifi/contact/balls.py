@@ -18,7 +18,7 @@ bodies (translations [m], rotations [rad]), column j of N being the gap closed b
 [N, N m], positive where they do work in a closing motion. These are the optimality conditions of the convex problem
 min 1/2 lambda^T C lambda + g0^T lambda over lambda >= 0 with N^T lambda = f, so a solution's forces are unique.
 
-C has three parts: each contact's own, what couples the contacts of a ball, and what couples all of them.
+C has three parts: local to each contact, coupling the contacts of a ball, and coupling all contacts.
 """
 
 from __future__ import annotations
@@ -284,13 +284,13 @@ def _symmetric(name: str, matrix: Array) -> Array:
 #: Rounds after which the solution over all balls is given up.
 MOST = 60
 
-#: Stiffness [N/m] that holds, far from equilibrium, what contacts do not: a ten thousandth of a contact's.
+#: Stiffness [N/m] that regularises, far from equilibrium, motions without contact: a ten thousandth of a contact's.
 HOLD = 1e4
 
 #: Share of the residual that a step by the factor of an earlier one may leave; where it leaves more, a new one is made.
 KEPT = 0.2
 
-#: Answer of the bodies to a pattern of forces, over the contact's own, that Newton's step leaves out.
+#: Compliance of the bodies under a pattern of forces, over the local compliance, that Newton's step neglects.
 FEEBLE = 1e-4
 
 
@@ -615,7 +615,7 @@ def solve_balls(
         w, y = w + t * dw, y + t * dy
         phi, back, balance = trial
         if not done and kept:
-            before = 0.0  # from here by a factor of its own
+            before = 0.0  # the next step by a new factor
         elif not done:
             status = f"stalled at a relative residual of {residual:.1e}"
             break

@@ -33,7 +33,7 @@ from rollbench.meshes.fem import freedoms_on, nodes_on
 
 #: Right-hand sides solved at once.
 CHUNK = 128
-#: Edge of the block over the long semi-axis. The far field makes the answer independent of it.
+#: Edge of the block over the long semi-axis. The far field makes the result independent of it.
 SIZE = 3.0
 #: Ratio of neighbouring hexahedra outside the contact, and edge per distance of tetrahedra there, at b/h = 4.
 GROWTH, GRADING = 1.8, 0.5

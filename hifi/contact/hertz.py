@@ -97,9 +97,9 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
     low = 0.5 / radius_x
     ratio = _axis_ratio(radius_y / radius_x)
     k, d, _ = _integrals(ratio)
-    a = (1.5 * load * d / (np.pi * modulus * low)) ** (1.0 / 3.0)
+    a = (1.5 * load * d / (np.pi * modulus * low)) ** (1.0 / 3.0)  # a^3 = 3 F D / (2 pi E* A)
     b = ratio * a
-    pole = 1.5 * load / (np.pi * a * b)
+    pole = 1.5 * load / (np.pi * a * b)  # p0 of the semi-ellipsoid with the load F
     return HertzSolution(float(pole * b * k / modulus), float(a), float(b), float(pole), load)
 
 

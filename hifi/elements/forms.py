@@ -255,7 +255,7 @@ def rule(mesh: Mesh) -> tuple[Array, Array]:
     if mesh.elem is not ElementTetP2:
         points, weights = get_quadrature(mesh.elem.refdom, _DEGREE[mesh.elem])
         return np.asarray(points), np.asarray(weights)
-    near = np.array([0.3281633025163817, 0.1080472498984286])  # barycentric: three alike, and the rest
+    near = np.array([0.3281633025163817, 0.1080472498984286])  # barycentric: three equal ones, and the fourth
     bary = np.repeat(near, 4)[:, None] + np.tile(np.eye(4), (2, 1)) * np.repeat(1.0 - 4.0 * near, 4)[:, None]
     return bary[:, 1:].T.copy(), np.repeat([0.1362178425370874, 0.1137821574629126], 4) / 6.0
 

@@ -30,10 +30,10 @@ from rollbench.meshes.tet_patch import build_tets, source_box
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
 
-#: How much smaller cells are at most where there is hardly room for the contact.
+#: Largest reduction of the cell size where the socket is hardly wider than the contact.
 TIGHT = 4.0
 
-#: Points around an ellipse that say how far it reaches.
+#: Points around an ellipse at which its reach is evaluated.
 AROUND = 73
 
 
@@ -63,7 +63,7 @@ def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> 
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
     zone = (float(min(zone_a / width[0], ZONE)), float(min(zone_b / width[1], ZONE)))
-    # beside an edge, where the zone hardly reaches beyond the contact, smaller cells keep the outermost nodes out of it
+    # near an edge, where the zone is hardly larger than the contact, smaller cells keep the outermost nodes outside
     cell_a = min(cell_a, max(4.0 * (zone[0] * width[0] - wide), cell_a / TIGHT))
     across = graded(zone[0], cell_a / width[0], settings.growth)
     along = graded(zone[1], cell_b / width[1], settings.growth)
@@ -169,7 +169,7 @@ def ball_place(
 #: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
 RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 
-#: Cells across the short semi-axis of the patch that is condensed with its socket, over those of the contact's own.
+#: Cells across the short semi-axis of the carrier patch, over those of the contact's patch.
 CARRIER = 0.5
 
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).

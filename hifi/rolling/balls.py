@@ -32,7 +32,7 @@ from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.hifi.rolling.patch import Patch, Regular, hertz_patch, seen_radii
 from rollbench.meshes.arrays import Array
 
-#: Compliance along tangents that stands for rigid bodies where grids are compared, over the true one.
+#: Tangential compliance over the true one that represents rigid bodies where grids are compared.
 NEARLY_RIGID = 0.01
 
 #: Contact forces below this share of a ball's largest are none.
@@ -363,12 +363,12 @@ def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[floa
     return ellipse.semi_x, ellipse.semi_y
 
 
-# --- the rigid limit: grooves that do not yield along tangents, Coulomb friction under Hertz's pressure by fine quadrature
+# --- the rigid limit: no tangential compliance, Coulomb friction under Hertz's pressure by fine quadrature
 #
-# The limit that grids of elastic contacts are differenced against: what a grid's cells, its staircase edge and a spin
-# pole within a cell do to an answer they do to nearly rigid bodies too, so that
+# The effect of a grid's cells, its staircase edge and a spin
+# pole within a cell on a solution is nearly the same for nearly rigid bodies, so that
 #
-#     answer = grid(elastic) - grid(nearly rigid) + limit
+#     result = grid(elastic) - grid(nearly rigid) + limit
 #
 # keeps of them only what they do to the effect of elasticity.
 

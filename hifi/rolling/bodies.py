@@ -50,14 +50,14 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
 from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
 
-#: Left flanks of screw or inner ring, and of nut or outer ring; right ones are these turned.
+#: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
 INNER, OUTER = 0, 2
 
 #: Land beyond the pitch circle, wall behind the groove at most and solid core of a screw, over the ball's radius, the
 #: ball's radius and the pitch radius.
 LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
 
-#: Where the pieces of grooved bodies are held.
+#: Fixed boundaries of the pieces of grooved bodies.
 ENDS = ("low end", "high end")
 
 #: Subdivisions of the sockets' edges; element sizes near and away from the socket over the ball's radius, of grooves and of
@@ -437,7 +437,7 @@ P = ParamSpec("P")
 
 T = TypeVar("T")
 
-#: What bodies answered, by function and arguments, made here or by other processes; most that are kept.
+#: Cached kernels by function and arguments, computed here or by other processes; and the largest number of them.
 _KEPT: dict[tuple[object, ...], Any] = {}
 
 MOST = 32

@@ -155,7 +155,7 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     """Residual, and dq for (1); one unknown for each slipping cell, two for each that sticks; grip ``(n,)``: r."""
     n = c.bound.size
     s = c.slip(q, y)
-    pull = _pair(q) - grip[:, None] * _pair(s)
+    pull = _pair(q) - grip[:, None] * _pair(s)  # q - r s; (1) is q = P(q - r s)
     size = np.linalg.norm(pull, axis=1)
     stick = size <= c.bound
     slip = np.flatnonzero(~stick)
@@ -245,7 +245,7 @@ def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Arra
 
 
 def _settle(system: _System, q: list[Array], y: Array) -> Friction:
-    """Newton's method on (1) and (2) as they stand."""
+    """Newton's method on (1) and (2) without smoothing."""
     grips = [_grip(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
@@ -260,7 +260,7 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
         best = min(best, residual)
         try:
             dq, dy = system.step(parts, q, y)
-        except np.linalg.LinAlgError:  # cells that slip may leave a motion free on the way
+        except np.linalg.LinAlgError:  # an iterate with slipping cells may leave a motion unconstrained
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]

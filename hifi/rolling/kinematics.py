@@ -16,7 +16,7 @@ from rollbench.hifi.rolling.friction import Contact
 from rollbench.hifi.rolling.patch import Patch
 from rollbench.meshes.arrays import Array, Index
 
-#: Motions of a ball: along the track, and about its own three axes; all as speeds [m/s].
+#: Number of motions of a ball: along the track, and about its three axes; all as speeds [m/s].
 MOTIONS = 4
 
 
@@ -291,8 +291,8 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
 
 # --- balls that touch: force and closing speed not negative and complementary, sliding friction at the point of contact
 #
-# Two balls of a track turn the same way, so that where they touch they rub at about the full speed of their surfaces: the
-# whole contact, some hundredths of a radius wide, slides one way, and a point stands for it.
+# Two balls of a track rotate in the same sense, so that where they touch they slide at about the full speed of their
+# surfaces: the whole contact, some hundredths of a radius wide, slides in one direction, and is represented by a point.
 
 
 def meeting(
@@ -325,7 +325,7 @@ def meeting(
     axes = np.stack([line, side, np.cross(line, side)])
     parts = []
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
-        local = axes @ frame.T  # the three directions in the ball's own axes
+        local = axes @ frame.T  # the three directions in the ball's axes
         at = sign * radius * local[0]
         rows = local @ motion_rows(track, radius, at[None])[0]
         parts.append(sign * rows)

@@ -213,10 +213,10 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
     upright, aslant = (1.0 - poisson) / (np.pi * shear), poisson / (np.pi * shear)
     inverse = over(along_x) + over(along_y)
     out = np.zeros((*np.shape(x), 3, 3))
-    out[..., 0, 0] = upright * inverse + aslant * over(along_x)
+    out[..., 0, 0] = upright * inverse + aslant * over(along_x)  # Cerruti, (3.75)
     out[..., 1, 1] = upright * inverse + aslant * over(along_y)
     out[..., 0, 1] = out[..., 1, 0] = aslant * over(-R)
-    out[..., 2, 2] = upright * inverse
+    out[..., 2, 2] = upright * inverse  # Boussinesq, (3.22)
     return out
 
 

@@ -373,7 +373,7 @@ def _contacts(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
     d = cell.reach * cell.normals + p[:, None] - cell.inner[None, :, None] * body[:, None]
     length = np.linalg.norm(d, axis=2)
     approach = np.maximum(length - cell.reach + cell.interference, 0.0)
-    return (approach / cell.C) ** 1.5, d / length[:, :, None], length
+    return (approach / cell.C) ** 1.5, d / length[:, :, None], length  # F = (approach / C)^(3/2) along d
 
 
 def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
@@ -387,12 +387,13 @@ def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
     stiff = np.divide(1.5 * force, approach, out=np.zeros_like(force), where=approach > 0.0)
     for i in range(N):
         for k in range(cell.inner.size):
-            T = np.zeros((2, x.size))
+            T = np.zeros((2, x.size))  # derivative of d by ball and inner body
             T[:, 2 * i : 2 * i + 2] = np.eye(2)
             if m and cell.inner[k]:
                 T[:, 2 * N :] = -cell.rows[i]
             nn = np.outer(n[i, k], n[i, k])
             g += force[i, k] * (T.T @ n[i, k])
+            # stiffness along the normal, and that of the force as d turns
             H += T.T @ (stiff[i, k] * nn + force[i, k] / length[i, k] * (np.eye(2) - nn)) @ T
     return e, g, H
 

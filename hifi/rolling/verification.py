@@ -33,7 +33,7 @@ from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, motion_rows
 from rollbench.hifi.rolling.patch import Patch, Regular, grid, hertz_patch, influence, press, seen_radii
 from rollbench.meshes.arrays import Array
 
-#: Length over half width of the strip that stands for a cylinder.
+#: Length over half width of the strip that represents a cylinder.
 LONG = 1e4
 #: Points along each axis of a mean.
 MEANS = 200

@@ -351,7 +351,7 @@ def _join(stretch: Stretch, place: _Places, size: int) -> _Joined:
     base = slice(place[stretch.base], place[stretch.base] + 6)
     L[base] -= stretch.B[m : m + p].T
     joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, size + m))
-    Y = F_mp @ joined[:, :size]
+    Y = F_mp @ joined[:, :size]  # F_mp F_pp^-1 L^T + B_m S_base^T
     Y[:, base] += stretch.B[:m]
     o = slice(m + p, stretch.F.shape[0])
     F_op = stretch.F[o, m : m + p]

@@ -164,7 +164,7 @@ def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], 
 def _ends(m: GrooveMap, length: float, cut: Array) -> Array:
     """Motion ``(6, 6)`` of the upper end of a shaft by what both of its cuts do."""
     T, half = transport(length), length / 2.0
-    return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))
+    return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))  # T A T^T + R_b E R_b^T
 
 
 @dataclass(frozen=True)
@@ -181,8 +181,8 @@ class Homogenised:
     cut: Array
 
 
-#: Leads by which the third shaft is longer than the first: a quarter turns both what sways once in a lead and what sways
-#: twice.
+#: Leads by which the third shaft is longer than the first: a quarter changes the phase of what sways once and twice in
+#: a lead.
 OTHER_PHASE = 0.25
 
 

@@ -163,10 +163,10 @@ def write_mesh(
 def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
     """Cell fields in which scikit-fem keeps names: which faces of a cell are of a boundary, as bits; cells of a region.
 
-    They are its own (`Mesh.save`): it reads no names of second-order meshes from a file's groups.
+    As `Mesh.save` writes them: scikit-fem reads no names of second-order meshes from a file's groups.
     """
     bits = 1 << np.arange(len(mesh.t2f))
-    if len(bits) == 6:  # hexahedra are read the other way round: corner 7 - k, face 5 - k
+    if len(bits) == 6:  # hexahedra are read in reverse order: corner 7 - k, face 5 - k
         bits = bits[::-1]
     fields = {f"skfem:b:{name}": bits @ np.isin(mesh.t2f, faces) for name, faces in (mesh.boundaries or {}).items()}
     return fields | ({f"skfem:s:{region}": np.ones(mesh.nelements, dtype=np.int64)} if region else {})
