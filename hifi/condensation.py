@@ -181,12 +181,36 @@ def _constants(material: Material) -> tuple[float, float]:
 
 
 def congruent(m: GrooveMap, side: int) -> bool:
-    """Whether the side is the other flank of the same groove turned about the radius through the ball's centre."""
+    """Whether the side is the other flank of the same groove turned about the radius through the ball's centre.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    bool
+        True for a right flank with the groove radius of the left one.
+    """
     return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
 
 
 def turned(patches: SidePatches) -> SidePatches:
-    """Patches of the right flank from those of the left one: contact nodes in their order, azimuths reversed."""
+    """Patches of the right flank from those of the left one: contact nodes in their order, azimuths reversed.
+
+    Parameters
+    ----------
+    patches : SidePatches
+        Patches of the left flank.
+
+    Returns
+    -------
+    SidePatches
+        Patches of the right flank.
+    """
     shape = patches.groove.shape
     assert shape is not None  # a grid
     order = np.arange(shape[0] * shape[1]).reshape(shape)[:, ::-1].ravel()
@@ -240,7 +264,20 @@ class Modal:
         return sum(V.shape[1] for V in self.modes.values())
 
     def rows(self, side: int, ball: int = 0) -> Index:
-        """Rows of a contact's modes in the coupling of the body."""
+        """Rows of a contact's modes in the coupling of the body.
+
+        Parameters
+        ----------
+        side : int
+            Flank 0 to 3.
+        ball : int, default 0
+            Number of the ball, from 0.
+
+        Returns
+        -------
+        (k,) Index
+            Rows.
+        """
         before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
         return np.asarray(ball * self.per_ball + before + np.arange(self.modes[side].shape[1]))
 

@@ -190,7 +190,20 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
 
 
 def modal_motion(C: Compliance, z: Array) -> Array:
-    """Motion of every contact node along its normal by modal motions z ``(r,)``."""
+    """Motion of every contact node along its normal by modal motions z ``(r,)``.
+
+    Parameters
+    ----------
+    C : Compliance
+        Compliance of n contact nodes.
+    z : (r,) Array
+        Modal motions [m].
+
+    Returns
+    -------
+    (n,) Array
+        Motions along the normals [m].
+    """
     return np.concatenate([V @ z[c] for V, c in zip(C.modes, C.columns, strict=True)])
 
 

@@ -181,7 +181,15 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
 
 
 def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch."""
+    """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch.
+
+    Parameters
+    ----------
+    scene : Scene
+        Load case.
+    dims : Dimensions
+        Dimensions of the solid parts.
+    """
     low = dims.ends(scene)[0]
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
@@ -227,7 +235,22 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
 
 
 def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh of the groove's patch at a side, for a ball at azimuth 0 and z = 0."""
+    """Mesh of the groove's patch at a side, for a ball at azimuth 0 and z = 0.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    meshes : Meshes
+        Its meshes.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    PatchMesh
+        The patch.
+    """
     body = meshes.screw if side < 2 else meshes.nut
     return patch_mesh(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
 

@@ -252,7 +252,18 @@ class Specimens:
 
 
 def alike_in_shape(scene: Scene) -> bool:
-    """Whether the grooves of all specimens of a scene are exact arcs of the same radii; see `specimens`."""
+    """Whether the grooves of all specimens of a scene are exact arcs of the same radii; see `specimens`.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the errors.
+
+    Returns
+    -------
+    bool
+        False where profile errors of higher than constant degree, or random ones, occur.
+    """
     sides = [scene.errors.side(name) for name in SIDES]
     return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)
 
@@ -313,7 +324,18 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
 
 
 def without_draws(scene: Scene) -> Scene:
-    """Scene without its random errors: all standard deviations 0."""
+    """Scene without its random errors: all standard deviations 0.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the errors.
+
+    Returns
+    -------
+    Scene
+        The new scene.
+    """
 
     def certain(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
         return tuple(replace(term, sigma=0.0) for term in terms)

@@ -211,12 +211,38 @@ def faces_of(mesh: Mesh, name: str) -> Index:
 
 
 def nodes_on(mesh: Mesh, *names: str) -> Index:
-    """Nodes of named boundaries, ascending."""
+    """Nodes of named boundaries, ascending.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    *names : str
+        Boundaries.
+
+    Returns
+    -------
+    (k,) Index
+        Nodes.
+    """
     return _on(mesh.dofs, mesh, names)
 
 
 def freedoms_on(mesh: Mesh, *names: str) -> Index:
-    """Degrees of freedom of the vector space on named boundaries, ascending."""
+    """Degrees of freedom of the vector space on named boundaries, ascending.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    *names : str
+        Boundaries.
+
+    Returns
+    -------
+    (k,) Index
+        Degrees of freedom 3 * node + component.
+    """
     return _on(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
 
 
@@ -248,7 +274,18 @@ def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = 
 
 
 def second_order(mesh: Mesh) -> Mesh:
-    """Make straight second-order cells of a mesh, on the same vertices; boundaries are lost."""
+    """Make straight second-order cells of a mesh, on the same vertices; boundaries are lost.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        P1 or Q1 cells.
+
+    Returns
+    -------
+    Mesh
+        P2 or Q2 cells.
+    """
     quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
     known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
     return _changed(quadratic, **known)

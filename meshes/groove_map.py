@@ -53,7 +53,18 @@ class GrooveMap:
 
     @staticmethod
     def of(scene: Scene) -> GrooveMap:
-        """Map of a scene's nominal geometry."""
+        """Map of a scene's nominal geometry.
+
+        Parameters
+        ----------
+        scene : Scene
+            Screw or bearing.
+
+        Returns
+        -------
+        GrooveMap
+            The map.
+        """
         track = scene.track
         return GrooveMap(
             track.pitch_radius,

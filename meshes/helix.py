@@ -152,6 +152,11 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
 def groove_radii(scene: Scene) -> Array:
     """Nominal groove radii of the flanks SL, SR, NL, NR.
 
+    Parameters
+    ----------
+    scene : Scene
+        Gives the radii of screw and nut.
+
     Returns
     -------
     (4,) Array
@@ -166,6 +171,11 @@ def _radii(scene: Scene) -> list[float]:
 
 def nominal_groove_centres(scene: Scene) -> Array:
     """Nominal groove centres of the flanks SL, SR, NL, NR in the section frame.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives radii and contact angle.
 
     Returns
     -------
@@ -187,6 +197,11 @@ def nominal_groove_centres(scene: Scene) -> Array:
 
 def nominal_contact_points(scene: Scene) -> Array:
     """Nominal contact points of the flanks SL, SR, NL, NR in the section frame.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives ball radius and contact angle.
 
     Returns
     -------

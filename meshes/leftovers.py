@@ -38,13 +38,25 @@ def temporary(path: Path, ending: str = "tmp") -> Path:
 
 
 def for_group(path: Path) -> None:
-    """Let the group read a file of this user's, whatever the umask: stored files are meant to be shared."""
+    """Let the group read a file of this user's, whatever the umask: stored files are meant to be shared.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     with suppress(OSError):  # another user's file, or a file system without modes: the owner reads it all the same
         path.chmod(path.stat().st_mode | 0o440)
 
 
 def folder_for_group(path: Path) -> None:
-    """Make a folder and its missing parents; new ones may be read by the group."""
+    """Make a folder and its missing parents; new ones may be read by the group.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    """
     missing = [folder for folder in (path, *path.parents) if not folder.exists()]
     path.mkdir(parents=True, exist_ok=True)
     for folder in missing:

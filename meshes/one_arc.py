@@ -21,12 +21,28 @@ LEAST = 1e-7
 
 
 def is_one_arc(scene: Scene) -> bool:
-    """Whether each groove of a bearing is one arc, so that a ball has one contact with it."""
+    """Whether each groove of a bearing is one arc, so that a ball has one contact with it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    bool
+        False for every screw.
+    """
     return bool(sides_of_arc(scene))
 
 
 def sides_of_arc(scene: Scene) -> tuple[int, ...]:
     """Flanks that carry the contacts of a bearing whose grooves are one arc each.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
 
     Returns
     -------
@@ -91,6 +107,11 @@ def as_one_arc(scene: Scene) -> Scene:
     The ball touches the arc where it touched the ridge between two arcs, without clearance. What the ridge leaves out
     there, (r_G - r_B) r_B beta^2 / (2 r_G) of the larger groove [m], goes to the scene's ``assumed``.
 
+    Parameters
+    ----------
+    scene : Scene
+        Bearing; other scenes are returned unchanged.
+
     Returns
     -------
     Scene
@@ -127,6 +148,11 @@ class Clearance:
 
 def distance_of_centres(scene: Scene) -> float:
     """Distance of the groove centres at which a ball of nominal diameter touches both grooves.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the radii.
 
     Returns
     -------
@@ -181,6 +207,11 @@ def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
 
 def clearance_of(scene: Scene) -> Clearance | None:
     """Compute the internal clearance of a bearing whose grooves are one arc each, with the oversize of its balls.
+
+    Parameters
+    ----------
+    scene : Scene
+        Bearing.
 
     Returns
     -------

@@ -300,7 +300,18 @@ class Errors:
     lead_offset: float = usual(0.0)
 
     def side(self, name: str) -> SideErrors:
-        """Errors of the flank of a name out of `SIDES`."""
+        """Errors of the flank of a name out of `SIDES`.
+
+        Parameters
+        ----------
+        name : str
+            SL, SR, NL or NR.
+
+        Returns
+        -------
+        SideErrors
+            Errors of that flank.
+        """
         found: SideErrors = getattr(self, name)
         return found
 
@@ -501,6 +512,16 @@ class Time:
 
     def span(self, motion: Motion) -> float:
         """Duration of the run [s]: as given, or the angle over the speed of the motion.
+
+        Parameters
+        ----------
+        motion : Motion
+            Gives the speed.
+
+        Returns
+        -------
+        float
+            [s].
 
         Examples
         --------

@@ -254,7 +254,18 @@ class Several:
 
 
 def quantity_of(of: Any) -> Quantity:
-    """Quantity of an annotated type such as `Size`."""
+    """Quantity of an annotated type such as `Size`.
+
+    Parameters
+    ----------
+    of : Any
+        Annotated type with a `Quantity`.
+
+    Returns
+    -------
+    Quantity
+        The quantity.
+    """
     found: Quantity = get_args(of)[1]
     return found
 

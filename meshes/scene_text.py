@@ -41,6 +41,16 @@ Table = dict[str, Any]
 def to_toml(tables: Mapping[str, Any]) -> str:
     """TOML text of keys and tables; a small table stands on the line of its key.
 
+    Parameters
+    ----------
+    tables : Mapping[str, Any]
+        Keys and tables, as `scene_tables` returns them.
+
+    Returns
+    -------
+    str
+        Text of a scene file.
+
     Examples
     --------
     >>> print(to_toml({"title": "Two balls", "balls": {"count": 2}}), end="")
@@ -53,7 +63,18 @@ def to_toml(tables: Mapping[str, Any]) -> str:
 
 
 def scene_tables(scene: Scene) -> Table:
-    """Keys and tables of the scene file of a screw or bearing."""
+    """Keys and tables of the scene file of a screw or bearing.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    Table
+        Keys and tables, usual values left out.
+    """
     offset = scene.errors.lead_offset
     return given(
         **_head(scene, scene.screw.material),
@@ -81,7 +102,18 @@ def scene_tables(scene: Scene) -> Table:
 
 
 def axis_tables(axis: Assembly) -> Table:
-    """Keys and tables of the scene file of a shaft with its rolling sets."""
+    """Keys and tables of the scene file of a shaft with its rolling sets.
+
+    Parameters
+    ----------
+    axis : Assembly
+        Shaft with its sets.
+
+    Returns
+    -------
+    Table
+        Keys and tables, usual values left out.
+    """
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
     shaft = table_of(axis.screw, "material", "groove_radius") | _material(axis.screw.material, shared)
     if axis.screw.groove_radius:

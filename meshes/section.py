@@ -32,6 +32,11 @@ def groove_section(scene: Scene) -> GrooveSection:
 
     Valid while the outer surface cuts both arcs: abs(D_2) < r_G.
 
+    Parameters
+    ----------
+    scene : Scene
+        Gives groove radius, ball radius, contact angle, pitch radius and outer diameter.
+
     Returns
     -------
     GrooveSection
@@ -62,8 +67,8 @@ def groove_section(scene: Scene) -> GrooveSection:
     d2 = slack * cos(beta) + scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     if abs(d2) >= r:
         raise ValueError("the screw's outer surface does not cut the groove")
-    g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)  # (C.4)
-    # (C.5): twice the sector of one arc less two triangles
+    g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)  # (C.5)
+    # (C.4): twice the sector of one arc less two triangles
     area = 2.0 * (0.5 * r * r * (g2 - g1) - 0.5 * (r * sin(g2) - d1) * d2 - 0.5 * (r * cos(g1) - d2) * d1)
     return GrooveSection(g1, g2, area)
 
@@ -72,6 +77,11 @@ def nut_groove_range(scene: Scene) -> tuple[float, float]:
     """Range of the section angle on a nut's flank, from the apex to pi/2.
 
     No source gives the diameter of the nut's lands, so the upper end is not where the flank ends.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives groove radius, ball radius and contact angle.
 
     Returns
     -------
@@ -86,6 +96,11 @@ def nut_groove_range(scene: Scene) -> tuple[float, float]:
 
 def volume_ratio(scene: Scene) -> float:
     """Volume of the grooved screw over that of the full cylinder.
+
+    Parameters
+    ----------
+    scene : Scene
+        As for `groove_section`, with lead and starts.
 
     Returns
     -------
@@ -110,9 +125,11 @@ def volume_ratio(scene: Scene) -> float:
     track = scene.track
     if track.lead == 0.0:
         return 1.0
-    cut = groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)  # (C.6)
-    full = pi * (scene.screw.outer_diameter / 2.0) ** 2 * track.lead
-    return 1.0 - cut / full  # (C.7)
+    cut = (
+        groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)
+    )  # (C.6), of all starts
+    full = pi * (scene.screw.outer_diameter / 2.0) ** 2 * track.lead  # (C.7)
+    return 1.0 - cut / full  # k_r^2 of (C.8)
 
 
 @dataclass(frozen=True)
@@ -196,6 +213,11 @@ def screw_section(scene: Scene) -> BeamSection:
     The scene's ``ingredients.section`` chooses the factor on the outer diameter: ``"groove"`` sqrt(k) with k the
     `volume_ratio` (keeps the volume), ``"groove squared"`` k (eq. (C.8) read without the root), ``"full"`` 1.
 
+    Parameters
+    ----------
+    scene : Scene
+        Gives screw, track and ``ingredients.section``.
+
     Returns
     -------
     BeamSection
@@ -254,7 +276,18 @@ def contact_stations(scene: Scene, layout: BallLayout) -> Array:
 
 
 def needed_stations(scene: Scene) -> Array:
-    """Stations [m] of a scene's supports, then of its loads, at which the beam must have nodes or end."""
+    """Stations [m] of a scene's supports, then of its loads, at which the beam must have nodes or end.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives supports and loads.
+
+    Returns
+    -------
+    (n,) Array
+        Stations [m].
+    """
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 

@@ -199,7 +199,18 @@ def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
 
 
 def rim(socket: SocketMesh) -> Index:
-    """Corners around the open top of a socket, in order."""
+    """Corners around the open top of a socket, in order.
+
+    Parameters
+    ----------
+    socket : SocketMesh
+        Mesh of the faces.
+
+    Returns
+    -------
+    (r,) Index
+        Nodes, around the rim.
+    """
     around: dict[int, list[int]] = {}
     for i, j in socket.edges:
         if socket.xi[i, 1] == 0.0 and socket.xi[j, 1] == 0.0:
@@ -373,7 +384,18 @@ def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, f
 
 
 def groove_lines(m: GrooveMap) -> list[float]:
-    """Height z - r_g phi of every start's groove [m]; one entry for a ring."""
+    """Height z - r_g phi of every start's groove [m]; one entry for a ring.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+
+    Returns
+    -------
+    list[float]
+        Heights [m].
+    """
     return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
 
 

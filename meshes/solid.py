@@ -80,6 +80,11 @@ def groove_depths(scene: Scene) -> tuple[float, float]:
     The bottom is where both arcs meet, or that of one arc. In a wide groove the depth is far less than the groove's
     radius.
 
+    Parameters
+    ----------
+    scene : Scene
+        Gives radii and contact angle.
+
     Returns
     -------
     screw, nut : float

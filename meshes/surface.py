@@ -1,7 +1,7 @@
 """Exact groove surfaces S(phi, gamma) with their errors, and their curvatures.
 
 phi is the azimuth, gamma the angle in the section from the radial direction. Source: Lin (2019), eqs. (2.3), (2.6),
-(2.27) and Appendix B.3 to B.5.
+(2.27) and (B.3) to (B.5).
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
 
     References
     ----------
-    Lin (2019), eqs. (B.3) to (B.5).
+    Lin (2019), eqs. (B.4) and (B.5).
     """
     normal = np.cross(d["Sp"], d["Sg"])
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -160,7 +160,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
 
     References
     ----------
-    Lin (2019), Appendix B.3 to B.5, with I^-1 added.
+    Lin (2019), eqs. (B.4) and (B.5), with I^-1 added.
 
     Examples
     --------

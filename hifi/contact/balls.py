@@ -113,7 +113,20 @@ class BallBlock:
 
 
 def picked_factor(matrix: Array, pick: Indices) -> Array:
-    """Lower Cholesky factor of picked rows and columns of a symmetric matrix; raises as `factored`."""
+    """Lower Cholesky factor of picked rows and columns of a symmetric matrix; raises as `factored`.
+
+    Parameters
+    ----------
+    matrix : (n, n) Array
+        Symmetric positive definite matrix.
+    pick : Indices
+        Indices of k rows and columns.
+
+    Returns
+    -------
+    (k, k) Array
+        Lower factor; entries above the diagonal are arbitrary.
+    """
     return factored(matrix[pick[:, None], pick].T)
 
 
@@ -121,6 +134,16 @@ def factored(matrix: Array) -> Array:
     """Lower Cholesky factor of a matrix in Fortran order, in its place (entries above the diagonal are arbitrary).
 
     Calls LAPACK directly: SciPy's checks of small matrices take as long as their factors.
+
+    Parameters
+    ----------
+    matrix : (k, k) Array
+        Symmetric positive definite matrix in Fortran order; overwritten.
+
+    Returns
+    -------
+    (k, k) Array
+        Lower factor.
 
     Raises
     ------

@@ -312,6 +312,16 @@ def study(
 def source_study(job: HertzJob) -> HertzRun:
     """Solve a contact on first-order tetrahedra of the source's size, 0.08 mm in a body of influence and 5 mm elsewhere.
 
+    Parameters
+    ----------
+    job : HertzJob
+        Contact, see `JOBS`.
+
+    Returns
+    -------
+    HertzRun
+        Result and closed form.
+
     References
     ----------
     Lin (2019), section 2.4.1.

@@ -498,5 +498,16 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
 
 
 def mean_weights(weights: sp.csr_array) -> sp.csr_array:
-    """Scale weights to rows of sum one: means over the pressure functions instead of integrals."""
+    """Scale weights to rows of sum one: means over the pressure functions instead of integrals.
+
+    Parameters
+    ----------
+    weights : (c, c) sparse array
+        Weights of c pressure functions (rows).
+
+    Returns
+    -------
+    (c, c) sparse array
+        The same with rows of sum one.
+    """
     return sp.csr_array(sp.diags_array(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)

@@ -319,6 +319,11 @@ def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple
 def rotation(phi: float) -> Array:
     """Rotation about z by an angle phi [rad].
 
+    Parameters
+    ----------
+    phi : float
+        Angle [rad].
+
     Returns
     -------
     (3, 3) Array
@@ -329,7 +334,20 @@ def rotation(phi: float) -> Array:
 
 
 def placed(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
-    """Sockets of a body with their rotations."""
+    """Sockets of a body with their rotations.
+
+    Parameters
+    ----------
+    mesh : GroovedBody
+        Mesh of the body.
+    places : tuple[Place, ...]
+        Azimuth [rad], station [m] and flank of its contacts, by `sockets_of`.
+
+    Returns
+    -------
+    list[Socket]
+        One socket for each contact.
+    """
     return [Socket(n, rotation(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
 
 

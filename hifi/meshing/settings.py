@@ -83,6 +83,16 @@ class Settings:
 def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
     """Round lengths [m] up to multiples of `ROUNDING`, so that similar scenes share their patches.
 
+    Parameters
+    ----------
+    lengths : tuple[float, float]
+        Two lengths [m].
+
+    Returns
+    -------
+    tuple[float, float]
+        The lengths, rounded up [m].
+
     Examples
     --------
     >>> rounded((0.4001e-3, 0.105e-3))

@@ -195,7 +195,22 @@ def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes 
 
 
 def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
-    """Compute the kernels of scenes of one material in several processes; see `hifi.rolling.bodies.make_kernels`."""
+    """Compute the kernels of scenes of one material in several processes; see `hifi.rolling.bodies.make_kernels`.
+
+    Parameters
+    ----------
+    scenes : Sequence[kinematics.Rolling]
+        Scenes.
+    bodies : Sizes | None
+        Meshes of finite bodies; None: half-spaces, for which nothing is computed.
+    processes : int
+        Number of processes.
+
+    Returns
+    -------
+    float
+        Processor time [s].
+    """
     if bodies is None:
         return 0.0
     contacts = [(place_of(s, t)[0], _largest(s)) for s in scenes for _, _, t in touching(s)]
@@ -208,7 +223,22 @@ def _largest(scene: kinematics.Rolling) -> float:
 
 
 def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
-    """Place of a contact on its groove, and the direction to the bottom. Raises ValueError where that is unknown."""
+    """Place of a contact on its groove, and the direction to the bottom. Raises ValueError where that is unknown.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    touch : kinematics.Touch
+        The contact.
+
+    Returns
+    -------
+    place : Place
+        The contact as the kernels need it.
+    bottom : (3,) Array
+        Unit vector from the ball's centre to the bottom of the groove.
+    """
     if touch.bottom is None:
         raise ValueError("a finite groove needs the direction of its bottom")
     angle = float(np.arccos(touch.normal @ touch.bottom))
@@ -216,7 +246,18 @@ def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place,
 
 
 def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
-    """Contacts that carry load: index of the ball, index of its contact, and the contact."""
+    """Contacts that carry load: index of the ball, index of its contact, and the contact.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+
+    Returns
+    -------
+    list[tuple[int, int, kinematics.Touch]]
+        Contacts with more than `NEGLIGIBLE` of the ball's largest force.
+    """
     out = []
     for b, ball in enumerate(scene.balls):
         least = NEGLIGIBLE * max((t.load for t in ball.touches), default=0.0)
@@ -225,7 +266,20 @@ def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch
 
 
 def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
-    """Prepare the loaded contacts for the friction solver."""
+    """Prepare the loaded contacts for the friction solver.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    choices : Choices
+        Numerical choices.
+
+    Returns
+    -------
+    list[Contact]
+        Contacts in the order of `touching`.
+    """
     curved, elastic = choices.curved, choices.elastic
     return [
         kinematics.ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
@@ -234,7 +288,20 @@ def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
 
 
 def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.Together:
-    """Balance of the balls, as the friction solver needs it."""
+    """Balance of the balls, as the friction solver needs it.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    contacts : Sequence[Contact]
+        Their loaded contacts.
+
+    Returns
+    -------
+    kinematics.Together
+        Forces on the motions and complementarity of the balls in touch.
+    """
     bound = max(float(c.bound.sum()) for c in contacts)
     return kinematics.Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
 
@@ -358,7 +425,20 @@ def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
 
 
 def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
-    """Semi-axes of a contact along and across the groove [m]."""
+    """Semi-axes of a contact along and across the groove [m].
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    touch : kinematics.Touch
+        The contact.
+
+    Returns
+    -------
+    tuple[float, float]
+        Semi-axes [m].
+    """
     ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
 

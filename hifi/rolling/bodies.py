@@ -151,7 +151,22 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
 
 
 def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
-    """Map the geometry of a track whose grooves are all alike, as the static reference has it."""
+    """Map the geometry of a track whose grooves are all alike, as the static reference has it.
+
+    Parameters
+    ----------
+    curve : Curve
+        Path of the balls' centres.
+    ball, groove : float
+        Radii [m].
+    angle : float
+        Contact angle [rad].
+
+    Returns
+    -------
+    GrooveMap
+        Map of the track.
+    """
     signs = np.array(SIDE_SIGNS)
     to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
     lead_angle = float(np.arctan2(curve.rise, curve.radius))

@@ -110,7 +110,20 @@ def _body(
 
 
 def whole_ball(radius: float, zone: Zone) -> ContactBody:
-    """Mesh a free ball of ``radius`` [m]: a cube whose faces are mapped onto the sphere."""
+    """Mesh a free ball of ``radius`` [m]: a cube whose faces are mapped onto the sphere.
+
+    Parameters
+    ----------
+    radius : float
+        Radius [m].
+    zone : Zone
+        Contact zone.
+
+    Returns
+    -------
+    ContactBody
+        The ball.
+    """
     root = np.sqrt(0.5)
     x, y = (zone.lines(k, -root * radius, root * radius) for k in (0, 1))
     half = zone.depths(radius)

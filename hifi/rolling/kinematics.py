@@ -226,7 +226,20 @@ def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: f
 
 
 def rolling_speed(touch: Touch, scene: Rolling) -> float:
-    """Speed [m/s] at which material passes through the contact."""
+    """Speed [m/s] at which material passes through the contact.
+
+    Parameters
+    ----------
+    touch : Touch
+        The contact.
+    scene : Rolling
+        Its balls.
+
+    Returns
+    -------
+    float
+        [m/s].
+    """
     return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.field(scene.radius * touch.normal)))
 
 

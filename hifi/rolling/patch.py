@@ -28,6 +28,11 @@ from rollbench.meshes.arrays import Array, Index
 def exponents(degree: int) -> Array:
     """Powers of x and y of all monomials up to a degree.
 
+    Parameters
+    ----------
+    degree : int
+        Largest degree.
+
     Returns
     -------
     (k, 2) Array
@@ -369,7 +374,20 @@ class Patch:
         return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
 
     def scaled(self, length: float, force: float) -> Patch:
-        """Patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies."""
+        """Patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies.
+
+        Parameters
+        ----------
+        length : float
+            Factor on lengths.
+        force : float
+            Factor on forces; ``length ** 3`` of a similar contact.
+
+        Returns
+        -------
+        Patch
+            The patch.
+        """
         if self.regular is not None:
             raise ValueError("contacts of finite bodies are not similar")
         square = length * length

@@ -111,7 +111,20 @@ def _bottom(normals: Array, ride: Array, k: int) -> Array:
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:
-    """Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)]: approach C F^(2/3)."""
+    """Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
+
+    Parameters
+    ----------
+    layout : Layout
+        Relative radii of the k grooves.
+    material : Material
+        Elastic material.
+
+    Returns
+    -------
+    (k,) Array
+        Constants [m/N^(2/3)].
+    """
     return np.array([hertz(1.0, a, b, material.young, material.poisson).approach for a, b in layout.radii])
 
 
@@ -412,7 +425,20 @@ COARSE = (10, 10)
 
 
 def hold(cell: Cell, loads: Loads) -> Cell:
-    """Copy of a cell with its inner body fixed at its equilibrium."""
+    """Copy of a cell with its inner body fixed at its equilibrium.
+
+    Parameters
+    ----------
+    cell : Cell
+        The static problem.
+    loads : Loads
+        Its equilibrium.
+
+    Returns
+    -------
+    Cell
+        The cell, its inner body without free motions.
+    """
     moved = cell.rows @ loads.body if cell.pull.size else 0.0
     return replace(cell, offset=cell.offset + moved, rows=np.zeros((*cell.rows.shape[:2], 0)), pull=np.zeros(0))
 

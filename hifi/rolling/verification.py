@@ -132,6 +132,15 @@ def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
     First-order differences over a whole cell, the spin's slip taken a sixth of a cell upstream (its `set_tang_rhs`,
     `influe_cv_csv`). Arguments as of `steady`.
 
+    Parameters
+    ----------
+    patch : Patch
+        The contact.
+    creep : Creep
+        The creepages.
+    mu : float
+        Coefficient of friction.
+
     Returns
     -------
     Answer

@@ -69,7 +69,22 @@ def round_section(radius: float, young: float, poisson: float, bore: float = 0.0
 
 
 def tube(radius: float, bore: float, material: Material) -> ShaftSection:
-    """Stiffnesses of a circular section of a material; radii [m], bore 0: solid."""
+    """Stiffnesses of a circular section of a material; radii [m], bore 0: solid.
+
+    Parameters
+    ----------
+    radius : float
+        Outer radius [m].
+    bore : float
+        Radius of the bore [m]; 0: solid.
+    material : Material
+        Elastic material.
+
+    Returns
+    -------
+    ShaftSection
+        The section.
+    """
     return round_section(radius, material.youngs_modulus, material.poissons_ratio, bore)
 
 
@@ -136,7 +151,18 @@ class Frame:
 
     @staticmethod
     def of(described: Scene | Assembly) -> Frame:
-        """Frame of one set whose nut is fixed, or of several sets."""
+        """Frame of one set whose nut is fixed, or of several sets.
+
+        Parameters
+        ----------
+        described : Scene | Assembly
+            Scene of one set, or shaft with its sets.
+
+        Returns
+        -------
+        Frame
+            Its frame.
+        """
         if isinstance(described, Scene):
             return Frame(described.supports, described.loads, described.track.pitch_radius)
         arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))

@@ -187,7 +187,18 @@ OTHER_PHASE = 0.25
 
 
 def lengths(m: GrooveMap) -> tuple[float, float, float]:
-    """Lengths of the short, the long and the third of the 3D shafts [m]."""
+    """Lengths of the short, the long and the third of the 3D shafts [m].
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+
+    Returns
+    -------
+    tuple[float, float, float]
+        Lengths [m]; the first two are whole numbers of leads.
+    """
     lead = 2.0 * np.pi * abs(m.rg)
     leads = int(np.ceil(2.4 * m.R / lead))
     return lead * leads, lead * 2 * leads, lead * (leads + OTHER_PHASE)

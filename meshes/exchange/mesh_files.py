@@ -69,7 +69,13 @@ def form_of(path: Path, form: str = "") -> str:
 
 
 def need(form: str) -> None:
-    """Raise ImportError, with the remedy, if a package that writes the format is missing."""
+    """Raise ImportError, with the remedy, if a package that writes the format is missing.
+
+    Parameters
+    ----------
+    form : str
+        One of `FORMATS`.
+    """
     for package in ("meshio", *(("h5py",) if form == "med" else ())):
         try:
             import_module(package)
@@ -78,14 +84,40 @@ def need(form: str) -> None:
 
 
 def reduced(mesh: Mesh, form: str) -> bool:
-    """Whether a format holds only part of a mesh: .inp and .med have no 27-node hexahedron."""
+    """Whether a format holds only part of a mesh: .inp and .med have no 27-node hexahedron.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    form : str
+        One of `FORMATS`.
+
+    Returns
+    -------
+    bool
+        True for 27-node hexahedra in .inp and .med.
+    """
     from rollbench.meshes.fem import kind_of
 
     return kind_of(mesh) == "Q2" and form in ("inp", "med")
 
 
 def only(mesh: Mesh, *names: str) -> Mesh:
-    """Keep only some boundaries of a mesh."""
+    """Keep only some boundaries of a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    *names : str
+        Boundaries to keep.
+
+    Returns
+    -------
+    Mesh
+        Copy with only these boundaries.
+    """
     chosen = copy(mesh)
     chosen.__dict__["_boundaries"] = {name: mesh.boundaries[name] for name in names}
     return chosen
