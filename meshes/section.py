@@ -125,9 +125,7 @@ def volume_ratio(scene: Scene) -> float:
     track = scene.track
     if track.lead == 0.0:
         return 1.0
-    cut = (
-        groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)
-    )  # (C.6), of all starts
+    cut = groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)  # (C.6)
     full = pi * (scene.screw.outer_diameter / 2.0) ** 2 * track.lead  # (C.7)
     return 1.0 - cut / full  # k_r^2 of (C.8)
 
