@@ -1,4 +1,4 @@
-"""The 3D elastic-contact reference: elements, condensation of congruent patches, unilateral contact, verification.
+"""3D finite-element reference with elastic contact: elements, condensation of congruent patches, unilateral contact.
 
-Independent of ``lowfi``; both share only the description of the parts in ``meshes``.
+Independent of ``lowfi``; both share only the description of the parts in ``meshes``. Verified against closed forms.
 """

@@ -1,8 +1,8 @@
-"""How screw, nut and balls of the 3D reference answer contact forces.
+"""Compliance of screw, nut and balls of the 3D reference under contact forces.
 
-Bodies are meshed with a socket at every contact and condensed to the modes of their patches, and so is the shaft beyond the
-3D stretch of the screw. What a contact answers by itself is condensed once for each flank: the patches of its groove and
-its ball.
+Bodies are meshed with a socket at every contact and condensed to the modes of their patches, and so is the shaft beyond
+the 3D stretch of the screw. The local compliance of a contact is condensed once for each flank: the patches of its groove
+and its ball.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from rollbench.hifi.bodies.coarse import (
     free_transform,
     freedoms,
     isostatic,
+    local_compliance,
     mode_rows,
     of_order,
-    own_compliance,
     patch_modes,
 )
 from rollbench.hifi.bodies.grid_wave import GridWave, grid_wave
@@ -72,13 +72,16 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 
 @dataclass(frozen=True)
 class SidePatches:
-    """Patches of one side: of the groove and of the ball, on the same contact nodes; local ``(c, c)`` [m/N]: what a contact
-    of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.bodies.coarse`); wave: what its
-    place on the grid does to its approach (None: not taken out)."""
+    """Patches of one side, on the same contact nodes."""
 
+    #: Patch of the groove.
     groove: CondensedPatch
+    #: Patch of the ball.
     ball: CondensedPatch
+    #: Local compliance of a contact of both, beyond the modes of the coarse bodies ``(c, c)`` [m/N]
+    #: (`hifi.bodies.coarse`).
     local: Array
+    #: Correction for the contact's place on the grid; None: not corrected.
     wave: GridWave | None
 
 
@@ -97,11 +100,33 @@ def condense_side(
     sockets: Sockets,
     settings: Settings,
 ) -> SidePatches:
-    """Condensed patches of groove and ball at one side, on the same contact nodes, and their own compliance.
+    """Condense the patches of groove and ball at one side, and their local compliance.
 
-    radii: of the grooved body's plain surface away from the groove (hole, or land) and of the other one [m]; materials: of
-    that body and of the ball. Raises ValueError where the contact nodes of both do not match, or a submodel cannot be
-    meshed.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    radii : tuple[float, float]
+        Radii of the grooved body's plain surface on the side away from the groove (hole, or land), and of the other
+        one [m].
+    materials : tuple[Material, Material]
+        Materials of that body and of the ball.
+    sockets : Sockets
+        Sockets of groove and ball.
+    settings : Settings
+        Mesh choices.
+
+    Returns
+    -------
+    SidePatches
+        The patches.
+
+    Raises
+    ------
+    ValueError
+        The contact nodes of both do not match, or a submodel cannot be meshed.
     """
     groove_place = partial(local_points, m, sockets.size, side)
     ball_socket, place = ball_place(m, sockets.size, side, sockets.zone)
@@ -146,7 +171,7 @@ def condense_side(
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
 
-        local += own_compliance(C, V, response)
+        local += local_compliance(C, V, response)
         total += C
     return SidePatches(groove, ball, local, grid_wave(m, side, groove, total, b))
 
@@ -156,12 +181,36 @@ def _constants(material: Material) -> tuple[float, float]:
 
 
 def congruent(m: GrooveMap, side: int) -> bool:
-    """Whether the side is the other flank of the same groove turned about the radius through the ball's centre."""
+    """Whether the side is the other flank of the same groove turned about the radius through the ball's centre.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    bool
+        True for a right flank with the groove radius of the left one.
+    """
     return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
 
 
 def turned(patches: SidePatches) -> SidePatches:
-    """Patches of the right flank from those of the left one: contact nodes in their own order, azimuths turned round."""
+    """Patches of the right flank from those of the left one: contact nodes in their order, azimuths reversed.
+
+    Parameters
+    ----------
+    patches : SidePatches
+        Patches of the left flank.
+
+    Returns
+    -------
+    SidePatches
+        Patches of the right flank.
+    """
     shape = patches.groove.shape
     assert shape is not None  # a grid
     order = np.arange(shape[0] * shape[1]).reshape(shape)[:, ::-1].ravel()
@@ -187,7 +236,7 @@ def turned(patches: SidePatches) -> SidePatches:
     return SidePatches(turn(patches.groove), turn(patches.ball), patches.local[np.ix_(order, order)], wave)
 
 
-#: Boundaries of the nut's mesh by where it is held.
+#: Boundaries of the nut's mesh that are fixed, by ``Solid.nut_held``.
 NUT_HELD = {
     "outer surface": ("outside",),
     "left face": ("low end",),
@@ -196,7 +245,7 @@ NUT_HELD = {
     "flange face": ("seat",),
 }
 
-#: What follows the name of a flange's face whose centring fit is bonded.
+#: Suffix of ``Dimensions.nut_held`` of a flange whose centring fit is bonded.
 FIT = " and centring"
 
 #: Half the thickness of the slice whose mean motion is that of a section, over the screw's radius; least cells of one.
@@ -204,29 +253,46 @@ SLICE, LEAST = 0.25, 30
 
 
 class Modal:
-    """A body condensed to the modes V ``(c, k)`` of its contacts, by side: ball after ball, side after side."""
+    """Base of bodies condensed to the modes of their contacts, ball after ball, side after side."""
 
+    #: Modes V ``(c, k)`` of a contact, by side.
     modes: dict[int, Array]
 
     @property
     def per_ball(self) -> int:
-        """Number of the modes of one ball's contacts."""
+        """Number of modes of one ball's contacts."""
         return sum(V.shape[1] for V in self.modes.values())
 
     def rows(self, side: int, ball: int = 0) -> Index:
-        """Rows of a contact's modes in the coupling of the body."""
+        """Rows of a contact's modes in the coupling of the body.
+
+        Parameters
+        ----------
+        side : int
+            Flank 0 to 3.
+        ball : int, default 0
+            Number of the ball, from 0.
+
+        Returns
+        -------
+        (k,) Index
+            Rows.
+        """
         before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
         return np.asarray(ball * self.per_ball + before + np.arange(self.modes[side].shape[1]))
 
 
 @dataclass(frozen=True)
 class ScrewResponse(Modal):
-    """3D stretch of the screw (that of a `Setup` is free of its cut ends), modes V of each side's patches, rigid rows
-    ``(contacts, k, 6)`` of every contact's modes about its own station, unknowns."""
+    """3D stretch of the screw; that of a `Setup` is corrected for its cut ends."""
 
+    #: Flexibility of the stretch.
     stretch: Stretch
+    #: Modes V ``(c, k)`` of a contact, by side.
     modes: dict[int, Array]
+    #: Motion of every contact's modes with the screw as a rigid body, about its station ``(contacts, k, 6)``.
     rigid: Array
+    #: Degrees of freedom that were condensed.
     unknowns: int
 
     @property
@@ -237,22 +303,27 @@ class ScrewResponse(Modal):
 
 @dataclass(frozen=True)
 class NutResponse(Modal):
-    """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns; rigid: motion ``(k, 6)`` of the
-    modes with the nut as a rigid body, about the station zero."""
+    """Nut, fixed as the scene says."""
 
+    #: Coupling of the modes of all contacts [m/N].
     G: Array
+    #: Modes V ``(c, k)`` of a contact, by side.
     modes: dict[int, Array]
+    #: Degrees of freedom that were condensed.
     unknowns: int
+    #: Motion of the modes with the nut as a rigid body, about the station zero ``(k, 6)``.
     rigid: Array
 
 
 @dataclass(frozen=True)
 class BallResponse(Modal):
-    """How one ball couples its contacts: response G of the modes V of its sides, side after side, rigid motions held
-    isostatically; unknowns."""
+    """One ball, its rigid motions constrained isostatically."""
 
+    #: Coupling of the modes of its contacts, side after side [m/N].
     G: Array
+    #: Modes V ``(c, k)`` of a contact, by side.
     modes: dict[int, Array]
+    #: Degrees of freedom that were condensed.
     unknowns: int
 
 
@@ -264,7 +335,32 @@ def with_modes(
     count: int,
     settings: Settings,
 ) -> tuple[sp.csc_array, sp.csr_array, dict[int, tuple[Array, Array]]]:
-    """Stiffness of a body with its patches, rows of the ``count`` modes of every socket; modes V and their rows by side."""
+    """Stiffness of a body with its patches, and the modes of its contacts.
+
+    Parameters
+    ----------
+    material : Material
+        Elastic material.
+    mesh : Mesh
+        Coarse body.
+    sockets : Sequence[Socket]
+        Its sockets.
+    patches : dict[int, CondensedPatch]
+        Condensed patch of each side.
+    count : int
+        Number of modes of every socket.
+    settings : Settings
+        Mesh choices.
+
+    Returns
+    -------
+    K : sparse array
+        Stiffness.
+    rows : sparse array
+        Rows of the modes of all sockets.
+    kept : dict
+        Modes V and their rows Q, by side.
+    """
     K = assemble(of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio)
     kept = {s: patch_modes(p, count) for s, p in patches.items()}
     return K, mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
@@ -273,7 +369,26 @@ def with_modes(
 def ball_compliance(
     material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
 ) -> BallResponse:
-    """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
+    """Condense one ball to the modes of its contacts, rigid motions constrained isostatically.
+
+    The constraint carries nothing, because the ball's loads balance.
+
+    Parameters
+    ----------
+    material : Material
+        Elastic material.
+    mesh : BallBody
+        The ball.
+    patches : dict[int, SidePatches]
+        Patches of each side.
+    settings : Settings
+        Mesh choices.
+
+    Returns
+    -------
+    BallResponse
+        The condensed ball.
+    """
     ball_patches = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in ball_patches]
     K, rows, kept = with_modes(material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings)
@@ -295,8 +410,36 @@ def screw_response(
     settings: Settings,
     dims: Dimensions,
 ) -> ScrewResponse:
-    """The 3D stretch of the screw between its ``ends``, held at its base; ``inside``: stations of supports and loads
-    within it."""
+    """Condense the 3D stretch of the screw, fixed at its base.
+
+    Parameters
+    ----------
+    material : Material
+        Elastic material.
+    nut : Nut
+        The nut; its faces are observed.
+    ends : tuple[float, float]
+        Stations of the ends of the stretch [m].
+    inside : Sequence[float]
+        Stations of supports and loads within it [m].
+    mesh : GroovedBody
+        Mesh of the stretch.
+    layout : BallLayout
+        Places of the balls.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    patches : dict[int, CondensedPatch]
+        Condensed patch of each of the screw's sides.
+    settings : Settings
+        Mesh choices.
+    dims : Dimensions
+        Dimensions of the solid parts.
+
+    Returns
+    -------
+    ScrewResponse
+        The condensed screw.
+    """
     places = sockets_of(layout, sides, True)
     K, modes, kept = with_modes(material, mesh.mesh, placed(mesh, places), patches, settings.modes, settings)
     low, high = ends
@@ -328,8 +471,22 @@ def screw_response(
 
 
 def section_motion(mesh: Mesh, z: float) -> sp.csr_array:
-    """Rows ``(6, freedoms)`` of the mean rigid motion at z [m] of the material in a thin slice there, by least squares over
-    its volume; turned about, a load on the section is shared out over the slice in proportion to rigid motions."""
+    """Rows of the mean rigid motion of the material in a thin slice, by least squares over its volume.
+
+    Transposed, they distribute a load on the section over the slice in proportion to rigid motions.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Mesh of the screw.
+    z : float
+        Height of the section [m].
+
+    Returns
+    -------
+    (6, freedoms) sparse array
+        Rows.
+    """
     points, corners = points_of(mesh), mesh.p[2, mesh.t]
     radius = float(np.hypot(points[:, 0], points[:, 1]).max())
     away = np.abs(corners.mean(axis=0) - z)
@@ -344,21 +501,43 @@ def section_motion(mesh: Mesh, z: float) -> sp.csr_array:
 
 
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
-    """C of the screw's 3D stretch: its bore held, or its low end, the high end at ``high`` [m] then a rigid section."""
+    """Map the free degrees of freedom of the screw's 3D stretch to all.
+
+    Its bore is fixed, or its low end; then the high end at ``high`` [m] is a rigid section.
+    """
     if dims.screw_held == "bore":
         return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
     return end_transform(mesh.mesh, high)
 
 
 def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
-    """Whether points ``(n,)`` [m] of a flange's face lie in one of ``count`` circles, the first towards x, as wide as the
-    annulus between the radii ``seat`` [m]."""
+    """Mask of the points of a flange's face that are fixed by its bolts.
+
+    Parameters
+    ----------
+    x, y : (n,) Array
+        Coordinates [m].
+    seat : tuple[float, float]
+        Radii of the annulus, as wide as the circles that are fixed [m].
+    count : int
+        Number of bolts, the first at azimuth 0.
+
+    Returns
+    -------
+    (n,) Mask
+        True within a circle.
+
+    Examples
+    --------
+    >>> on_bolts(np.array([40e-3, 0.0]), np.array([0.0, 40e-3]), (35e-3, 45e-3), 2).tolist()
+    [True, False]
+    """
     middles = 0.5 * sum(seat) * np.exp(2j * np.pi / count * np.arange(count))
     return np.asarray((np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (seat[1] - seat[0]) + 1e-7).any(axis=1))
 
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
-    """C of the nut, held where ``dims`` says."""
+    """Map the free degrees of freedom of the nut, fixed where ``dims`` says, to all."""
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
     nodes = nodes_on(mesh.mesh, *NUT_HELD[surface.removesuffix(FIT)])
@@ -380,7 +559,30 @@ def nut_response(
     settings: Settings,
     dims: Dimensions,
 ) -> NutResponse:
-    """Response of the nut held where ``dims`` says."""
+    """Condense the nut, fixed where ``dims`` says.
+
+    Parameters
+    ----------
+    material : Material
+        Elastic material.
+    mesh : GroovedBody
+        Mesh of the nut.
+    layout : BallLayout
+        Places of the balls.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    patches : dict[int, CondensedPatch]
+        Condensed patch of each of the nut's sides.
+    settings : Settings
+        Mesh choices.
+    dims : Dimensions
+        Dimensions of the solid parts.
+
+    Returns
+    -------
+    NutResponse
+        The condensed nut.
+    """
     sockets = placed(mesh, sockets_of(layout, sides, False))
     K, rows, kept = with_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
     T = nut_transform(mesh, dims)

@@ -1,9 +1,9 @@
-"""What a low-order model takes from a prepared geometry: compliance of its bodies along the contact normals.
+"""Compliance of the bodies of a prepared geometry along the contact normals, for a low-order model.
 
 Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
-own approach has besides them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
-groove and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse.
-The grid's wave is taken out as everywhere in the reference (`hifi.bodies.grid_wave`).
+approach has besides them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of groove
+and ball, sockets fixed, solved as contact, and the change of the remaining response of both bodies for a smaller or
+larger ellipse. The grid's wave is removed as everywhere in the reference (`hifi.bodies.grid_wave`).
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from rollbench.hifi.setup import Setup
 
 
-#: Number of forces at which a contact's own approach is sampled.
+#: Number of forces at which the approach of a contact is sampled.
 SAMPLES = 16
 
 
 def forces_of(setup: Setup, side: int) -> Array:
-    """Forces ``(f,)`` [N] at which a side's own approach is sampled."""
+    """Choose the forces at which the approach of a side's contact is sampled ``(f,)`` [N]."""
     return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
@@ -41,13 +41,43 @@ def _unit(setup: Setup, side: int) -> float:
 
 
 def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
-    """Approach [m] of ball and groove by a contact's own compliance under ``loads`` [N], without the grid's wave."""
+    """Approaches of ball and groove by a contact's local compliance, without the grid's wave.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    side : int
+        Flank 0 to 3.
+    loads : (f,) Array
+        Forces [N].
+
+    Returns
+    -------
+    (f,) Array
+        Approaches [m].
+    """
     pair = setup.patches[side]
     return mean_approaches(setup.map, side, pair.groove, pair.local, loads)
 
 
 def spread(setup: Setup, side: int, load: float) -> Array:
-    """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
+    """Nodal forces of a contact like Hertz's pressure, of unit resultant along the contact normal.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    side : int
+        Flank 0 to 3.
+    load : float
+        Load whose ellipse is taken [N].
+
+    Returns
+    -------
+    (c,) Array
+        Forces on the contact nodes.
+    """
     m, material = setup.map, setup.scene.balls.material
     ellipse = hertz(load, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
     normal, tangent, forward = directions(m, side)
@@ -58,7 +88,22 @@ def spread(setup: Setup, side: int, load: float) -> Array:
 
 
 def body_motion(setup: Setup, side: int, force: Array) -> float:
-    """Motion [m/N] of a contact by its own ``force`` on its nodes through the body, mean over all balls."""
+    """Displacement of a contact per unit of its force through the body (screw or nut), mean over all balls.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    side : int
+        Flank 0 to 3.
+    force : (c,) Array
+        Nodal forces of unit resultant.
+
+    Returns
+    -------
+    float
+        [m/N]; 0 for a rigid body.
+    """
     body = setup.body(side)
     if body is None:
         return 0.0
@@ -68,14 +113,41 @@ def body_motion(setup: Setup, side: int, force: Array) -> float:
 
 
 def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Compliance ``(k, k)`` [m/N] of one ball between its contacts, without its patches' own part."""
+    """Compliance of one ball between its contacts, without the local compliance of its patches.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    spreads : dict[int, Array]
+        Nodal forces of unit resultant, by side.
+
+    Returns
+    -------
+    (k, k) Array
+        [m/N].
+    """
     amplitudes = block_diag(*[spreads[s] @ setup.ball.modes[s] for s in setup.sides])
     return np.asarray(amplitudes @ setup.ball.G @ amplitudes.T)
 
 
-def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Motion ``(k,)`` [m/N] of every contact by its own force beyond its patches: through its body and, pressed by the
-    opposite contact, the ball; what the two do to a ball is shared."""
+def beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
+    """Displacement of every contact per unit of its force beyond its patches.
+
+    Through its body and, with the opposite contact, the ball, of whose response half counts to each of the two contacts.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    spreads : dict[int, Array]
+        Nodal forces of unit resultant, by side.
+
+    Returns
+    -------
+    (k,) Array
+        [m/N].
+    """
     D = ball_matrix(setup, spreads)
     order = [setup.sides.index(3 - s) for s in setup.sides]
     diagonal = np.diag(D)
@@ -83,9 +155,23 @@ def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
     return np.asarray(ball + [body_motion(setup, s, spreads[s]) for s in setup.sides])
 
 
-def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
-    """What every side's own approach has besides Hertz and the matrices with ``spreads``, over the force, ``(k, f)`` [m/N],
-    and the forces ``(k, f)`` [N]."""
+def local_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
+    """Approach of every side's contact over its force, beyond Hertz's law and the matrices.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    spreads : dict[int, Array]
+        Nodal forces of unit resultant with which the matrices were computed, by side.
+
+    Returns
+    -------
+    local : (k, f) Array
+        [m/N].
+    force : (k, f) Array
+        Forces [N].
+    """
     loads = np.array([forces_of(setup, s) for s in setup.sides])
     extra = np.array(
         [
@@ -93,15 +179,30 @@ def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
             for s, f in zip(setup.sides, loads, strict=True)
         ]
     )
-    fixed = rest_of(setup, spreads)
+    fixed = beyond_patches(setup, spreads)
     for k in range(loads.shape[1]):
         at_load = {s: spread(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
-        extra[:, k] += rest_of(setup, at_load) - fixed
+        extra[:, k] += beyond_patches(setup, at_load) - fixed
     return extra, loads
 
 
 def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int, Array]) -> Array:
-    """Compliance between the contacts of a body, ball after ball, from that of their modes."""
+    """Compliance between the contacts of a body, ball after ball, from that of their modes.
+
+    Parameters
+    ----------
+    balls : int
+        Number of balls.
+    body : ScrewResponse | NutResponse
+        Screw or nut.
+    spreads : dict[int, Array]
+        Nodal forces of unit resultant, by side.
+
+    Returns
+    -------
+    (N k', N k') Array
+        [m/N].
+    """
     z = np.zeros((balls * len(body.modes), len(body.G)))
     for row, (i, s) in zip(z, product(range(balls), body.modes), strict=True):
         row[body.rows(s, i)] = body.modes[s].T @ spreads[s]
@@ -109,9 +210,22 @@ def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int
 
 
 def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
-    """Everything of a prepared geometry that a low-order model can use."""
+    """Collect everything of a prepared geometry that a low-order model can use.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    level : int
+        Mesh level.
+
+    Returns
+    -------
+    CondensedBodies
+        Contents of a file.
+    """
     spreads = {s: spread(setup, s, float(np.median(forces_of(setup, s)))) for s in setup.sides}
-    local, forces = own_terms(setup, spreads)
+    local, forces = local_terms(setup, spreads)
     N = setup.layout.z.size
     nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
     if setup.nut is not None:

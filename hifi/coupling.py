@@ -1,6 +1,6 @@
 """All contacts of a prepared geometry: compliance between them, and gaps and directions as balls and screw move.
 
-Compliance is that of bodies with their modes, balls, and the screw on its supports.
+The compliance is that of bodies with their modes, balls, and the screw on its supports.
 """
 
 from __future__ import annotations
@@ -29,15 +29,19 @@ from rollbench.meshes.surface import groove_profile
 
 @dataclass(frozen=True)
 class PlacedSet:
-    """A prepared geometry on a shaft: the scene whose errors it has, sides that may touch; shift: station [m] of the shaft
-    at which the geometry's own stations begin; housing: number of the one that carries its nut among those that can move
-    (None: the nut is held); offset: shift of the nut along z against what holds it [m]."""
+    """A prepared geometry on a shaft."""
 
+    #: The prepared geometry.
     setup: Setup
+    #: Scene whose errors it has.
     scene: Scene
+    #: Flanks (0 to 3) that may touch.
     sides: tuple[int, ...]
+    #: Station of the shaft at which the geometry's local stations begin [m].
     shift: float = 0.0
+    #: Number of the housing that carries its nut among those that can move; None: the nut is fixed.
     housing: int | None = None
+    #: Shift of the nut along z against what carries it [m].
     offset: float = 0.0
 
     @property
@@ -60,8 +64,25 @@ class PlacedSet:
 def compliance_of(
     sets: Sequence[PlacedSet], mounted: Mounted, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Compliance, Index]:
-    """Compliance of all contact nodes, set after set, ball after ball, side after side; of each of its modes the row among
-    those of all bodies: screws and carried nuts as they are mounted, then the nuts that are held."""
+    """Compliance of all contact nodes, set after set, ball after ball, side after side.
+
+    Parameters
+    ----------
+    sets : Sequence[PlacedSet]
+        Sets on the shaft.
+    mounted : Mounted
+        The mounted stretches and carried nuts.
+    leave_out : frozenset[str], optional
+        Some of `hifi.reference.INGREDIENTS`.
+
+    Returns
+    -------
+    C : Compliance
+        The compliance.
+    rows : (r,) Index
+        Row of each of its modes among those of all bodies: screws and carried nuts as they are mounted, then the nuts
+        that are fixed.
+    """
     screw, carried, held = 0, sum(p.setup.screw.stretch.modes for p in sets), len(mounted.G)
     couplings, blocks, modes, rows = [mounted.G], list[BallBlock](), list[Array](), list[Index]()
     for p in sets:
@@ -89,7 +110,22 @@ def compliance_of(
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
-    """Compliance of a ball and its grooves' patches between pairs of ``sides``; rigid: ball rigid beyond its patches."""
+    """Compliance of a ball and its grooves' patches between pairs of some sides.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    sides : tuple[int, ...]
+        Flanks 0 to 3.
+    rigid : bool
+        Whether the ball is rigid beyond its patches.
+
+    Returns
+    -------
+    BallBlock
+        The compliance.
+    """
     local = tuple(setup.patches[s].local for s in sides)
     ball = setup.ball
     if rigid:
@@ -99,8 +135,22 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
 
 
 def local_only(G: Array, body: Modal) -> Array:
-    """Coupling G of the modes of a body that is rigid at large: every contact keeps the mean self response of its side,
-    nothing else."""
+    """Coupling of the modes of a body that is rigid at large.
+
+    Every contact keeps the mean response of its side to its load, nothing else.
+
+    Parameters
+    ----------
+    G : (m, m) Array
+        Coupling of the elastic body [m/N].
+    body : Modal
+        The body.
+
+    Returns
+    -------
+    (m, m) Array
+        Block-diagonal coupling [m/N].
+    """
     out = np.zeros_like(G)
     for s in body.modes:
         own = [np.ix_(rows, rows) for rows in (body.rows(s, i) for i in range(len(G) // body.per_ball))]
@@ -111,7 +161,24 @@ def local_only(G: Array, body: Modal) -> Array:
 
 
 def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> Mounted:
-    """The screw under a scene's supports and loads; without the 3D shaft it is a beam with the same local response."""
+    """Mount the screw on a scene's supports and under its loads.
+
+    Without the 3D shaft it is a beam with the same local response.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    scene : Scene
+        Supports and loads.
+    leave_out : frozenset[str], optional
+        Some of `hifi.reference.INGREDIENTS`.
+
+    Returns
+    -------
+    Mounted
+        The mounted screw.
+    """
     full, m = setup.screw.stretch, setup.screw.stretch.modes
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
         return mount(full, scene, setup.section)
@@ -123,12 +190,38 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
 
 
 def modal_motion(C: Compliance, z: Array) -> Array:
-    """Motion of every contact node along its normal by modal motions z ``(r,)``."""
+    """Motion of every contact node along its normal by modal motions z ``(r,)``.
+
+    Parameters
+    ----------
+    C : Compliance
+        Compliance of n contact nodes.
+    z : (r,) Array
+        Modal motions [m].
+
+    Returns
+    -------
+    (n,) Array
+        Motions along the normals [m].
+    """
     return np.concatenate([V @ z[c] for V, c in zip(C.modes, C.columns, strict=True)])
 
 
 def expected_touch(p: PlacedSet, gap: Array) -> Array:
-    """Contact nodes ``(balls, n)`` expected to touch, by their gaps ``(balls, n)`` [m]: the nearest third of each side."""
+    """Contact nodes that are expected to touch: the nearest third of each side.
+
+    Parameters
+    ----------
+    p : PlacedSet
+        The set.
+    gap : (balls, n) Array
+        Gaps [m].
+
+    Returns
+    -------
+    (balls, n) Mask
+        True where the node is expected to touch.
+    """
     out = np.zeros(gap.shape, dtype=bool)
     for nodes, _ in p.zones:
         gaps = gap[:, nodes]
@@ -137,8 +230,21 @@ def expected_touch(p: PlacedSet, gap: Array) -> Array:
     return out
 
 
-def over_hats(p: PlacedSet, values: Array) -> Array:
-    """Means over the pressure hats of values ``(balls, n, ...)`` of the contact nodes."""
+def pressure_means(p: PlacedSet, values: Array) -> Array:
+    """Means over the pressure functions of values at the contact nodes.
+
+    Parameters
+    ----------
+    p : PlacedSet
+        The set.
+    values : (balls, n, ...) Array
+        Values at the nodes.
+
+    Returns
+    -------
+    Array of that shape
+        Means.
+    """
     out = np.empty_like(values)
     for nodes, s in p.zones:
         by_node = np.moveaxis(values[:, nodes], 1, 0)
@@ -148,8 +254,22 @@ def over_hats(p: PlacedSet, values: Array) -> Array:
 
 
 def wave_gaps(p: PlacedSet, forces: Array, directions: Array) -> Array:
-    """Corrections ``(balls, n)`` [m] of all gaps for the places of the contacts on their grids
-    (`hifi.bodies.grid_wave`)."""
+    """Corrections of all gaps for the places of the contacts on their grids (`hifi.bodies.grid_wave`).
+
+    Parameters
+    ----------
+    p : PlacedSet
+        The set.
+    forces : (balls, n) Array
+        Contact forces [N].
+    directions : (balls, n, 3) Array
+        Normals.
+
+    Returns
+    -------
+    (balls, n) Array
+        Corrections [m].
+    """
     out = np.zeros_like(forces)
     for nodes, s in p.zones:
         pair = p.setup.patches[s]
@@ -162,8 +282,23 @@ def wave_gaps(p: PlacedSet, forces: Array, directions: Array) -> Array:
 
 
 def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
-    """Places of the nodes of the grooves from their ball's centre, ``(balls, n, 3)`` [m] in the ball's frame: nominal ones,
-    with each groove's geometric errors, and the nut's shift (along its own track a groove is the same everywhere)."""
+    """Places of the grooves' nodes from the centre of their ball, in the ball's frame.
+
+    Nominal ones, with each groove's geometric errors, and the nut's shift (along its track a groove is the same
+    everywhere).
+
+    Parameters
+    ----------
+    p : PlacedSet
+        The set.
+    drawn : Specimen
+        Errors of its grooves.
+
+    Returns
+    -------
+    (balls, n, 3) Array
+        [m].
+    """
     m = p.setup.map
     x3, _, z3 = m.axes()
     nominal_centres, radii = nominal_groove_centres(p.setup.scene), groove_radii(p.setup.scene)
@@ -181,16 +316,44 @@ def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
     return np.concatenate(rows, axis=1)
 
 
-def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_array:
-    """N: gap closed by unit motions of each ball (3), by the normals ``(balls, n, 3)`` of every set, and by the unheld
-    rigid motions, which move the grooves' nodes along their normals by ``unheld`` ``(pairs, k)``."""
+def directions_matrix(directions: Sequence[Array], free_motions: Array) -> sp.csr_array:
+    """Matrix N of the gap closed by unit rigid motions.
+
+    Parameters
+    ----------
+    directions : Sequence[Array]
+        Normals ``(balls, n, 3)`` of every set.
+    free_motions : (pairs, k) Array
+        Motion of the grooves' nodes along their normals by the unconstrained rigid motions of shaft and housings.
+
+    Returns
+    -------
+    sparse array
+        Rows: pairs; columns: three displacements of each ball, then the unconstrained motions.
+    """
     balls = sp.block_diag([sp.csr_array(normals) for of_set in directions for normals in of_set])
-    return sp.hstack([balls, sp.csr_array(-unheld)]).tocsr()
+    return sp.hstack([balls, sp.csr_array(-free_motions)]).tocsr()
 
 
 def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -> Array:
-    """Motion of the contact nodes of the screw, or of the nut, along their normals by its rigid motion about the station
-    ``origin`` [m] of the shaft, ``(c, n, 6)``."""
+    """Motion of the contact nodes of screw or nut along their normals, by its rigid motion.
+
+    Parameters
+    ----------
+    p : PlacedSet
+        The set.
+    directions : (balls, n, 3) Array
+        Normals.
+    origin : float
+        Station of the shaft about which it rotates [m].
+    screw : bool
+        Whether the screw moves, or the nut.
+
+    Returns
+    -------
+    (balls, n, 6) Array
+        Zero for nodes of the other body.
+    """
     layout = p.setup.layout
     out = np.zeros((*directions.shape[:2], 6))
     for nodes, s in p.zones:
@@ -205,17 +368,33 @@ def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -
 
 
 def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array) -> tuple[Array, Array]:
-    """Motion of each ball's centre relative to each of its grooves, the same for a side's nodes: in the section plane
-    ``(balls, n, 3)``, and along the track ``(balls, n)``, less what the sides of a ball have in common [m].
+    """Motion of each ball's centre relative to each of its grooves, the same for all nodes of a side.
 
-    balls: motions of the centres ``(balls, 3)``; along: those of the grooves' nodes along their normals ``(balls, n)``, by
-    the bodies' modes and rigid motions [m]. What the ball's centre moves beyond the groove across its track is what turns
-    the normals; a ball may stand anywhere along it.
+    The motion of the ball's centre against the groove across its track turns the normals; a ball may be anywhere along
+    it.
 
     A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
-    without friction: every contact stands abreast of the ball. By linear kinematics a screw that winds up by theta moves
-    its contacts R theta/2 along, and R theta^2/2 out of their section. The middle of the pressures would show the same
-    motion, but on the grid: under a light contact that closes few nodes it sticks to them, or jumps.
+    without friction: every contact is level with the ball. By linear kinematics a screw that winds up by theta moves its
+    contacts R theta/2 along, and R theta^2/2 out of their section. The centre of pressure would show the same motion, but
+    on the grid: under a light contact that closes few nodes it sticks to them, or jumps.
+
+    Parameters
+    ----------
+    p : PlacedSet
+        The set.
+    balls : (balls, 3) Array
+        Motions of the ball centres [m].
+    along : (balls, n) Array
+        Motions of the grooves' nodes along their normals, by the bodies' modes and rigid motions [m].
+    directions : (balls, n, 3) Array
+        Normals.
+
+    Returns
+    -------
+    shift : (balls, n, 3) Array
+        Motion in the section plane [m].
+    slid : (balls, n) Array
+        Motion along the track, less the mean over the sides of a ball [m].
     """
     motion = np.zeros((len(balls), len(p.zones), 3))
     for k, (nodes, _) in enumerate(p.zones):
@@ -229,7 +408,7 @@ def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array)
 
 
 def along_track(p: PlacedSet) -> Array:
-    """Helical motion of the track at the contact nodes, ``(n, 3)``, of unit length at the ball's centre."""
+    """Helical motion of the track at the contact nodes ``(n, 3)``, of unit length at the ball's centre."""
     m = p.setup.map
     x = np.concatenate([p.setup.patches[s].groove.points for s in p.sides])
     return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))

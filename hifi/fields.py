@@ -1,8 +1,8 @@
-"""Displacements and stresses of the 3D reference, recovered from the contact forces that it found.
+"""Displacements and stresses of the 3D reference, recovered from its contact forces.
 
 What was condensed is solved once more, with one right-hand side: the coarse body q under the modal forces of all its
-contacts, K q = H^T f, then each patch under its own contact forces and the trace of its socket. All stresses are linear
-elastic, of nominal geometry; rigid motions, which strain nothing, are left out.
+contacts, K q = H^T f, then each patch under its contact forces and the trace of its socket. All stresses are linear
+elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
 """
 
 from __future__ import annotations
@@ -50,26 +50,44 @@ from rollbench.meshes.solid import Dimensions, dimensions
 
 @dataclass(frozen=True)
 class SolidField:
-    """A piece of a body: points ``(n, 3)`` [m], cells of element ``kind``, displacements ``(n, 3)`` [m] and stresses
-    ``(n, 6)`` [Pa] (xx, yy, zz, yz, xz, xy) of the nodes."""
+    """Displacements and stresses of a piece of a body."""
 
+    #: Nodes ``(n, 3)`` [m].
     points: Array
+    #: Nodes of the cells, in gmsh's order.
     cells: Index
+    #: Kind of the cells: P1, P2, Q1 or Q2.
     kind: str
+    #: Displacements ``(n, 3)`` [m].
     displacement: Array
+    #: Stresses ``(n, 6)`` [Pa]: xx, yy, zz, yz, xz, xy.
     stress: Array
 
     @property
     def von_mises(self) -> Array:
-        """Equivalent stress ``(n,)`` [Pa]."""
+        """Von Mises stresses ``(n,)`` [Pa]."""
         return von_mises(self.stress)
 
 
 def von_mises(stress: Array) -> Array:
-    """Equivalent stress of stresses ``(..., 6)`` [Pa] in the order xx, yy, zz, yz, xz, xy.
+    """Von Mises equivalent stress.
 
+    Parameters
+    ----------
+    stress : (..., 6) Array
+        Stresses xx, yy, zz, yz, xz, xy [Pa].
+
+    Returns
+    -------
+    (...,) Array
+        Equivalent stress [Pa].
+
+    Examples
+    --------
     >>> float(von_mises(np.array([3.0, 0.0, 0.0, 0.0, 0.0, 0.0])))
     3.0
+    >>> f"{von_mises(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])):.4f}"  # pure shear: sqrt(3)
+    '1.7321'
     """
     direct = stress[..., :3]
     spread = direct - np.roll(direct, 1, axis=-1)
@@ -77,11 +95,26 @@ def von_mises(stress: Array) -> Array:
 
 
 def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | None = None) -> Array:
-    """Stresses ``(n, 6)`` [Pa] of the nodes by displacements u ``(n, 3)`` [m]; not a number at nodes of no cell.
+    """Stresses of nodes by displacements: those of each cell at its nodes, averaged over the cells of a node.
 
-    elements: numbers of the cells that count (all if left out).
-    Each cell's own stress at its nodes, averaged over the cells of a node. (Continuing the values of the reduced Gauss
-    points to the nodes overshoots by a fifth below a contact with three cells across it; this by a twentieth.)
+    Extrapolating the values of the reduced Gauss points to the nodes overshoots by a fifth below a contact with three
+    cells across it; this by a twentieth.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    u : (n, 3) Array
+        Displacements [m].
+    material : Material
+        Elastic material.
+    elements : Index | None, default None
+        Cells that count; None: all.
+
+    Returns
+    -------
+    (n, 6) Array
+        Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes of no cell.
     """
     nodes = mesh.elem.doflocs.T
     basis = forms.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
@@ -99,17 +132,48 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Normal forces ``(balls, c)`` [N] of the pressure hats of each side."""
+    """Split the normal forces of the pressure functions by side.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    result : ReferenceResult
+        Solution.
+
+    Returns
+    -------
+    dict of (balls, c) Arrays
+        Forces [N].
+    """
     ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in result.sides])
     rows = result.contact.forces.reshape(setup.layout.z.size, -1)
     return {s: rows[:, a:b] for s, (a, b) in zip(result.sides, pairwise(ends), strict=True)}
 
 
 def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], scene: Scene | None = None) -> Array:
-    """Displacements ``(n, 3)`` [m] of the coarse 3D stretch of the screw under all contact forces, held at its low end.
+    """Displacements of the coarse 3D stretch of the screw under all contact forces, fixed at its low end.
 
-    Raises ValueError where ``scene`` (the set-up's own if left out) supports or loads the screw beyond the low end:
-    then the high end carries a reaction that is not known here.
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    mesh : GroovedBody
+        Mesh of the stretch, with n nodes.
+    forces : dict[int, Array]
+        Normal forces, by `contact_forces`.
+    scene : Scene | None, default None
+        Load case; None: that of the set-up.
+
+    Returns
+    -------
+    (n, 3) Array
+        Displacements [m].
+
+    Raises
+    ------
+    ValueError
+        The scene supports or loads the screw beyond the low end: then the high end carries an unknown reaction.
     """
     refuse_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
@@ -117,7 +181,15 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
 
 
 def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch."""
+    """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch.
+
+    Parameters
+    ----------
+    scene : Scene
+        Load case.
+    dims : Dimensions
+        Dimensions of the solid parts.
+    """
     low = dims.ends(scene)[0]
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
@@ -128,12 +200,27 @@ def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
-    """Displacements ``(n, 3)`` [m] of the coarse nut under all contact forces, held where the scene says."""
+    """Displacements of the coarse nut under all contact forces, fixed where the scene says.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    mesh : GroovedBody
+        Mesh of the nut, with n nodes.
+    forces : dict[int, Array]
+        Normal forces, by `contact_forces`.
+
+    Returns
+    -------
+    (n, 3) Array
+        Displacements [m].
+    """
     return _answer(setup, mesh, forces, nut_transform(mesh, setup.dims), screw=False)
 
 
 def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool) -> Array:
-    """K q = Q^T V^T f on what the transform T leaves free."""
+    """Solve K q = Q^T V^T f on what the transform T leaves free."""
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
     sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
@@ -148,7 +235,22 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
 
 
 def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh of the groove's patch at a side, for a ball at azimuth 0, z = 0."""
+    """Mesh of the groove's patch at a side, for a ball at azimuth 0 and z = 0.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    meshes : Meshes
+        Its meshes.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    PatchMesh
+        The patch.
+    """
     body = meshes.screw if side < 2 else meshes.nut
     return patch_mesh(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
 
@@ -162,7 +264,28 @@ def ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 def groove_patch_field(
     setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
-    """Field of one groove patch in the ball's frame: azimuth 0, origin on the axis; u: its coarse body's displacements."""
+    """Field of one groove patch, in the ball's frame: azimuth 0, origin on the axis.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    meshes : Meshes
+        Its meshes.
+    u : (n, 3) Array
+        Displacements of the coarse body [m].
+    ball : int
+        Number of the ball, from 0.
+    side : int
+        Flank 0 to 3.
+    forces : dict[int, Array]
+        Normal forces, by `contact_forces`.
+
+    Returns
+    -------
+    SolidField
+        The field.
+    """
     mesh = groove_patch(setup, meshes, side)
     body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
     body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
@@ -178,7 +301,28 @@ def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Ar
 
 
 def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float) -> SolidField:
-    """Field of the coarse body within ``reach`` [m] of a ball, in the ball's frame: azimuth 0, origin on the axis."""
+    """Field of the coarse body near a ball, in the ball's frame: azimuth 0, origin on the axis.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    mesh : GroovedBody
+        Mesh of the body.
+    u : (n, 3) Array
+        Its displacements [m].
+    ball : int
+        Number of the ball, from 0.
+    material : Material
+        Elastic material.
+    reach : float
+        Distance from the ball's centre up to which cells count [m].
+
+    Returns
+    -------
+    SolidField
+        The field.
+    """
     R = rotation(float(setup.layout.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
@@ -192,7 +336,24 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
 
 
 def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
-    """Fields of one ball about its centre, in its frame: the coarse ball (key None) and its patches by side."""
+    """Fields of one ball about its centre, in its frame.
+
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    meshes : Meshes
+        Its meshes.
+    ball : int
+        Number of the ball, from 0.
+    forces : dict[int, Array]
+        Normal forces, by `contact_forces`.
+
+    Returns
+    -------
+    dict[int | None, SolidField]
+        Fields of the coarse ball (key None) and of its patches, by side.
+    """
     material, mesh = setup.scene.balls.material, meshes.ball
     e, nu = material.youngs_modulus, material.poissons_ratio
     patches: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
@@ -220,25 +381,52 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
 
 @dataclass(frozen=True)
 class ContactPressure:
-    """Pressures ``(c,)`` [Pa] at the contact nodes of one ball and side; across, along ``(c,)`` [m]: the nodes in the
-    ball's tangent plane at the nominal contact, across the groove (growing contact angle) and along it; centre ``(2,)``
-    [m] of the forces there; load [N]; Hertz's closed form for that load; areas of the hats ``(c,)`` [m2]; shape of the
-    nodes' grid (None: no grid)."""
+    """Pressure of one contact at its c nodes."""
 
+    #: Place of the nodes in the ball's tangent plane at the nominal contact, across the groove (growing contact angle)
+    #: ``(c,)`` [m].
     across: Array
+    #: Place of the nodes along the groove ``(c,)`` [m].
     along: Array
+    #: Pressures ``(c,)`` [Pa].
     pressure: Array
+    #: Centre of pressure, across and along ``(2,)`` [m].
     centre: Array
+    #: Contact load [N].
     load: float
+    #: Hertz's closed form for that load.
     hertz: HertzSolution
+    #: Areas of the pressure functions ``(c,)`` [m2].
     areas: Array
+    #: Shape of the nodes' grid; None: no grid.
     shape: tuple[int, int] | None
 
 
 def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
-    """Pressure of one contact from the forces ``(c,)`` [N] of the hats on the groove's patch: force over area.
+    """Pressure of one contact: nodal force over area.
 
-    Raises ValueError for a contact without load.
+    Parameters
+    ----------
+    scene : Scene
+        Gives the material.
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Patch of the groove.
+    forces : (c,) Array
+        Forces of its pressure functions [N].
+
+    Returns
+    -------
+    ContactPressure
+        The pressure.
+
+    Raises
+    ------
+    ValueError
+        The contact carries no load.
     """
     if not forces.sum() > 0.0:
         raise ValueError("a contact without load has no pressure")
@@ -256,11 +444,33 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
 
 
 def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array) -> dict[int, ContactPressure]:
-    """Pressures of one ball between its grooves under given loads ``(4,)`` [N] and contact angles ``(4,)`` [rad].
+    """Pressures of one ball between its grooves under given loads and contact angles.
 
-    Elastic are the whole ball and the grooves' patches, held where they meet their bodies, whose own yielding hardly
-    bends a contact; every groove moves as it must to carry its load. Sides without load are left out.
-    Raises ValueError where no side is loaded or the contact does not converge.
+    The whole ball and the grooves' patches are elastic; the patches are fixed where they meet their bodies, whose
+    compliance hardly curves a contact. Every groove moves as it must to carry its load. Sides without load are left out.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+    settings : Settings
+        Mesh choices.
+    ball : int
+        Number of the ball, from 0.
+    loads : (4,) Array
+        Contact loads [N].
+    angles : (4,) Array
+        Contact angles [rad].
+
+    Returns
+    -------
+    dict[int, ContactPressure]
+        Pressures, by side.
+
+    Raises
+    ------
+    ValueError
+        No side is loaded, or the contact does not converge.
     """
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
@@ -296,10 +506,30 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
 
 
 def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Array:
-    """Equivalent stress [Pa] below the centre of Hertz's ellipse, at depths ``(d,)`` [m] of at least 0.2 b.
+    """Von Mises stress below the centre of Hertz's ellipse.
 
-    Boussinesq's point loads (Johnson, Contact Mechanics (1985), 3.19) integrated over p0 sqrt(1 - x^2/a^2 - y^2/b^2).
+    Boussinesq's point loads integrated over p0 sqrt(1 - x^2/a^2 - y^2/b^2). Valid at depths of at least 0.2 b.
 
+    Parameters
+    ----------
+    contact : HertzSolution
+        Hertz's contact.
+    depth : (d,) Array
+        Depths [m].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (d,) Array
+        Equivalent stress [Pa].
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eq. (3.19).
+
+    Examples
+    --------
     >>> ball = hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
     >>> f"{hertz_von_mises(ball, np.array([0.481 * ball.semi_x]), 0.3)[0] / ball.pole_pressure:.3f}"
     '0.620'

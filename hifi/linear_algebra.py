@@ -1,16 +1,16 @@
-"""Sparse stiffnesses: in which order they are eliminated, their factors, and what a body answers to loads.
+"""Sparse stiffnesses: elimination order, factors, and compliance under many loads.
 
-Order: freedoms whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the vertices by
-nested dissection. In the elimination tree i stands above j < i where only vertices up to i connect them (Liu, SIAM J.
-Matrix Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends keeps these
-connections, so that the elimination tree follows from n - 1 edges. Supernodes are its subtrees of at most ``LEAF`` vertices
-and, above them, its chains of only children, which are the separators.
+Order: degrees of freedom whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the
+vertices by nested dissection. In the elimination tree i is an ancestor of j < i where only vertices up to i connect them
+(Liu, SIAM J. Matrix Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends
+keeps these connections, so that the elimination tree follows from n - 1 edges. Supernodes are its subtrees of at most
+``LEAF`` vertices and, above them, its chains of only children, which are the separators.
 
-Elimination front by front (multifrontal), for B^T K^-1 B or for a factor to be solved with. The front of a supernode is the
-dense matrix of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its
-parent. (Duff and Reid 1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share,
-Y^T Y with Y = L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch,
-where a bordered factor holds L and Y whole.
+Multifrontal elimination, for B^T K^-1 B or for a factor to be solved with (Duff and Reid 1983). The front of a supernode
+is the dense matrix of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes
+to its parent. For B^T K^-1 B the factor of K is never stored, only the active fronts: the border's share, Y^T Y with Y =
+L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a
+bordered factor stores L and Y whole.
 
 Larger matrices have such a Cholesky factor, small ones SuperLU of scipy.
 """
@@ -37,24 +37,27 @@ LEAF = 32
 
 
 class Supernodes(NamedTuple):
-    """Symbolic factor: ``order[i]`` is the i-th freedom to eliminate; supernode k has the columns ``first[k]`` to
-    ``first[k + 1]`` and the rows ``rows[start[k]:start[k + 1]]``, sorted, its own columns first."""
+    """Symbolic factor of a matrix."""
 
+    #: Degree of freedom that is eliminated at each step ``(n,)``.
     order: Index
+    #: First columns of the supernodes, and n at the end.
     first: Index
+    #: Places in ``rows`` at which those of each supernode begin, and their number at the end.
     start: Index
+    #: Rows of the supernodes, one after another, each sorted, its diagonal block first.
     rows: Index
 
 
 def supernodes(K: sp.csc_array) -> Supernodes:
-    """Supernodes of a matrix of symmetric pattern, shape (n, n)."""
+    """Symbolic factor of a matrix of symmetric pattern ``(n, n)``."""
     graph, group = vertices(K)
     dissected = _dissected(graph, group)
     tree = _elimination_tree(graph[dissected][:, dissected])
     order = dissected[(later := _postorder(tree))]
     first = _first_columns(_renamed(tree, later))
     rows = _rows(graph[order][:, order], first)
-    # from vertices to their freedoms
+    # from vertices to their degrees of freedom
     freedoms, weights = np.argsort(group, kind="stable"), np.bincount(group)
     begin = np.concatenate([[0], np.cumsum(weights)])
     place = np.concatenate([[0], np.cumsum(weights[order])])
@@ -69,9 +72,21 @@ def supernodes(K: sp.csc_array) -> Supernodes:
 
 
 def vertices(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
-    """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,).
+    """Compressed graph of a matrix, without its diagonal.
 
     The graph is symmetric, as elimination needs it, also where round-off left an entry on only one side of the diagonal.
+
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        The matrix.
+
+    Returns
+    -------
+    graph : (v, v) sparse array
+        Adjacency of the vertices.
+    group : (n,) Index
+        Vertex of every degree of freedom.
     """
     size, pointers = K.shape[0], K.indptr
     weights = np.random.default_rng(0).random(size)
@@ -88,10 +103,10 @@ def vertices(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
 
 
 def _dissected(graph: sp.csr_array, group: Index) -> Index:
-    """Order of the vertices of a compressed graph by nested dissection.
+    """Order the vertices of a compressed graph by nested dissection.
 
-    METIS takes SIGTERM for an error of its own, and leaves it blocked. So it is asked a second time after an error: what
-    recurs is an error and is raised, else the signal is unblocked and given back.
+    METIS takes SIGTERM for an internal error, and leaves it blocked. So it is called a second time after an error: what
+    recurs is an error and is raised, otherwise the signal is unblocked and raised again.
     """
     import pymetis
 
@@ -117,7 +132,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
     n = graph.shape[0]
     edges = sp.tril(graph, -1).tocoo()
     spanning = minimum_spanning_tree(sp.csr_array((edges.row.astype(float), (edges.row, edges.col)), (n, n))).tocoo()
-    parent, top = [n] * n, list(range(n))  # top: on the way to the highest vertex that is connected so far
+    parent, top = [n] * n, list(range(n))  # top: ancestor, compressed towards the highest vertex that is connected so far
     ascending = np.argsort(spanning.row, kind="stable")
     for i, j in zip(spanning.row[ascending].tolist(), spanning.col[ascending].tolist(), strict=True):
         while top[j] != j:
@@ -128,7 +143,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
 
 
 def _postorder(parent: Index) -> Index:
-    """Order of the vertices in which every subtree stands together, its root last."""
+    """Order the vertices so that every subtree is contiguous, its root last."""
     n = parent.size
     down = sp.csr_array((np.ones(n), (parent, np.arange(n))), (n + 1, n + 1))
     return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
@@ -142,7 +157,7 @@ def _renamed(parent: Index, order: Index) -> Index:
 
 
 def _first_columns(parent: Index) -> Index:
-    """First vertices of the supernodes of a tree in postorder, and the number of all vertices at the end."""
+    """Find the first vertices of the supernodes of a tree in postorder, and the number of all vertices at the end."""
     n = parent.size
     size = [1] * n + [0]
     for j, above in enumerate(parent.tolist()):
@@ -157,7 +172,7 @@ def _first_columns(parent: Index) -> Index:
 
 
 def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """Rows of every supernode: its own, those of its graph's edges, and what its children leave."""
+    """Rows of every supernode: its diagonal block, those of its graph's edges, and those that its children pass on."""
     owner = np.repeat(np.arange(first.size - 1), np.diff(first))
     left: list[list[Index]] = [[] for _ in first[1:]]
     rows = []
@@ -185,30 +200,54 @@ WIDTH = 64
 
 
 class Update(NamedTuple):
-    """What a front leaves its parent: rows, columns of B, and their blocks ``(rows, rows)``, of which the lower triangle
-    counts, and ``(columns, rows)``."""
+    """Contribution of a front to its parent."""
 
+    #: Its rows.
     rows: Index
+    #: Columns of B.
     border: Index
+    #: Schur complement ``(rows, rows)``, of which the lower triangle counts.
     block: Array
+    #: Border ``(columns, rows)``.
     loads: Array
 
 
 class Eliminated(NamedTuple):
-    """A front that is done: rows, its own columns first; columns of B; L ``(own, own)``, and L^-T multiplied into what
-    stands below it ``(other rows, own)`` and into its border ``(columns of B, own)``."""
+    """An eliminated front."""
 
+    #: Rows, its pivots first.
     rows: Index
+    #: Columns of B.
     border: Index
+    #: Cholesky factor of the pivot block ``(pivots, pivots)``.
     L: Array
+    #: Factor below the pivot block ``(other rows, pivots)``.
     below: Array
+    #: L^-1 applied to the border ``(columns of B, pivots)``.
     share: Array
 
 
 def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
-    """B^T K^-1 B ``(m, m)`` for symmetric positive definite K ``(n, n)``, stored whole, and sparse B ``(n, m)``.
+    """Compute B^T K^-1 B front by front.
 
-    Raises ArithmeticError where K is not positive definite.
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        Symmetric positive definite, stored whole.
+    B : (n, m) sparse array
+        Loads.
+    nodes : Supernodes
+        Symbolic factor of K.
+
+    Returns
+    -------
+    (m, m) Array
+        B^T K^-1 B.
+
+    Raises
+    ------
+    ArithmeticError
+        K is not positive definite.
     """
     total = np.zeros((B.shape[1], B.shape[1]))
     for front in _eliminated(K, B, nodes):
@@ -218,9 +257,24 @@ def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array
 
 
 def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Array]:
-    """Solutions K^-1 rhs, ``(n,)`` or ``(n, k)``, for symmetric positive definite K ``(n, n)``, stored whole; L is held.
+    """Factor a matrix front by front.
 
-    Raises ArithmeticError where K is not positive definite.
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        Symmetric positive definite, stored whole.
+    nodes : Supernodes
+        Symbolic factor of K.
+
+    Returns
+    -------
+    callable
+        Solution of K x = rhs, of shape ``(n,)`` or ``(n, k)``; keeps the factor in memory.
+
+    Raises
+    ------
+    ArithmeticError
+        K is not positive definite.
     """
     size = K.shape[0]
     fronts = list(_eliminated(K, sp.csr_array((size, 0)), nodes))
@@ -279,7 +333,7 @@ def _eliminated(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator
 
 
 def _entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
-    """Entries of columns ``lines`` of a csc matrix, or of rows of a csr one: row or column, place in ``lines``, value."""
+    """Entries of some columns of a csc matrix, or rows of a csr one: row or column, place in ``lines``, value."""
     begin = A.indptr[lines]
     count = A.indptr[lines + 1] - begin
     of = np.repeat(np.arange(lines.size), count)
@@ -288,8 +342,10 @@ def _entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index
 
 
 def _add_lower(target: Array, places: Index, block: Array) -> None:
-    """Add the first columns of a child's block, from the diagonal down, to the rows ``places`` of an array in Fortran's
-    order and as many columns of these places, ``WIDTH`` at once."""
+    """Add the first columns of a child's block, from the diagonal down, to an array in Fortran order.
+
+    places: rows of the array, and as many of its columns; ``WIDTH`` columns are added at once.
+    """
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
         strip = block[k:, k : k + WIDTH]
@@ -297,8 +353,10 @@ def _add_lower(target: Array, places: Index, block: Array) -> None:
 
 
 def _eliminate(panel: Array, block: Array, bordering: Array, rows: Index, border: Index) -> tuple[Eliminated, Update]:
-    """Eliminate a front's own columns, its ``panel`` ``(rows, own)``, out of the block of its other rows and of its border
-    ``(columns of B, rows)``, both in place."""
+    """Eliminate the pivots of a front from the block of its other rows and from its border, both in place.
+
+    panel: ``(rows, pivots)``; bordering: ``(columns of B, rows)``.
+    """
     count = panel.shape[1]
     L, fault = dpotrf(panel[:count], lower=1)
     if fault:
@@ -319,11 +377,11 @@ Solve = Callable[[Array], Array]
 
 SMALL = 3_000
 
-"""Freedoms below which SuperLU is as fast as anything for one right-hand side."""
+"""Degrees of freedom below which SuperLU is as fast as anything for one right-hand side."""
 
 FEW = 100_000
 
-"""Entries of all right-hand sides below which it is so for them."""
+"""Entries of all right-hand sides below which SuperLU is as fast for them."""
 
 SINGULAR = 1e13
 
@@ -331,18 +389,35 @@ SINGULAR = 1e13
 
 CHECKED = 1e-5
 
-"""Largest relative error of the known answer of such a sweep: soft bodies lose up to half the digits."""
+"""Largest relative error of a known solution by fronts: soft bodies lose up to half the digits."""
 
 
 class FactorError(ArithmeticError):
-    """The matrix cannot be factored: not positive definite, or singular to working precision."""
+    """Error of a matrix that cannot be factored: not positive definite, or singular to working precision."""
 
 
 def factor(K: sp.sparray) -> Solve:
-    """Solution of K x = rhs, rhs (n,) or (n, k), for symmetric positive definite K, shape (n, n); only symmetry is taken on
-    trust.
+    """Factor a symmetric positive definite matrix; only its symmetry is not checked.
 
-    Raises FactorError for a matrix that is not positive definite or singular (a body that nothing holds).
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        Stiffness.
+
+    Returns
+    -------
+    callable
+        Solution of K x = rhs, of shape ``(n,)`` or ``(n, k)``.
+
+    Raises
+    ------
+    FactorError
+        K is not positive definite, or singular (an unconstrained body).
+
+    Examples
+    --------
+    >>> factor(sp.csc_array(np.diag([2.0, 4.0])))(np.array([2.0, 2.0])).tolist()
+    [1.0, 0.5]
     """
     matrix = sp.csc_array(K)
     diagonal = _diagonal(matrix)
@@ -353,21 +428,57 @@ def factor(K: sp.sparray) -> Solve:
 
 
 def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
-    """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` of loads on the held stiffness K ``(n, n)``.
+    """Compliance rows K^-1 rows^T of a constrained body, made exactly symmetric.
 
-    Raises FactorError for a body that is not held, and where the factorisation fails for another reason.
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        Stiffness.
+    rows : (m, n) sparse array
+        Loads as rows.
+
+    Returns
+    -------
+    (m, m) Array
+        Compliance.
+
+    Raises
+    ------
+    FactorError
+        The body is not constrained, or the factorisation fails for another reason.
+
+    Examples
+    --------
+    >>> compliance(sp.csc_array(np.diag([2.0, 4.0])), sp.csr_array(np.eye(2))).tolist()
+    [[0.5, 0.0], [0.0, 0.25]]
     """
     F = gram(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
     return np.asarray(0.5 * (F + F.T))
 
 
 def gram(K: sp.sparray, B: sp.sparray) -> Array:
-    """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.linear_algebra`), without holding the
-    factor.
+    """Compute B^T K^-1 B, front by front without storing the factor where K is large.
 
-    Checked by one column more, K x for a known x, whose answer is x. Where that fails, a warning says so, and a factor that
-    is held whole is solved with, column by column: it says what is wrong with the matrix. So it does, without a warning, up
-    to `SMALL` freedoms and `FEW` entries of B. Raises FactorError as `factor` does.
+    Checked by one more column, K x for a known x, whose solution is x. Where that fails, a warning says so, and the
+    factor is stored whole and solved with column by column: it names the fault of the matrix. Up to `SMALL` degrees of
+    freedom and `FEW` entries of B this is done without a warning.
+
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        Stiffness.
+    B : (n, m) sparse array
+        Loads as columns.
+
+    Returns
+    -------
+    (m, m) Array
+        B^T K^-1 B.
+
+    Raises
+    ------
+    FactorError
+        As `factor`.
     """
     inner, columns = sp.csc_array(K), sp.csc_array(B)
     diagonal = _diagonal(inner)
@@ -406,7 +517,7 @@ def _check_response(solve: Solve, diagonal: Array) -> None:
 
 
 def _positive(eliminate: Callable[[], T]) -> T:
-    """Result of an elimination; its breakdown as a FactorError."""
+    """Run an elimination; report its breakdown as a FactorError."""
     try:
         return eliminate()
     except ArithmeticError as error:

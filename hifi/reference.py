@@ -1,8 +1,9 @@
-"""The 3D elastic-contact reference of a ball screw or bearing: the contact of all balls of a prepared geometry.
+"""3D elastic-contact reference of a ball screw or bearing: the contacts of all balls of a prepared geometry.
 
-Contact is unilateral and frictionless on matching grids of ball and groove, the balls' rigid motions free. Pressures are
-hats on the grid (`hifi.elements.forms`), and what may not be negative is the mean of the gap over each hat. Gaps are
-exact distances from the ball's centre; directions and gaps follow the motion of ball and groove to convergence.
+Contact is unilateral and frictionless on matching grids of ball and groove, the balls' rigid motions free. The pressure
+is bilinear on the grid (`hifi.elements.forms`), and the mean of the gap over each of its basis functions may not be
+negative. Gaps are exact distances from the ball's centre; directions and gaps follow the motion of ball and groove to
+convergence.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from rollbench.hifi.coupling import (
     modal_motion,
     mounted_screw,
     node_arms,
-    over_hats,
+    pressure_means,
     relative_motion,
     rigid_rows,
     wave_gaps,
@@ -38,17 +39,17 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.parts import Scene
 
-#: Change of any contact's load that is left when directions and gaps count as settled, over the mean load: a hundredth of
-#: what the mesh leaves open on the finest level (0.1 %).
+#: Remaining change of any contact load at which directions and gaps count as settled, over the mean load: a hundredth of
+#: the mesh uncertainty on the finest level (0.1 %).
 SETTLED = 1e-5
-#: Times at most that directions and gaps follow the motion; most scenes take three or four.
+#: Largest number of updates of directions and gaps; most scenes take three or four.
 ROUNDS = 30
-#: Largest ratio of changes by which a rest is told: slower ones are as good as none.
+#: Largest ratio of successive changes from which the remaining change is extrapolated: a slower series does not converge.
 SLOWEST = 0.99
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
-#: Seconds after which every round of a solution is told.
+#: Seconds after which every round of a solution is reported.
 SLOW = 5.0
-#: Ingredients of the reference that can be left out, to see what they change.
+#: Parts of the reference model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
 #: Motion of balls and grooves that stay in their nominal places (`relative_motion`).
 _NOWHERE = np.zeros((1, 1, 3)), np.zeros((1, 1))
@@ -56,32 +57,45 @@ _NOWHERE = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Status; of all balls, set after set: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], loads with directions and
-    gaps frozen at the nominal state ``(n, 4)`` [N] (None: not asked for); centreline: stations ``(s,)`` [m] and motions
-    ``(s, 6)``; motions of housings that can move ``(h, 6)``; of each set force on the shaft and moment about its nut's
-    centre ``(6,)`` [N, N m], and shift of its nut [m]; contact record, sides and normals ``(balls, n, 3)`` of each set;
-    worst balance of a ball, along its groove, and of shaft and housings where they are free, over the largest load;
-    unknowns (of the equivalent monolithic mesh), seconds, updates of directions and gaps; moving: what more of them may
-    still change of any load [N] where these did not settle, else 0."""
+    """Solution of the 3D reference, of n balls, set after set."""
 
+    #: "converged", or why not.
     status: str
+    #: Contact loads ``(n, 4)`` [N].
     load: Array
+    #: Contact angles ``(n, 4)`` [rad]; not a number where open.
     contact_angle: Array
+    #: Loads with directions and gaps frozen at the nominal state ``(n, 4)`` [N]; None where not asked for.
     frozen: Array | None
+    #: Stations of the centreline ``(s,)`` [m].
     stations: Array
+    #: Motion of the centreline ``(s, 6)`` [m, rad].
     centreline: Array
+    #: Motion of the housings that can move ``(h, 6)`` [m, rad].
     housings: Array
+    #: Force of each set on the shaft and moment about its nut's centre ``(6,)`` [N, N m].
     on_shaft: tuple[Array, ...]
+    #: Shift of each set's nut [m].
     offsets: tuple[float, ...]
+    #: Forces and gaps of all contact pairs.
     contact: ContactResult
+    #: Flanks (0 to 3) that may touch.
     sides: tuple[int, ...]
+    #: Contact normals of each set ``(balls, nodes, 3)``.
     directions: tuple[Array, ...]
+    #: Largest unbalanced force on a ball, over the largest load.
     balance: float
+    #: Largest unbalanced force on a ball along its groove, over the largest load.
     along_groove: float
+    #: Unbalanced force on shaft and housings where they are free, over the largest load.
     screw_balance: float
+    #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
+    #: Time of the solution [s].
     seconds: float
+    #: Updates of directions and gaps.
     updates: int
+    #: What further updates may still change of any load, where they did not settle [N]; else 0.
     moving: float
 
 
@@ -95,12 +109,35 @@ def solve_reference(
     frozen: bool = False,
     step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
-    """Loads of a load case or error pattern of a prepared geometry.
+    """Solve a load case or error pattern of a prepared geometry.
 
-    updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state, gaps follow the grid's
-    wave alone); sides: those that may touch (all prepared ones if left out); leave_out: some of ``INGREDIENTS``;
-    frozen: whether its loads are found too, from the round that both have in common; step: hears of every round of a
-    solution that takes long. Raises ValueError for other ingredients.
+    Parameters
+    ----------
+    setup : Setup
+        The prepared geometry.
+    scene : Scene
+        The load case.
+    updates : int, default ROUNDS
+        Largest number of updates of directions and gaps; 0: frozen at the nominal state, gaps follow only the
+        correction for the grid.
+    sides : tuple[int, ...] | None, default None
+        Flanks that may touch; None: all prepared ones.
+    leave_out : frozenset[str], optional
+        Some of `INGREDIENTS`.
+    frozen : bool, default False
+        Whether to find the frozen loads too, from the round that both have in common.
+    step : Callable[[str], None], optional
+        Called with the progress of a solution that takes long.
+
+    Returns
+    -------
+    ReferenceResult
+        The solution; failure is in its ``status``.
+
+    Raises
+    ------
+    ValueError
+        Unknown ingredients.
     """
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
@@ -111,28 +148,45 @@ def solve_reference(
 
 
 class Round(NamedTuple):
-    """Contacts for given places of balls and grooves: result, the state to go on from, motion of all nodes along their
-    normals by the unheld rigid motions ``(pairs, k)``, loads and angles ``(all balls, 4)``; of each set the normals
-    ``(balls, n, 3)``, motions along them by the rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``, and forces
-    ``(balls, n)``."""
+    """Contacts for given places of balls and grooves."""
 
+    #: Forces, gaps and rigid motions.
     result: ContactResult
+    #: State from which the next round starts.
     state: State
+    #: Normals of each set ``(balls, n, 3)``.
     directions: list[Array]
+    #: Motion along them by the rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``, of each set.
     rigid_rows: list[Array]
+    #: Motion of all nodes along their normals by the unconstrained rigid motions ``(pairs, k)``.
     by_rigid: Array
+    #: Contact forces of each set ``(balls, n)`` [N].
     forces: list[Array]
+    #: Loads of all balls ``(balls, 4)`` [N].
     load: Array
+    #: Contact angles of all balls ``(balls, 4)`` [rad].
     angle: Array
 
 
 class Case:
-    """A load case of prepared geometries on one shaft, round by round."""
+    """A load case of prepared geometries on one shaft, solved round by round."""
 
     def __init__(
         self, sets: Sequence[PlacedSet], frame: Frame, mounted: Mounted, leave_out: frozenset[str] = frozenset()
     ) -> None:
-        """A case of sets that are mounted on a shaft; leave_out: see `solve_reference`."""
+        """Begin a case.
+
+        Parameters
+        ----------
+        sets : Sequence[PlacedSet]
+            Sets on the shaft.
+        frame : Frame
+            Supports, loads and housings.
+        mounted : Mounted
+            The mounted stretches.
+        leave_out : frozenset[str], optional
+            As for `solve_reference`.
+        """
         self.sets, self.frame, self.mounted = sets, frame, mounted
         self.C, self.rows = compliance_of(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
@@ -150,7 +204,20 @@ class Case:
         return self._round([_NOWHERE for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets], None)
 
     def after(self, last: Round, *, moving: bool) -> Round:
-        """Contacts in the places of the last round; moving: whether normals follow, or only the grid's wave."""
+        """Contacts in the places of the last round.
+
+        Parameters
+        ----------
+        last : Round
+            The last round.
+        moving : bool
+            Whether normals follow the motion, or only gaps the correction for the grid.
+
+        Returns
+        -------
+        Round
+            The next round.
+        """
         moved = [_NOWHERE for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
@@ -161,16 +228,16 @@ class Case:
         return self._round(moved, level, last.state)
 
     def rigid(self, last: Round) -> Array:
-        """Amplitudes ``(k,)`` of the unheld rigid motions."""
+        """Amplitudes ``(k,)`` of the unconstrained rigid motions."""
         return last.result.motions[3 * self.balls :]
 
     def ball_motions(self, last: Round) -> list[Array]:
-        """Motions ``(balls, 3)`` [m] of the balls of each set."""
+        """Displacements of the balls of each set ``(balls, 3)`` [m]."""
         ends = np.cumsum([p.count for p in self.sets])[:-1]
         return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
 
     def split(self, pairs: Array) -> list[Array]:
-        """Values ``(balls, n)`` of each set from those of all pairs."""
+        """Values of each set ``(balls, n)`` from those of all pairs."""
         ends = np.cumsum([p.count * p.nodes for p in self.sets])[:-1]
         return [of_set.reshape(p.count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
@@ -183,22 +250,22 @@ class Case:
             normals = arms / length[..., None]
             back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(over_hats(p, self._rigid_rows(p, normals)))
-            gap = over_hats(p, gap)
-            directions.append(over_hats(p, normals))
+            by_rigid.append(pressure_means(p, self._rigid_rows(p, normals)))
+            gap = pressure_means(p, gap)
+            directions.append(pressure_means(p, normals))
             rests.append((gap + level[k]).ravel())
             touching += list(expected_touch(p, gap)) if start is None else []
         motions = self.mounted.motions
-        unheld = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
+        free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
-        N = directions_matrix(directions, unheld)
+        N = directions_matrix(directions, free_motions)
         result, state = solve_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
         forces = self.split(result.forces)
         resultants = [_loads(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
-        return Round(result, state, directions, by_rigid, unheld, forces, load, angle)
+        return Round(result, state, directions, by_rigid, free_motions, forces, load, angle)
 
     def _rigid_rows(self, p: PlacedSet, normals: Array) -> Array:
         """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
@@ -210,7 +277,28 @@ class Case:
         return out
 
     def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:
-        """The round whose loads stand still, updates until then, ``most`` at most, and what more may change of a load."""
+        """Repeat rounds until the loads no longer change.
+
+        Parameters
+        ----------
+        last : Round
+            Round to start from.
+        most : int
+            Largest number of updates.
+        step : Callable[[int], None]
+            Called with the number of each round.
+        moving : bool
+            As for `after`.
+
+        Returns
+        -------
+        last : Round
+            The last round.
+        updates : int
+            Number of updates.
+        left : float
+            What further rounds may change of any load [N].
+        """
         loads = [last.load]
         for done in range(most + 1):
             left = left_over(loads)
@@ -221,8 +309,25 @@ class Case:
             loads = [*loads[-2:], last.load]
         return last, done, left
 
-    def verdict(self, last: Round, updates: int, left: float) -> tuple[str, float]:
-        """Status, and the most that further updates may change a load [N] where the loads did not settle."""
+    def status(self, last: Round, updates: int, left: float) -> tuple[str, float]:
+        """Status of a solution.
+
+        Parameters
+        ----------
+        last : Round
+            The last round.
+        updates : int
+            Number of updates.
+        left : float
+            What further rounds may change of any load [N].
+
+        Returns
+        -------
+        status : str
+            "converged", or why not.
+        moving : float
+            ``left`` where the loads did not settle, else 0 [N].
+        """
         if not last.result.converged:
             return last.result.status, 0.0
         if any(_at_rim(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
@@ -233,8 +338,22 @@ class Case:
         return "converged", 0.0
 
     def centreline(self, last: Round) -> tuple[Array, Array, Array]:
-        """Stations ``(s,)`` [m] and motions ``(s, 6)`` of the shaft's centreline, from left to right; motions ``(h, 6)`` of
-        the housings."""
+        """Motion of the shaft's centreline and of the housings.
+
+        Parameters
+        ----------
+        last : Round
+            The last round.
+
+        Returns
+        -------
+        stations : (s,) Array
+            Stations from left to right [m].
+        motions : (s, 6) Array
+            Motion of the centreline [m, rad].
+        housings : (h, 6) Array
+            Motion of the housings [m, rad].
+        """
         m, z, rigid = self.mounted, np.array(self.mounted.stations), self.mounted.motions @ self.rigid(last)
         # contact forces press on the grooves: along the normals counted from ball to groove
         forces, rows = self.C.amplitude(last.result.forces)[self.on_mounted], self.rows[self.on_mounted]
@@ -245,8 +364,22 @@ class Case:
         return z, line[first], housings
 
     def unbalanced(self, last: Round) -> tuple[float, float, float]:
-        """Largest unbalanced force on a ball, that along its groove, and that on shaft and housings by their unheld rigid
-        motions, over the largest load."""
+        """Largest unbalanced forces over the largest load.
+
+        Parameters
+        ----------
+        last : Round
+            The last round.
+
+        Returns
+        -------
+        ball : float
+            On a ball.
+        along : float
+            On a ball, along its groove.
+        rigid : float
+            On shaft and housings, by their unconstrained rigid motions.
+        """
         nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
         along = [net @ p.setup.map.axes()[1] for p, net in zip(self.sets, nets, strict=True)]
         rigid = last.by_rigid.T @ last.result.forces + self.mounted.work
@@ -255,7 +388,7 @@ class Case:
         return a / largest, b / largest, c / largest
 
     def on_shaft(self, last: Round) -> tuple[Array, ...]:
-        """Force of each set on the shaft and its moment about the nut's centre ``(6,)`` [N, N m]."""
+        """Force of each set on the shaft and moment about the nut's centre ``(6,)`` [N, N m]."""
         arms = [self.mounted.origin - p.shift - p.setup.scene.nut.position for p in self.sets]
         each = zip(arms, last.rigid_rows, last.forces, strict=True)
         return tuple(transport(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each)
@@ -263,14 +396,31 @@ class Case:
     def end(
         self, most: int, report: Callable[[int], None] = lambda _: None, *, moving: bool = True, frozen: bool = False
     ) -> ReferenceResult:
-        """Solve the case until its loads stand still, after ``most`` updates at most; frozen: its frozen loads too."""
+        """Solve the case until its loads no longer change.
+
+        Parameters
+        ----------
+        most : int
+            Largest number of updates.
+        report : Callable[[int], None], optional
+            Called with the number of each round.
+        moving : bool, default True
+            As for `after`.
+        frozen : bool, default False
+            Whether to find the frozen loads too.
+
+        Returns
+        -------
+        ReferenceResult
+            The solution.
+        """
         begin = perf_counter()
         report(1)
         first = self.first()
         last, done, left = self.settled(first, most, report, moving=moving)
         seconds = perf_counter() - begin
         still = self.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
-        status, may_move = self.verdict(last, done, left)
+        status, may_move = self.status(last, done, left)
         stations, centreline, housings = self.centreline(last)
         balance, along_groove, screw_balance = self.unbalanced(last)
         return ReferenceResult(
@@ -297,7 +447,7 @@ class Case:
 
 
 def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """Callback that reports each round of a solution that takes long."""
+    """Make a callback that reports each round of a solution that takes longer than `SLOW`."""
 
     def report(number: int) -> None:
         if perf_counter() - begin > SLOW:
@@ -307,8 +457,26 @@ def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[
 
 
 def left_over(loads: Sequence[Array]) -> float:
-    """Most that the rounds to come would change of any load, by the loads of the last three: the rest of a
-    geometric series, last change x ratio / (1 - ratio); by two the slowest series, by one infinite."""
+    """Extrapolate how much the rounds to come would change any load.
+
+    The remainder of a geometric series: last change x ratio / (1 - ratio), the ratio that of the last two changes;
+    `SLOWEST` where only one change is known.
+
+    Parameters
+    ----------
+    loads : Sequence[Array]
+        Loads [N] of the last rounds, of which three count.
+
+    Returns
+    -------
+    float
+        [N]; infinite after one round.
+
+    Examples
+    --------
+    >>> round(left_over([np.array([1.0]), np.array([1.5]), np.array([1.75])]), 6)
+    0.25
+    """
     changes = [float(np.abs(b - a).max()) for a, b in pairwise(loads[-3:])]
     if not changes:
         return np.inf

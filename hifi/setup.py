@@ -1,7 +1,7 @@
-"""One geometry of the 3D reference: meshes, condensed patches, and how screw, nut and balls answer contact forces.
+"""One geometry of the 3D reference: meshes, condensed patches, and compliance of screw, nut and balls.
 
-Screw, nut and one ball are meshed coarsely with a socket at every contact; one fine patch per side is condensed exactly and
-fits every socket of that side. All load cases, supports and error patterns of the geometry share this set-up.
+Screw, nut and one ball are meshed coarsely with a socket at every contact; one fine patch per side is condensed exactly
+and fits every socket of that side. All load cases, supports and error patterns of the geometry share this set-up.
 """
 
 from __future__ import annotations
@@ -49,36 +49,49 @@ TOGETHER = 160
 
 @dataclass
 class Setup:
-    """Everything of one geometry that load cases share; ``nut`` is None where it is rigid.
+    """Everything of one geometry that load cases share."""
 
-    seconds: of every stage, of records that came from the cache those that they took when they were made (of stages made
-    at once each has a share of the clock's); others_MB: sum of the peaks of memory of the other processes that helped.
-    """
-
+    #: Scene from which it was prepared.
     scene: Scene
+    #: Map of the track.
     map: GrooveMap
+    #: Places of the balls.
     layout: BallLayout
+    #: Dimensions of the solid parts.
     dims: Dimensions
+    #: Mesh choices.
     settings: Settings
+    #: Flanks (0 to 3) that may carry load.
     sides: tuple[int, ...]
+    #: Condensed patches of each side.
     patches: dict[int, SidePatches]
+    #: Condensed screw.
     screw: ScrewResponse
+    #: Condensed nut; None: rigid.
     nut: NutResponse | None
+    #: Condensed ball.
     ball: BallResponse
+    #: Section of the shaft beyond the 3D stretch.
     section: ShaftSection
+    #: Homogenised grooved shaft; None where it is not needed.
     homogenised: Homogenised | None
+    #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
+    #: Cells across the contact, smallest scaled Jacobians, largest deviation of the grooves [m].
     quality: dict[str, float]
+    #: Time of every stage [s]; of cached records that when they were computed; of parallel stages their share of the
+    #: clock.
     seconds: dict[str, float] = field(default_factory=dict)
+    #: Sum of the peaks of memory of the other processes that helped [MB].
     others_MB: float = 0.0
 
     def body(self, side: int) -> ScrewResponse | NutResponse | None:
-        """The body whose grooves a side is on; None: rigid."""
+        """Body of the grooves of a side; None: rigid."""
         return self.screw if side < 2 else self.nut
 
 
 class _Stages:
-    """Makes the parts of a set-up, stage by stage: seconds of each, memory of the processes that helped."""
+    """Stages of a set-up, with the seconds of each, and the memory of the processes that helped."""
 
     def __init__(self, cache: Cache, step: Step) -> None:
         self.cache, self.step = cache, step
@@ -86,8 +99,10 @@ class _Stages:
         self.others: dict[int, float] = {}
 
     def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
-        """Records of the jobs. A stage is reported with the seconds of its jobs when the last is done; `seconds` keeps its
-        share of the time that all took."""
+        """Run jobs; a stage is reported with the seconds of its jobs when the last is done.
+
+        ``seconds`` gets the stage's share of the time that all took.
+        """
         start = perf_counter()
         by_stage: dict[str, list[Made]] = {job.stage: [] for job in jobs}
         wanted = Counter(job.stage for job in jobs)
@@ -121,12 +136,37 @@ def prepare(
     cache: Cache | None = None,
     processes: int = 1,
 ) -> Setup:
-    """Meshes, patches and bodies of one geometry; ``sides``: which of SL, SR, NL, NR (0 to 3) may carry load.
+    """Mesh and condense one geometry.
 
-    scenes: further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
-    errors. cache: of meshes and condensed parts, keyed by all that they depend on. processes: that make meshes, then
-    patches and shaft, then bodies, at once. Raises ValueError where a mesh cannot be built, MemoryError where a process was
-    ended from outside.
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+    sides : tuple[int, ...]
+        Flanks (0 to 3 for SL, SR, NL, NR) that may carry load.
+    settings : Settings
+        Mesh choices.
+    step : Step, optional
+        Called with the progress.
+    scenes : Sequence[Scene], optional
+        Further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
+        errors.
+    cache : Cache | None, default None
+        Cache of meshes and condensed parts; None: compute everything.
+    processes : int, default 1
+        Number of processes that work on meshes, then patches and shaft, then bodies.
+
+    Returns
+    -------
+    Setup
+        The set-up.
+
+    Raises
+    ------
+    ValueError
+        A mesh cannot be built.
+    MemoryError
+        A process was ended from outside.
     """
     stages = _Stages(cache or Cache(None), step)
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
@@ -170,7 +210,7 @@ def prepare(
 def _patch_jobs(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, sides: tuple[int, ...], settings: Settings
 ) -> dict[int, Job]:
-    """The patches of the sides, as jobs; none for a right flank whose patches are those of the left, turned."""
+    """List the patches of the sides, as jobs; none for a right flank whose patches are those of the left one, turned."""
     jobs = {}
     for s in sides:
         alike = s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
@@ -180,9 +220,11 @@ def _patch_jobs(
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m]: its section, or stiffnesses of the
-    helical section and three meshed shafts for `homogenise`, by what they depend on, so that other nuts and loads
-    find them in the cache. Where no station lies beyond the stretch any section will do."""
+    """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m].
+
+    Its section, or stiffnesses of the helical section and three meshed shafts for `homogenise`, by what they depend on,
+    so that other nuts and loads find them in the cache. Where no station lies beyond the stretch any section will do.
+    """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
     section_job = partial(Job, "shaft section")
@@ -229,7 +271,7 @@ def _as_the_section(
     sides: tuple[int, ...],
     stations: tuple[float, ...],
 ) -> ScrewResponse:
-    """The screw with a 3D stretch as stiff as the shaft's section, free of its cut ends."""
+    """Correct the 3D stretch of the screw to the stiffness of the shaft's section, without its cut ends."""
     if homogenised is None:
         return screw
     along = np.repeat(layout.z, sum(s < 2 for s in sides))
@@ -250,7 +292,7 @@ def _quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
 
 
 def _same_boxes(meshes: Meshes, side: int) -> bool:
-    """Whether the sockets of a right flank have the nodes of the left one's, azimuths turned round, in groove and ball."""
+    """Whether the sockets of a right flank have the nodes of the left one's, azimuths reversed, in groove and ball."""
     bodies = (meshes.screw if side < 2 else meshes.nut, meshes.ball)
     return all(
         np.array_equal(x.sockets[side].xi, x.sockets[side - 1].xi * AZIMUTH_TURNED)

@@ -1,8 +1,8 @@
-"""The 3D reference of several sets on one shaft: every set has its own 3D nut and grooved stretch of shaft, beams between.
+"""3D reference of several sets on one shaft: a 3D nut and grooved stretch of shaft for each set, beams between.
 
-A set's bodies are those of a scene of one set, in stations of their own that begin at its stretch, so that equal sets share
-them. The contacts of all sets are one problem: stretches and beams are one structure (`hifi.shaft.mounting`), a nut is
-held, or rides on a housing that can move.
+The bodies of a set are those of a scene of one set, in stations that begin at its stretch, so that equal sets share them.
+The contacts of all sets are one problem: stretches and beams are one structure (`hifi.shaft.mounting`), a nut is fixed,
+or rides on a housing that can move.
 """
 
 from __future__ import annotations
@@ -37,19 +37,35 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 
 @dataclass(frozen=True)
 class SetBodies:
-    """What is meshed of a set: its scene without errors, in its own stations; shift: station [m] of the shaft where these
-    begin; parts: the same with errors."""
+    """Bodies of a set that are meshed."""
 
+    #: Scene of the set without errors, in local stations.
     bodies: Scene
+    #: The same with errors.
     parts: Scene
+    #: Station of the shaft where the local stations begin [m].
     shift: float
 
 
 def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
-    """What is meshed of each set. A stretch of shaft reaches half the way to the next set, or as far beyond the nut as that
-    of a scene of one set.
+    """Bodies of each set that are meshed.
 
-    Raises ValueError for what has no 3D body, for nuts that overlap, and for a heated shaft.
+    A stretch of shaft reaches half the way to the next set, or as far beyond the nut as that of a scene of one set.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The shaft with its sets.
+
+    Returns
+    -------
+    tuple[SetBodies, ...]
+        Bodies of each set, in order.
+
+    Raises
+    ------
+    ValueError
+        A set has no 3D body (rollers, an inner ring on a housing), nuts overlap, or the shaft is heated.
     """
     for s in assembly.sets:
         if not isinstance(s.parts, Scene):
@@ -75,7 +91,7 @@ def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
 
 
 def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]) -> SetBodies:
-    """A set in stations of its own; reach: outermost stations [m] that the shaft is needed for."""
+    """Bodies of a set in local stations; reach: outermost stations [m] that the shaft is needed for."""
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
     half = parts.nut.length / 2.0 + min(wanted, room)
     position = min(parts.nut.position, half)
@@ -105,8 +121,27 @@ def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float],
 def solve_sets(
     assembly: Assembly, setups: Sequence[Setup], *, frozen: bool = False, step: Callable[[str], None] = lambda _: None
 ) -> ReferenceResult:
-    """Loads of an assembly; setups: of the bodies of each set (`bodies_of`), in order; frozen, step: as
-    `rollbench.hifi.reference.solve_reference`. Raises ValueError as `bodies_of`."""
+    """Solve an assembly.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The shaft with its sets.
+    setups : Sequence[Setup]
+        Prepared bodies of each set (`bodies_of`), in order.
+    frozen, step : , default False
+        As for `solve_reference`.
+
+    Returns
+    -------
+    ReferenceResult
+        The solution; a preload that is not met is in its ``status``.
+
+    Raises
+    ------
+    ValueError
+        As `bodies_of`, and for a rigid nut on a housing that moves.
+    """
     begin, frame = perf_counter(), Frame.of(assembly)
     each = zip(assembly.sets, bodies_of(assembly), setups, strict=True)
     placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
@@ -118,7 +153,7 @@ def solve_sets(
 
 
 def _mounted(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> Mounted:
-    """The stretches on the shaft, from left to right, and the nuts that ride on housings."""
+    """Mount the stretches on the shaft, from left to right, and the nuts that ride on housings."""
     carried = []
     for p in placed:
         if p.housing is None:
@@ -146,8 +181,10 @@ def _sections(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[floa
 
 
 def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) -> tuple[tuple[PlacedSet, ...], str]:
-    """The sets with their preloads by force as shifts of their nuts, found without loads, and words for a preload that is
-    not met. Newton's method by secants on logarithms of force and shift: a law of a power is a line."""
+    """Replace preloads by force with shifts of the nuts, found without loads; and a text where a preload is not met.
+
+    Newton's method by secants on logarithms of force and shift, in which a power law is linear.
+    """
     preloaded = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not preloaded:
         return placed, ""

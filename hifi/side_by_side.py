@@ -1,4 +1,7 @@
-"""Parts of one set-up made in several processes of this machine: gmsh and the sparse factor serve one at a time in each."""
+"""Parts of one set-up computed in several processes of this machine.
+
+gmsh and the sparse factor serve one part at a time in each process.
+"""
 
 from __future__ import annotations
 
@@ -16,42 +19,73 @@ from rollbench.meshes.processes import end_with_parent, for_one_thread, peak_MB,
 
 
 class Job(NamedTuple):
-    """A record to be made, or read from the cache: name of its stage; function, arguments and class as for `Cache.get`, all
-    picklable."""
+    """A record to be computed, or read from the cache; all fields can be pickled."""
 
+    #: Name of its stage.
     stage: str
+    #: Function, as for `Cache.get`.
     build: Callable[..., Any]
+    #: Its arguments.
     arguments: tuple[Any, ...]
+    #: Class of the record.
     type_: type
 
 
 @dataclass(frozen=True)
 class Made:
-    """A record, seconds it took, whether it came from the cache, seconds it took when it was made; process that made it,
-    and its peak of memory [MB] (None: not measured); why that process writes nothing to the cache any more."""
+    """A record, and what it cost."""
 
+    #: The record.
     value: Any
+    #: Time it took [s].
     seconds: float
+    #: Whether it came from the cache.
     cached: bool
+    #: Time it took when it was computed [s].
     cold_seconds: float
+    #: Process that computed it.
     process: int
+    #: Peak memory of that process [MB]; None: not measured.
     peak_MB: float | None
+    #: Why that process writes nothing to the cache any more; empty: it does.
     cache_fault: str = ""
 
 
 def make(
     jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made], None] = lambda *_: None
 ) -> list[Made]:
-    """Records of independent jobs, in their order, by so many processes at once, this one among them; for one process, by
-    this one. The others have one thread each, unless the user's own variables give more. report: hears of each record
-    when it is made, one at a time. Raises what a job raises, and MemoryError where a process was ended from outside."""
+    """Compute the records of independent jobs in several processes, this one among them.
+
+    The other processes use one thread each, unless the user's variables give more.
+
+    Parameters
+    ----------
+    jobs : Sequence[Job]
+        The jobs.
+    cache : Cache
+        Cache of records.
+    processes : int
+        Number of processes.
+    report : Callable[[int, Made], None], optional
+        Called with the number of each job and its record, one at a time.
+
+    Returns
+    -------
+    list[Made]
+        Records in the order of the jobs.
+
+    Raises
+    ------
+    MemoryError
+        A process was ended from outside.
+    """
     if processes == 1 or len(jobs) < 2:
         alone = []
         for k, job in enumerate(jobs):
             alone.append(_make(job, cache))
             report(k, alone[-1])
         return alone
-    from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
+    from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not further ones
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(jobs)) - 1
@@ -60,7 +94,7 @@ def make(
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, Made](), Lock()
 
     def take(maker: Callable[[Job], Made]) -> None:
-        """Do jobs until none is left."""
+        """Run jobs until none is left."""
         while left:
             try:
                 k, job = left.popleft()
@@ -96,7 +130,7 @@ def make(
 
 
 def _elsewhere(job: Job, cache: Cache) -> Made:
-    """In another process, whose record of memory starts at zero."""
+    """Run a job in another process, whose record of memory starts at zero."""
     reset_peak()
     cache.quiet = True
     return _make(job, cache)

@@ -1,4 +1,4 @@
-"""Names for arrays in annotations; shapes and units stand in docstrings."""
+"""Names for arrays in annotations; shapes and units are in docstrings."""
 
 from __future__ import annotations
 

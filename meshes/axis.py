@@ -1,7 +1,7 @@
 """Several rolling sets on one shaft: plain records in SI units.
 
-A shaft in its supports carries ball nuts and bearings. The outer part of each (nut, outer ring) is held, or belongs to a
-housing: a rigid body that is held in some freedoms, stands on springs, or is joined to another housing by springs.
+A shaft on its supports carries ball nuts and bearings. The outer part of each (nut, outer ring) is fixed, or belongs to a
+housing: a rigid body with some freedoms fixed, on springs, or joined to another housing by springs.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Thrust = Literal["both", "+z", "-z", "deep groove"]
 
 
 #: Rows of a set of equal bearings from left to right, by its name: the thrust on the shaft that each carries. B: back to
-#: back, F: face to face, T: tandem; a third letter adds one row (D), a pair (B, F), or two rows (T) beside the second.
+#: back, F: face to face, T: tandem; a third letter adds one row (D), a pair (B, F), or two rows (T) next to the second.
 ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
     "DB": ("-z", "+z"),
     "DF": ("+z", "-z"),
@@ -55,84 +55,101 @@ class Segment:
 @keyed
 @dataclass(frozen=True)
 class Housing:
-    """Rigid body that carries nuts or outer rings; its motion is taken at station ``at`` [m] on the shaft's axis.
+    """Rigid body that carries nuts or outer rings; its motion is that of its point on the shaft's axis."""
 
-    fixed: pairs (freedom, displacement [m] or rotation [rad]); stiffness: of its springs to the frame at ``at``, or None;
-    force [N] and moment [N m] on it, there.
-    """
-
+    #: Name, by which sets, joints and results refer to it.
     name: str
+    #: Station of its reference point [m].
     at: float
+    #: Pairs of a freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...] = usual(())
+    #: Stiffness of its springs to the frame, at the reference point; None without springs.
     stiffness: Stiffness | None = usual(None)
+    #: Force on it [N], at the reference point.
     force: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
+    #: Moment on it [N m].
     moment: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
 
     @property
     def stands(self) -> bool:
-        """Whether it cannot move at all."""
+        """Whether all its freedoms are fixed at zero."""
         return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Springs between two housings, by name, at station ``at`` [m] on the axis."""
+    """Springs between two housings."""
 
+    #: Name of one housing.
     first: str
+    #: Name of the other housing.
     second: str
+    #: Station on the axis at which the springs act [m].
     at: float
+    #: Stiffness against their relative motion there.
     stiffness: Stiffness
 
 
 @keyed
 @dataclass(frozen=True)
 class RollerRow:
-    """One row of tapered rollers, every cone of it with its apex on the axis: number, mean diameter and effective length of
-    a roller [m], half included angles of cup and roller [rad], depth of both rings to which deformation counts [m],
-    material; crown: radius of the crowning at both contacts [m], infinite for straight rollers; slices of a roller;
-    azimuth of the first one [rad]. end_radius: of the sphere of the large end [m], None where it is not known; rib_height:
-    of the contact with the rib above the cone's race [m], None for the usual one; rib_friction: coefficient of friction
-    there, None for the usual one; torque_factor: the maker's G_1 of Timken's formula, None where it is not known."""
+    """One row of tapered rollers; the cones of race and rollers have their apexes on the axis."""
 
+    #: Number of rollers.
     count: int
+    #: Mean diameter of a roller [m].
     diameter: Size
+    #: Effective length of a roller [m].
     length: Size
+    #: Half included angle of the cup [rad].
     cup_angle: ContactAngle
+    #: Half included angle of a roller [rad].
     roller_angle: ContactAngle
+    #: Depth of both rings to which deformation counts [m].
     depth: Size
+    #: Elastic material of rollers and rings.
     material: Material
+    #: Radius of the crowning at both contacts [m]; infinite for straight rollers.
     crown: float = usual(float("inf"))
+    #: Slices into which a roller is divided.
     slices: int = usual(15)
+    #: Azimuth of the first roller [rad].
     phase: float = usual(0.0)
+    #: Radius of the spherical large end [m]; None where unknown.
     end_radius: Size | None = usual(None)
+    #: Height of the rib contact above the cone's race [m]; None for the usual one.
     rib_height: Size | None = usual(None)
+    #: Coefficient of friction at the rib; None for the usual one.
     rib_friction: float | None = usual(None)
+    #: The maker's G_1 of Timken's torque formula; None where unknown.
     torque_factor: float | None = usual(None)
 
 
 @keyed
 @dataclass(frozen=True)
 class RollingSet:
-    """One set on the shaft. parts: its track, grooves, balls and errors as a scene without supports and loads whose screw
-    is the shaft with this set's inner groove, or a row of rollers; ``position``: station of the outer part's centre, of the
-    middle of the cup's contact lines [m].
+    """One ball nut or bearing on the shaft."""
 
-    housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along
-    +z against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads,
-    and then locked (0: none); thrust: which thrust on the shaft the set carries; carrier: the name of the housing that its
-    inner part belongs to, as the bearing around a nut does, None for the shaft; seals: friction torque of its seals or
-    wipers as given [N m].
-    """
-
+    #: Name, by which results refer to it.
     name: str
+    #: Kind of rolling set.
     kind: Literal["ball nut", "bearing", "tapered roller bearing"]
+    #: Track, grooves, balls and errors as a scene without supports and loads, whose screw is the shaft with this set's
+    #: inner groove; or a row of rollers.
     parts: Scene | RollerRow
+    #: Station of the centre of the outer part, or of the middle of the cup's contact lines [m].
     position: float
+    #: Name of the housing of the outer part; None where that is fixed.
     housing: str | None = usual(None)
+    #: Shift of the outer part along +z against its housing [m].
     offset: float = usual(0.0)
+    #: Axial force [N] that such a shift sets at mounting, without external loads, before it is locked; 0: none.
     preload: float = usual(0.0)
+    #: Thrust on the shaft that the set can carry.
     thrust: Thrust = usual("both")
+    #: Name of the housing that the inner part belongs to, as of a bearing around a nut; None for the shaft.
     carrier: str | None = usual(None)
+    #: Friction torque of its seals or wipers, as given [N m].
     seals: float = usual(0.0)
 
 
@@ -157,34 +174,48 @@ class Drive:
 @keyed
 @dataclass(frozen=True)
 class Assembly:
-    """One load case of a shaft with its rolling sets. screw: the shaft; segments: its plain stretches.
+    """One load case of a shaft with its rolling sets."""
 
-    stiffness_at: station [m], or name of the housing, whose tangent stiffness is asked for (None: where the loads act);
-    thermal_strain: of the free shaft, the same along all of it.
-    """
-
+    #: Name of the scene.
     name: str
+    #: Title of the scene.
     title: str
+    #: The shaft.
     screw: Screw
+    #: Ball nuts and bearings on it.
     sets: tuple[RollingSet, ...]
+    #: Plain stretches of the shaft.
     segments: tuple[Segment, ...] = usual(())
+    #: Rigid bodies that carry outer parts.
     housings: tuple[Housing, ...] = usual(())
+    #: Springs between housings.
     joints: tuple[Joint, ...] = usual(())
+    #: Supports of the shaft.
     supports: tuple[Support, ...] = usual(())
+    #: Loads on the shaft.
     loads: tuple[Load, ...] = usual(())
+    #: Parts of the low-order model that are used.
     ingredients: Ingredients = usual(Ingredients())
+    #: Where the case comes from.
     source: str = usual("")
+    #: Statements about what the source leaves open.
     assumed: tuple[str, ...] = usual(())
+    #: Coulomb friction of the balls.
     friction: Friction | None = usual(None)
+    #: Which part turns, and how fast.
     motion: Motion | None = usual(None)
+    #: Oil or base oil.
     lubricant: Lubricant | None = usual(None)
+    #: Station [m] or name of the housing whose tangent stiffness is asked for; None: where the loads act.
     stiffness_at: float | str | None = usual(None)
+    #: Thermal strain of the free shaft, the same all along it.
     thermal_strain: float = usual(0.0)
+    #: What the motor moves besides the shaft.
     drive: Drive = usual(Drive())
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:
-        """Text of a scene file that is read as this shaft with its sets."""
+        """Text of a scene file that reads back as this shaft with its sets."""
         from rollbench.meshes.scene_text import axis_tables, to_toml
 
         return to_toml(axis_tables(self))
@@ -196,12 +227,49 @@ class Assembly:
 
 
 def diagonal(values: tuple[float, float, float, float, float, float]) -> Stiffness:
-    """Stiffness of six springs that do not feel one another."""
+    """Stiffness of six uncoupled springs.
+
+    Parameters
+    ----------
+    values : tuple[float, float, float, float, float, float]
+        Stiffness by `FREEDOMS`: three [N/m], three [N m/rad].
+
+    Returns
+    -------
+    (6, 6) tuple
+        Diagonal stiffness.
+
+    Raises
+    ------
+    ValueError
+        As `full`.
+
+    Examples
+    --------
+    >>> diagonal((1.0, 1.0, 2.0, 0.0, 0.0, 0.0))[2]
+    (0.0, 0.0, 2.0, 0.0, 0.0, 0.0)
+    """
     return full(np.diag(np.asarray(values)))
 
 
 def full(matrix: NDArray[np.float64]) -> Stiffness:
-    """A matrix (6, 6) as a record. Raises ValueError unless it is symmetric and has no negative eigenvalue."""
+    """Stiffness record of a matrix.
+
+    Parameters
+    ----------
+    matrix : (6, 6) array
+        Rows and columns by `FREEDOMS` [N/m, N, N m].
+
+    Returns
+    -------
+    (6, 6) tuple
+        The same numbers.
+
+    Raises
+    ------
+    ValueError
+        The matrix is not symmetric (to 1e-9), or has a negative eigenvalue.
+    """
     if matrix.shape != (6, 6) or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
         raise ValueError("a stiffness is a symmetric matrix of six rows")
     scale = np.sqrt(np.where(np.diag(matrix) > 0.0, np.diag(matrix), 1.0))

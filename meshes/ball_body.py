@@ -27,34 +27,53 @@ Flags = NDArray[np.bool_]
 
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
 GROWTH = (0.072, 0.72)
-#: Depth of a ball's socket over that of the groove's; depth of its corners at least, over the ball's radius.
+#: Depth of a ball's socket over that of the groove's; least depth of its corners, over the ball's radius.
 SHALLOWER, CORNER = 0.75, 0.12
 
 
 @dataclass(frozen=True)
 class BallSocket:
-    """Socket of one side: the groove's socket that it faces, its depth below the surface [m], and the share of its length
-    in which its rays pass through the groove's surface."""
+    """Socket of one side of a ball."""
 
+    #: Flank 0 to 3 that it faces.
     side: int
+    #: Socket of the groove that it faces.
     groove: SocketSize
+    #: Depth below the sphere [m].
     depth: float
+    #: Share of its length in which its rays pass exactly through the groove's surface.
     exact: float = 0.5
 
 
 @dataclass(frozen=True)
 class BallBody(Meshed):
-    """Second-order tetrahedra of a ball about its centre in the frame of azimuth 0 [m], boundaries "sphere" and
-    "socket SL" or of other sides; per socket its nodes and its faces' mesh, quality."""
+    """Mesh of a ball about its centre, in the frame of azimuth 0; boundaries "sphere", "socket SL" and so on."""
 
+    #: Second-order tetrahedra.
     mesh: Mesh
+    #: Nodes of the inner faces of each socket, by side.
     socket_nodes: dict[int, Index]
+    #: Mesh of the sockets' faces, by side.
     sockets: dict[int, SocketMesh]
+    #: Size and quality.
     quality: Quality
 
 
 def directions(m: GrooveMap, side: int) -> Array:
-    """Rows: contact direction, direction of growing gamma, direction of growing azimuth, at azimuth 0, ``(3, 3)``."""
+    """Contact frame of a side, for a ball at azimuth 0.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    (3, 3) Array
+        Rows: contact normal from the ball to the groove, direction of growing gamma, direction of growing azimuth.
+    """
     sx, sz = m.signs[side]
     x3, y3, z3 = m.axes()
     c, s = cos(m.beta), sin(m.beta)
@@ -62,11 +81,25 @@ def directions(m: GrooveMap, side: int) -> Array:
 
 
 def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Rays ``(n, 3)`` from the ball's centre at local coordinates, of length 1 along the contact direction.
+    """Rays from the ball's centre through local coordinates of a socket.
 
-    They pass through the groove's surface at the same gamma and azimuth; towards the ends of the socket, beyond ``exact``
-    of its length, they go over to planes through the ball's centre, because the cone of rays through a groove's section
-    is hollow in its middle.
+    They pass through the groove's surface at the same gamma and azimuth. Towards the ends of the socket, beyond ``exact``
+    of its length, they turn into planes through the ball's centre, because the cone of rays through a section of the
+    groove is concave in its middle.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    socket : BallSocket
+        Socket of the ball.
+    xi : (n, 3) Array
+        Local coordinates.
+
+    Returns
+    -------
+    (n, 3) Array
+        Rays with a component of 1 along the contact normal.
     """
     n, t1, t2 = directions(m, socket.side)
 
@@ -84,14 +117,40 @@ def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Points ``(n, 3)`` [m] of local coordinates: on their rays, on the sphere at depth 0, on a plane at depth 1."""
+    """Points of local coordinates in a ball's socket: on their rays, on the sphere at depth 0, on a plane at depth 1.
+
+    Parameters
+    ----------
+    m, socket, xi
+        As for `rays`.
+
+    Returns
+    -------
+    (n, 3) Array
+        Points from the ball's centre [m].
+    """
     ray = rays(m, socket, xi)
     outer = m.ball / np.linalg.norm(ray, axis=1)
     return np.asarray(ray * (outer + xi[:, 1] * (m.ball - socket.depth - outer))[:, None])
 
 
 def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
-    """Depth [m] of a ball's socket that faces a groove's: a share of that one's, or what keeps its corners thick."""
+    """Depth of the socket of a ball: `SHALLOWER` of the groove's, or what leaves its corners `CORNER` ball radii deep.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Socket of the groove.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    float
+        [m].
+    """
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
     widest = float(np.linalg.norm(rays(m, BallSocket(side, size, size.depth), corners), axis=1).max())
     return max(SHALLOWER * size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
@@ -100,12 +159,32 @@ def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
 def build_ball(
     m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: tuple[int, int, int] = (2, 2, 2)
 ) -> BallBody:
-    """Mesh a ball with a socket for each contact; fine, coarse: element sizes near and away from them [m]; cuts: of the
-    sockets' edges.
+    """Mesh a ball with a socket for each contact.
 
-    Right flanks' sockets are left ones turned. Two that face each other closely can have rectangles of edges across the
-    gap, which gmsh fills with flat cells; then every socket is cut for itself, and no patch of the ball is a turned one.
-    Raises ValueError where sockets overlap or no attempt gives a good mesh.
+    Sockets of right flanks are those of left ones turned. Two sockets that face each other closely can have rectangles of
+    edges across the gap, which gmsh fills with flat cells; then every socket is divided independently, and no patch of
+    the ball is a turned one.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    sockets : tuple[BallSocket, ...]
+        Sockets of the contacts.
+    fine, coarse : float
+        Element sizes at the sockets and far from them [m].
+    cuts : tuple[int, int, int], optional
+        Subdivisions of the sockets' edges.
+
+    Returns
+    -------
+    BallBody
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        There is no socket, sockets overlap, or no attempt of gmsh gives a good mesh.
     """
 
     def places(side: int) -> Callable[[Array], Array]:
@@ -148,7 +227,19 @@ def _meshed(
 
 
 def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
-    """Triangulate the two halves of the sphere outside the sockets' rims."""
+    """Triangulate the two halves of a sphere outside the sockets' rims.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track; gives the ball's radius.
+    shell : Shell
+        Shell to which the faces are added.
+    rims : list[Index]
+        Corners around every socket.
+    share : float
+        Factor on the usual longest edge.
+    """
     axis, limit = parting(m), share * BEND[1] * m.ball
     along = directions(m, 0)[2]
     middle = np.stack([along, np.cross(axis, along)])
@@ -172,7 +263,10 @@ def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
 
 
 def parting(m: GrooveMap) -> Array:
-    """Normal of the plane that parts the ball away from all contacts: screw from nut, or left from right."""
+    """Compute the normal of a plane through the ball's centre that keeps away from all contacts.
+
+    It separates screw from nut, or left flanks from right ones.
+    """
     _, t1, _ = directions(m, 3)
     n = directions(m, 3)[0]
     x3, z3 = cos(m.beta) * n - sin(m.beta) * t1, sin(m.beta) * n + cos(m.beta) * t1
@@ -202,8 +296,10 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
 
 
 def _inside(outline: Array, points: Array, frame: Array) -> Flags:
-    """Which points ``(n, 3)`` lie in the cone from the ball's centre through a closed outline ``(k, 3)``, by the winding
-    number in the plane onto which both project; frame: its normal and axes ``(3, 3)``."""
+    """Mask of points ``(n, 3)`` in the cone from the ball's centre through a closed outline ``(k, 3)``.
+
+    By the winding number in the plane onto which both project; frame: its normal and axes ``(3, 3)``.
+    """
     before = points @ frame[0] > 0.0
     turn = np.zeros(len(points))
     flat = outline @ frame[1:].T / (outline @ frame[0])[:, None]

@@ -1,4 +1,4 @@
-"""Blocks for the verification of contact: a quarter of a half space, fine at the contact, as hexahedra or tetrahedra.
+"""Blocks for the verification of contact: a quarter of a half-space, fine at the contact, as hexahedra or tetrahedra.
 
 The body fills z > 0 below the contact plane z = 0; x = 0 and y = 0 are planes of symmetry through the contact's centre,
 and the block is cut off at x, y, z = size.
@@ -22,32 +22,47 @@ from rollbench.meshes.shell import session
 class BlockMesh(Meshed):
     """A quarter block.
 
-    mesh: scikit-fem's, boundaries "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry) and "cut"
-    (where the block is cut off); size: edge of the block [m].
+    Boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (where the block is cut
+    off).
     """
 
+    #: The mesh.
     mesh: Mesh
+    #: Edge of the block [m].
     size: float
 
     @property
     def element(self) -> str:
-        """P1, P2, Q1 or Q2."""
+        """Kind of its cells: P1, P2, Q1 or Q2."""
         return kind_of(self.mesh)
 
 
 def graded(cell: float, core: float, size: float, growth: float) -> Array:
-    """Corner coordinates from 0 to size: equal cells to at least `core`, then growing by at most `growth` each.
+    """Corner coordinates from 0 to an end: equal cells over a core, then growing ones.
 
-    Args:
-        cell, core, size: first cell, length of equal cells, and end [m].
-        growth: largest ratio of neighbouring cells, > 1.
+    Parameters
+    ----------
+    cell : float
+        First cell [m].
+    core : float
+        Length that the equal cells cover at least [m].
+    size : float
+        End [m].
+    growth : float
+        Largest ratio of neighbouring cells, > 1.
 
-    Returns:
-        (m + 1,) coordinates [m].
+    Returns
+    -------
+    (m + 1,) Array
+        Coordinates [m].
 
-    Raises:
-        ValueError: unless 0 < cell <= size, core < size and growth > 1.
+    Raises
+    ------
+    ValueError
+        Unless 0 < cell <= size, core < size and growth > 1.
 
+    Examples
+    --------
     >>> graded(1.0, 2.0, 9.0, 2.0).round(3).tolist()
     [0.0, 1.0, 2.0, 3.488, 5.703, 9.0]
     """
@@ -70,14 +85,30 @@ def graded(cell: float, core: float, size: float, growth: float) -> Array:
 
 
 def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float) -> BlockMesh:
-    """Tensor-graded 8-node (order 1) or 27-node (order 2) hexahedra.
+    """Tensor-graded hexahedra with 8 or 27 nodes.
 
-    Args:
-        order: 1 or 2.
-        spacing: distance of the nodes in the core along x, y, z [m]; cells are `order` times as long.
-        core: length of the equal cells along x, y, z [m].
-        size: edge of the block [m].
-        growth: largest ratio of neighbouring cells outside the core.
+    Parameters
+    ----------
+    order : int
+        1 or 2.
+    spacing : Sequence[float]
+        Distance of the nodes in the core along x, y, z [m]; cells are ``order`` times as long.
+    core : Sequence[float]
+        Length of the equal cells along x, y, z [m].
+    size : float
+        Edge of the block [m].
+    growth : float
+        Largest ratio of neighbouring cells outside the core.
+
+    Returns
+    -------
+    BlockMesh
+        The block.
+
+    Raises
+    ------
+    ValueError
+        As `graded`.
     """
     x, y, z = (graded(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
     return _named(tensor_grid(x, y, z, f"Q{order}"), size)
@@ -85,38 +116,50 @@ def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size:
 
 @dataclass(frozen=True)
 class Influence:
-    """Body of influence: cells of edge `fine` [m] within the ellipsoid of semi-axes `semi` [m] about the contact.
+    """Body of influence: size of the cells in and around an ellipsoid about the contact."""
 
-    Outside, the edge grows by `growth` per unit of distance, to at most `coarse` [m].
-    """
-
+    #: Edge of the cells in the ellipsoid [m].
     fine: float
+    #: Semi-axes of the ellipsoid along x, y, z [m].
     semi: tuple[float, float, float]
+    #: Growth of the edge per unit of distance outside.
     growth: float
+    #: Largest edge [m].
     coarse: float
 
     def scaled(self, factor: float) -> Influence:
-        """The same with all lengths times `factor`."""
+        """Copy with all lengths multiplied by a factor."""
         x, y, z = (factor * length for length in self.semi)
         return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
 
     def expression(self) -> str:
-        """Edge as a formula for gmsh; the distance is that of the ellipsoid through the point along its short axis."""
+        """Edge as a formula for gmsh; distance is that of the ellipsoid through the point, along its short axis."""
         x, y, z = self.semi
         away = f"({min(self.semi)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
         return f"Min({self.coarse!r}, {self.fine!r}+{self.growth!r}*{away})"
 
 
 def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
-    """Graded 4-node (order 1) or 10-node (order 2) tetrahedra made by gmsh.
+    """Graded tetrahedra with 4 or 10 nodes, by gmsh.
 
-    Args:
-        order: 1 or 2.
-        influence: edges of the cells.
-        size: edge of the block [m].
+    Parameters
+    ----------
+    order : int
+        1 or 2.
+    influence : Influence
+        Edges of the cells.
+    size : float
+        Edge of the block [m].
 
-    Raises:
-        ImportError: gmsh, or a system library that it needs, is missing.
+    Returns
+    -------
+    BlockMesh
+        The block.
+
+    Raises
+    ------
+    ImportError
+        gmsh, or a system library that it needs, is missing.
     """
     with session() as gmsh:
         gmsh.model.add("block")
@@ -135,7 +178,7 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
 
 
 def _named(mesh: Mesh, size: float) -> BlockMesh:
-    """A block with its boundaries."""
+    """Name the boundaries of a block."""
 
     def on(axis: int, place: float) -> Callable[[Array], Array]:
         return lambda x: np.abs(x[axis] - place) < 1e-9 * size

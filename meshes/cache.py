@@ -1,12 +1,12 @@
-"""A cache on disc of records that are slow to make, keyed by the recipe that makes them: a function and its arguments.
+"""Disk cache of records that are slow to compute, keyed by the recipe that computes them: a function and its arguments.
 
-A record is a file of its own, whole or not at all; those used longest ago are dropped first. It begins with a digest of the
-rest, which is looked at only where that fits, so that a damaged file is built again; only data are read
-(`meshes.packed`), from a folder of this user only (`meshes.private`).
+A record is a file, whole or not at all; those used longest ago are dropped first. It begins with a digest of the rest,
+which is read only where that matches, so that a damaged file is computed again; only data are read (`meshes.packed`),
+from a folder of this user only (`meshes.private`).
 
 The key covers the function's name, the canonical form of its arguments, the record's class, the versions of gmsh,
-scikit-fem and rollbench, and the sources of the packages that make the record, because a version number stands still while
-a mesh generator is being worked on.
+scikit-fem and rollbench, and the sources of the packages that make the record, because a version number stays the same
+while a mesh generator is being changed.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from rollbench.meshes.private import private_folder
 
 
 class StageDone(str):
-    """Report of a finished stage of a computation: ``stage`` is its name, ``cached`` whether all of it was read."""
+    """Progress message of a finished stage: its name ``stage``, and ``cached``: whether all of it was read from a cache."""
 
     stage: str
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
-        """The text ``stage: text``."""
+        """Make the text ``stage: text``."""
         done = super().__new__(cls, f"{stage}: {text}")
         done.stage, done.cached = stage, cached
         return done
@@ -53,14 +53,20 @@ RECORDS, BEFORE = "records", ("joblib", "rollbench")
 _DIGEST = 32
 #: Seconds that a record took to make, before its content.
 _SECONDS = struct.Struct("<d")
-#: Largest size of a cache [bytes], unless told otherwise.
+#: Largest size of a cache [bytes], by default.
 LIMIT = 4_000_000_000
 
 _BEGAN = time.time()
 
 
 def default_root() -> Path | None:
-    """Folder of the environment variable ROLLBENCH_CACHE ("off": None), else "rollbench" in the user's cache folder."""
+    """Folder of the cache: environment variable ROLLBENCH_CACHE, else "rollbench" in the user's cache folder.
+
+    Returns
+    -------
+    Path | None
+        The folder; None where the variable is "off".
+    """
     named = os.environ.get("ROLLBENCH_CACHE", "").strip()
     if named.lower() == "off":
         return None
@@ -72,12 +78,19 @@ def default_root() -> Path | None:
 
 
 class Cache:
-    """Records by the content of their recipes; `hits` and `misses` count the answers of `get`, `cold_seconds` adds up what
-    the records took when they were made.
+    """Records by the content of their recipes.
 
-    root: the folder, made when first used; None switches the cache off. limit: largest size of all files [bytes]. A folder
-    that cannot be written to or that is not only this user's, or a full disc, is reported once on standard error, and work
-    goes on without it. `fault`: what there is to report; ``quiet``: another process reports it.
+    A folder that cannot be written to, or that others may write to, or a full disk is reported once on standard error;
+    work goes on without the cache. ``hits`` and ``misses`` count the answers of `get`; ``cold_seconds`` adds up the
+    seconds that the records took to compute; ``fault`` is what there is to report; ``quiet`` leaves reporting to another
+    process.
+
+    Parameters
+    ----------
+    root : Path | None
+        Folder, made when first used; None switches the cache off.
+    limit : int, default LIMIT
+        Largest size of all files [bytes].
     """
 
     def __init__(self, root: Path | None, limit: int = LIMIT) -> None:
@@ -91,10 +104,26 @@ class Cache:
         self.fault = ""
 
     def get(self, build: Callable[..., T], arguments: tuple[object, ...], type_: type[T]) -> T:
-        """Result of a function of these arguments: from its file, else built, and kept.
+        """Read the result of a function from its file, or compute and store it.
 
-        build: a function of a module, whose result depends only on its arguments; type_: class of the result. Raises
-        TypeError for a result that is no `type_`, and for arguments or functions that no key can be made of.
+        Parameters
+        ----------
+        build : Callable[..., T]
+            Function of a module, whose result depends only on its arguments.
+        arguments : tuple[object, ...]
+            Its arguments.
+        type_ : type[T]
+            Class of the result.
+
+        Returns
+        -------
+        T
+            The result.
+
+        Raises
+        ------
+        TypeError
+            The result is no ``type_``, or no key can be made of function or arguments.
         """
         path = self._path(build, arguments, type_)
         record = None if path is None else _read(path, type_)
@@ -114,7 +143,7 @@ class Cache:
         return value
 
     def report(self, fault: str) -> None:
-        """Note why nothing is written any more, and say so once on standard error."""
+        """Note why nothing is written any more, and print it once on standard error."""
         if fault and not self.fault and not self.quiet:
             print(f"rollbench: cache {self.root}: {fault}; going on without it", file=sys.stderr)
         self.fault = self.fault or fault
@@ -131,7 +160,7 @@ class Cache:
             return None
 
     def _write(self, path: Path, content: bytes) -> None:
-        """Keep a record, and make room for it."""
+        """Write a record, and remove old ones that exceed the limit."""
         if len(content) > self.limit:
             return
         try:
@@ -162,8 +191,7 @@ def _shrink(folder: Path, limit: int) -> None:
 
 
 def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
-    """The record in a file and the seconds that it took to make, or None if there is none or it is not exactly what was
-    written."""
+    """Record in a file, and the seconds that it took to compute; None without a file that is exactly as written."""
     try:
         with path.open("rb") as file:
             digest, content = file.read(_DIGEST), file.read()
@@ -178,9 +206,22 @@ def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
 
 
 def key_of(build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> str:
-    """Content key of a recipe, 64 hexadecimal digits.
+    """Content key of a recipe.
 
-    Raises TypeError for a function without a name of its own, and for arguments without a canonical form.
+    Parameters
+    ----------
+    build, arguments, type_ : Callable[..., object]
+        As for `Cache.get`.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+
+    Raises
+    ------
+    TypeError
+        The function is local or a lambda, or arguments have no canonical form.
     """
     name = f"{build.__module__}.{build.__qualname__}"
     if "<" in name:
@@ -200,8 +241,8 @@ def _package(module: str) -> str:
 def sources(package: str) -> str:
     """Digest of all Python sources of an installed package; empty where there are none (built-ins, archives).
 
-    A source that was changed since this process began makes the digest one of its own, which no other process finds:
-    nobody knows whether the old or the new source is running.
+    A source that was changed since this process began makes the digest unique, so that no other process finds it: nobody
+    knows whether the old or the new source is running.
     """
     spec = find_spec(package)
     digest, count = hashlib.sha256(), 0
@@ -219,8 +260,10 @@ def sources(package: str) -> str:
 
 @lru_cache
 def _version(package: str) -> str:
-    """Version of an installed package, as its folder of metadata is named: `importlib.metadata` takes longer to load than
-    a screw to solve, and is asked where there is no such folder."""
+    """Version of an installed package, from the name of its metadata folder.
+
+    `importlib.metadata` takes longer to import than a screw to solve; it is asked where there is no such folder.
+    """
     name = re.sub("[-_.]+", "_", package)
     folders = [found for place in sys.path for found in glob.iglob(f"{name}-*.dist-info", root_dir=place or ".")]
     if folders:

@@ -2,8 +2,8 @@
 
 A record (dataclass or named tuple) is its name and, by name, those fields that differ from their frozen default: that of
 the day they were added (`meshes.fields`). So a field that is added changes no key, and a default that is changed later
-changes the key of all that relied on it. Numbers that are equal have one text, whatever their type; a negative zero is not
-zero, and not-a-number is one value. Where a record's class lives does not count, its name does.
+changes the key of all that relied on it. Equal numbers have one text, whatever their type; negative zero differs from
+zero, and all not-a-numbers are one value. The module of a record's class does not count, its name does.
 """
 
 from __future__ import annotations
@@ -26,23 +26,61 @@ FORM = 1
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields of a record as they come back from a file: its class and values; one that is absent is as usual."""
+    """Fields of a record as read back from a file."""
 
+    #: Class of the record.
     record: type
+    #: Values by field; one that is absent has its frozen default.
     values: Mapping[str, object]
 
 
 def digest(*parts: object) -> str:
-    """SHA-256 of the canonical form of some values, 64 hexadecimal digits. Raises TypeError as `canonical`."""
+    """Digest of the canonical form of some values.
+
+    Parameters
+    ----------
+    *parts : object
+        Values, as `canonical` takes them.
+
+    Returns
+    -------
+    str
+        SHA-256 as 64 hexadecimal digits.
+
+    Raises
+    ------
+    TypeError
+        As `canonical`.
+
+    Examples
+    --------
+    >>> digest(3) == digest(3.0), len(digest(3))
+    (True, 64)
+    """
     return hashlib.sha256(f"form {FORM}: {canonical(parts)}".encode()).hexdigest()
 
 
 def canonical(value: object) -> str:
-    """The text of a value: equal for equal values, different for different ones.
+    """Text of a value: equal for equal values, different for different ones.
 
-    Records, tuples, lists, dicts (whatever their order), None, truth values, numbers, text, classes, arrays (type, shape
-    and a digest of the values) and compressed sparse matrices. Raises TypeError for anything else.
+    Parameters
+    ----------
+    value : object
+        Record, tuple, list, dict (whatever its order), None, truth value, number, text, class, array (as type, shape
+        and digest of its values) or compressed sparse matrix; nested as you like.
 
+    Returns
+    -------
+    str
+        The text.
+
+    Raises
+    ------
+    TypeError
+        A value of any other type.
+
+    Examples
+    --------
     >>> canonical((3, 3.0, 0.1, -0.0, True, "a", None))
     '(3, 3, 0.1, -0, True, "a", None)'
     """
@@ -73,7 +111,7 @@ def _record(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _usual(record: type) -> Mapping[str, str]:
-    """Texts of the frozen defaults of a record, by field; none of one that only caches know."""
+    """Texts of the frozen defaults of a record, by field; none of a record that is not `keyed`."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 

@@ -1,4 +1,4 @@
-"""Compliance of a screw's bodies between its contacts as a file: what a condensed 3D model tells a low-order one.
+"""File of the compliance of a screw's bodies between its contacts, from a condensed 3D model for a low-order one.
 
 The file is an ordinary .npz without pickles; it is read whole and checked before anything uses it.
 """
@@ -33,11 +33,11 @@ LARGEST_FILE = 200_000_000
 DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
 #: How numpy packs members.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-#: Head of an array as numpy writes it: numbers of one kind or a text, the first index slowest or fastest, and the shape.
+#: Header of an array as numpy writes it: numbers of one kind or a text, the first index slowest or fastest, and the shape.
 HEAD = re.compile(
     rb"\{'descr': '([<>|=][fiuU]\d{1,4})', 'fortran_order': (True|False), 'shape': \(((?:\d{1,12},? ?)*)\), \} *\n"
 )
-#: Beginning of an array by numpy's formats 1.0 and 2.0, and how its head's length stands there.
+#: Beginning of an array by numpy's formats 1.0 and 2.0, and the format of its header's length.
 BEGINNING = {b"\x93NUMPY\x01\x00": "<H", b"\x93NUMPY\x02\x00": "<I"}
 #: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3
@@ -47,37 +47,57 @@ LARGEST = {"screw": 1e-2, "nut": 1e-2, "ball": 1e-2, "local": 1e-2, "hertz": 1e-
 
 @dataclass(frozen=True)
 class CondensedBodies:
-    """Compliance [m/N] along the nominal contact normals (ball to groove) between all contacts of one geometry.
+    """Compliance between all contacts of one geometry, along the nominal contact normals (from ball to groove).
 
-    geometry: digest of the parts (`geometry_digest`); level: mesh level; sides ``(k,)`` in order; screw, nut
-    ``(N k', N k')``: contacts ball after ball, of each ball its sides on that body; the screw is held at ``base`` [m] by
-    its section; ball ``(k, k)``: one ball on its contacts. local ``(k, f)`` [m/N]: what each contact's own approach over
-    its force F has besides Hertz's C F^(-1/3) and those matrices, the same for every ball; force ``(k, f)`` [N]; hertz
-    ``(k,)``: C [m/N^(2/3)].
+    There are N balls with k contacts each; k' of these are on the screw, or on the nut. Matrices count contacts ball
+    after ball.
     """
 
+    #: Digest of the parts, by `geometry_digest`.
     geometry: str
+    #: Mesh level of the 3D model.
     level: int
+    #: Flanks (0 to 3) that carry contacts ``(k,)``, ascending.
     sides: Array
+    #: Station of the section by which the screw is fixed [m].
     base: float
+    #: Compliance of the screw ``(N k', N k')`` [m/N].
     screw: Array
+    #: Compliance of the nut ``(N k', N k')`` [m/N].
     nut: Array
+    #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
+    #: Approach of a contact over its force F beyond Hertz's C F^(-1/3) and the matrices, the same for all balls, at f
+    #: forces ``(k, f)`` [m/N].
     local: Array
+    #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
+    #: Hertz constants C ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
     hertz: Array
 
-    def own_law(self, side: int) -> tuple[float, float]:
-        """e [m/N] and h [m/N^(4/3)] of a side's approach e F + h F^(4/3) besides Hertz, linear in a contact's size.
+    def local_law(self, side: int) -> tuple[float, float]:
+        """Fit the approach e F + h F^(4/3) of one side's contacts beyond Hertz's.
 
-        Fitted to the samples by least squares over their shares of the approach. Beyond linear elasticity of the bodies (e)
-        the next term of a smooth contact is of the order of its area, F^(4/3); a logarithm of its size fits no better.
+        Beyond the linear elasticity of the bodies (e) the next term of a smooth contact is of the order of its area times
+        F, F^(4/3) (h); a logarithm of its size fits no better. Least squares over the samples, relative to the approach.
+
+        Parameters
+        ----------
+        side : int
+            Flank 0 to 3.
+
+        Returns
+        -------
+        e : float
+            [m/N].
+        h : float
+            [m/N^(4/3)].
         """
         e, h = self._fit(list(self.sides).index(side))[0]
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Root mean square distance of the samples from `own_law`, over the approach: what the contact grid leaves."""
+        """Root mean square deviation of the samples from `local_law`, over the approach; what the contact grid leaves."""
         return self._fit(list(self.sides).index(side))[1]
 
     def _fit(self, k: int) -> tuple[Array, float]:
@@ -88,7 +108,18 @@ class CondensedBodies:
         return line, float(np.sqrt(np.mean((rows @ line - wanted) ** 2)))
 
     def save(self, path: Path) -> None:
-        """Write the file whole or not at all. Raises OSError."""
+        """Write the file, whole or not at all.
+
+        Parameters
+        ----------
+        path : Path
+            File to write; missing folders are made.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written.
+        """
         values = asdict(self)
         _write(path, values | {"format": FORMAT, "checksum": checksum(values)})
 
@@ -106,13 +137,42 @@ def _write(path: Path, values: Mapping[str, Any]) -> None:
 
 
 def geometry_digest(scene: Scene) -> str:
-    """Digest of what the bodies' compliance depends on: track, screw, nut, balls, solid dimensions, rigid screw or not."""
+    """Digest of everything that the compliance of the bodies depends on.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its track, screw, nut, balls, solid dimensions, and whether the screw is rigid.
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits.
+    """
     return digest(scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw)[:16]
 
 
 def load_condensed(path: Path) -> CondensedBodies:
-    """Read a file. Raises ValueError for one that is damaged, foreign, too large, of another format, or whose bodies are no
-    elastic ones (finite, symmetric, positive); OSError without one."""
+    """Read and check a file of condensed bodies.
+
+    Parameters
+    ----------
+    path : Path
+        File that `CondensedBodies.save` wrote.
+
+    Returns
+    -------
+    CondensedBodies
+        Its contents.
+
+    Raises
+    ------
+    ValueError
+        The file is damaged, foreign, too large or of another format, or its matrices are not those of elastic bodies
+        (finite, symmetric, positive).
+    OSError
+        There is no such file, or it cannot be read.
+    """
     if path.exists() and not path.is_file():
         raise ValueError("no regular file")
     values = _members(path)
@@ -184,7 +244,18 @@ def _array(name: str, content: bytes) -> Array:
 
 
 def checksum(values: Mapping[str, Any]) -> str:
-    """Digest of the arrays of a file, of their names, kinds and shapes."""
+    """Digest of the arrays of a file, with their names, types and shapes.
+
+    Parameters
+    ----------
+    values : Mapping[str, Any]
+        Arrays by the field names of `CondensedBodies`.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
     digest = hashlib.sha256()
     for name in sorted(f.name for f in fields(CondensedBodies)):
         value = np.asarray(values[name])

@@ -1,4 +1,7 @@
-"""Geometric errors of one screw: from their description to the numbers of one (drawn) specimen (Lin 2.27, 4.1, 4.3)."""
+"""Geometric errors of one screw: from their description to the numbers of one specimen.
+
+Source: Lin (2019), eqs. (2.27), (4.1) and (4.3).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
 from rollbench.meshes.parts import SIDES, FourierTerm, Scene, SideErrors
 
-#: Distance from the nut's centre, over the ball's radius, up to which a ball stands at it.
+#: Distance from the nut's centre, over the ball's radius, up to which a ball counts as at the centre.
 AT_CENTRE = 1e-6
 #: In place of a generator where nothing is random: `numpy.random` is not loaded there.
 _UNUSED = cast("np.random.Generator", None)
@@ -21,19 +24,18 @@ _UNUSED = cast("np.random.Generator", None)
 
 @dataclass(frozen=True)
 class Specimen:
-    """One screw with all its errors drawn.
+    """Geometric errors of one screw at its n balls, random ones drawn."""
 
-    ball_radius: shape ``(n,)`` [m].
-    centre: groove centres in each ball's section frame, ``(n, 4, 2)`` [m], the last axis (x3, z3).
-    centre_slopes: first and second derivatives of the centres by azimuth, ``(2, n, 4, 2)`` [m/rad, m/rad2].
-    radius: groove radius of each side, ``(4,)`` [m].
-    profile: polynomial coefficients of the inward offset in gamma, ``(4, d)`` [m]; ``d`` is 0 where no side has any.
-    """
-
+    #: Ball radii ``(n,)`` [m].
     ball_radius: Array
+    #: Groove centres (x3, z3) of the flanks SL, SR, NL, NR in the section of each ball ``(n, 4, 2)`` [m].
     centre: Array
+    #: First and second derivatives of the centres by azimuth ``(2, n, 4, 2)`` [m/rad, m/rad2].
     centre_slopes: Array
+    #: Groove radii of the flanks ``(4,)`` [m].
     radius: Array
+    #: Coefficients of the inward offset in powers of the section angle in rad ``(4, d)`` [m]; d = 0 without profile
+    #: errors.
     profile: Array
 
 
@@ -60,9 +62,23 @@ def _profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
 
 
 def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None = None) -> Array:
-    """Ball radii [m], shape ``(n,)``: nominal + oversize + listed errors + one random draw each.
+    """Ball radii: nominal radius, oversize, listed errors and one random draw each.
 
-    others: radii of so many other balls, in the return of a screw, which no listed error can name.
+    A uniform distribution has the given standard deviation: half width sqrt(3) sigma.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the errors of the balls.
+    rng : np.random.Generator
+        Source of the draws; not used where ``sigma`` is 0.
+    others : int | None, default None
+        Draw radii of so many further balls, in the return of a screw, to which no listed error belongs.
+
+    Returns
+    -------
+    (n,) Array
+        Radii [m].
     """
     errors = scene.errors.balls
     radius = np.full(scene.ball_count if others is None else others, scene.balls.radius + errors.oversize)
@@ -79,17 +95,40 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None =
 
 @dataclass(frozen=True)
 class Drawn:
-    """All errors of one screw, drawn: ball_radius (n,) of the scene's balls [m]; of each side the terms (harmonic, sine,
-    cosine [m]) of pitch and roundness and the coefficients of its profile [m]."""
+    """Error functions of one screw, random ones drawn, not yet evaluated at its balls."""
 
+    #: Radii of the scene's balls ``(n,)`` [m].
     ball_radius: Array
+    #: Of each flank, terms (harmonic, sine [m], cosine [m]) of the pitch error.
     pitch: tuple[list[tuple[float, float, float]], ...]
+    #: Of each flank, terms (harmonic, sine [m], cosine [m]) of the roundness error.
     roundness: tuple[list[tuple[float, float, float]], ...]
+    #: Of each flank, coefficients of the inward offset [m], ascending powers of the section angle in rad.
     profile: tuple[list[float], ...]
 
     def at(self, scene: Scene, on_screw: Array, on_nut: Array, station: Array, ball_radius: Array) -> Specimen:
-        """What balls of these radii (n,) [m] meet at azimuths (n,) [rad] on the screw and from the nut's axis of errors, at
-        stations (n,) [m] along the axis."""
+        """Evaluate the errors where balls are.
+
+        Parameters
+        ----------
+        scene : Scene
+            Nominal geometry.
+        on_screw, on_nut : (n,) Array
+            Azimuths of the balls [rad] on the screw, and from the nut's axis of errors.
+        station : (n,) Array
+            Stations of the balls along the axis [m].
+        ball_radius : (n,) Array
+            Radii of the balls [m].
+
+        Returns
+        -------
+        Specimen
+            Errors at these balls.
+
+        References
+        ----------
+        Lin (2019), eqs. (2.27), (4.1) and (4.3).
+        """
         n = ball_radius.size
         centre, slopes = _shifted_centres(scene, station), np.zeros((2, n, 4, 2))
         for s, name in enumerate(SIDES):
@@ -97,6 +136,7 @@ class Drawn:
                 continue
             phi = on_nut if name.startswith("N") else on_screw
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
+            # (2.27): roundness along x3, pitch along z3; (4.1) has the pitch error along the axis
             offset = np.stack([_series(self.roundness[s], phi), along * _series(self.pitch[s], phi)], axis=-1)
             centre[:, s] += offset[0]
             slopes[:, :, s] += offset[1:]
@@ -109,10 +149,21 @@ class Drawn:
 
 
 def beyond_step(scene: Scene, station: Array) -> Mask:
-    """Which balls at stations (n,) [m] are in the half of the nut that a lead offset shifts, ``(n,)``.
+    """Mask of the balls in the half of the nut that a lead offset shifts.
 
-    The groove steps between two balls: one that stands at the nut's centre has the step beside it, and counts to the half
-    that is not shifted.
+    The groove steps between two balls. A ball at the nut's centre counts to the half that is not shifted.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the nut's position and the ball radius.
+    station : (n,) Array
+        Stations of the balls [m].
+
+    Returns
+    -------
+    (n,) Mask
+        True beyond the step.
     """
     return np.asarray(station - scene.nut.position > AT_CENTRE * scene.balls.radius)
 
@@ -131,10 +182,22 @@ def _shifted_centres(scene: Scene, station: Array) -> Array:
 
 
 def draw(scene: Scene, member: int = 0) -> Drawn:
-    """Draw specimen number ``member`` of a scene: same seed and number, same screw.
+    """Draw the errors of one specimen of a scene.
 
-    Draws are taken in the order ball radii; then per side SL, SR, NL, NR: pitch, roundness, profile.
-    A uniform distribution has the stated standard deviation (half width sqrt(3) sigma).
+    The same seed and number give the same screw. Draws are taken in the order: ball radii; then for each flank SL, SR,
+    NL, NR pitch, roundness, profile.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives errors and seed.
+    member : int, default 0
+        Number of the specimen.
+
+    Returns
+    -------
+    Drawn
+        Its error functions.
     """
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
@@ -145,7 +208,30 @@ def draw(scene: Scene, member: int = 0) -> Drawn:
 
 
 def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
-    """Specimen number ``member`` of a scene (see ``draw``) at the places of its balls."""
+    """Errors of one specimen of a scene at its balls; see `draw`.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives errors and seed.
+    layout : BallLayout
+        Places of the balls.
+    member : int, default 0
+        Number of the specimen.
+
+    Returns
+    -------
+    Specimen
+        Errors at the balls.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> from rollbench.meshes.helix import ball_layout
+    >>> scene = rollbench.read("lin-case1")
+    >>> specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
+    [0.002778, 0.002778]
+    """
     return _at_balls(scene, layout, draw(scene, member))
 
 
@@ -155,22 +241,48 @@ def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
 
 @dataclass(frozen=True)
 class Specimens:
-    """Many screws whose grooves have the same radii: ball_radius (m, n) [m]; centre (m, n, 4, 2) [m] of the grooves, the
-    first axis one long where all are the same; radius (4,) [m]. Axes as in ``Specimen``."""
+    """Errors of m specimens whose grooves have the same radii."""
 
+    #: Ball radii ``(m, n)`` [m].
     ball_radius: Array
+    #: Groove centres ``(m, n, 4, 2)`` [m], or ``(1, n, 4, 2)`` where they are the same in all specimens.
     centre: Array
+    #: Groove radii ``(4,)`` [m].
     radius: Array
 
 
 def alike_in_shape(scene: Scene) -> bool:
-    """Whether the specimens of a scene have grooves of the same radii, all of them exact arcs: see ``specimens``."""
+    """Whether the grooves of all specimens of a scene are exact arcs of the same radii; see `specimens`.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the errors.
+
+    Returns
+    -------
+    bool
+        False where profile errors of higher than constant degree, or random ones, occur.
+    """
     sides = [scene.errors.side(name) for name in SIDES]
     return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)
 
 
 def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
-    """Specimens number ``first`` and on of a scene that is ``alike_in_shape``."""
+    """Errors of several specimens of a scene that is `alike_in_shape`.
+
+    Parameters
+    ----------
+    scene, layout
+        As for `specimen`.
+    first, count : int
+        Number of the first specimen, and how many.
+
+    Returns
+    -------
+    Specimens
+        Their errors at the balls.
+    """
     drawn = [draw(scene, member) for member in range(first, first + count)]
     shared = all((one.pitch, one.roundness) == (drawn[0].pitch, drawn[0].roundness) for one in drawn)
     places = [_at_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
@@ -178,7 +290,20 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
 
 
 def with_draws(scene: Scene, member: int = 0) -> Scene:
-    """The scene with the errors of specimen number ``member`` (see ``draw``) written into it, and nothing random left."""
+    """Scene with the errors of one specimen written into it, so that nothing is random any more.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives errors and seed.
+    member : int, default 0
+        Number of the specimen, see `draw`.
+
+    Returns
+    -------
+    Scene
+        The new scene; the same one where nothing is random.
+    """
     if not scene.errors.random:
         return scene
     drawn, errors = draw(scene, member), scene.errors
@@ -199,7 +324,18 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
 
 
 def without_draws(scene: Scene) -> Scene:
-    """The scene without its random errors."""
+    """Scene without its random errors: all standard deviations 0.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the errors.
+
+    Returns
+    -------
+    Scene
+        The new scene.
+    """
 
     def certain(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
         return tuple(replace(term, sigma=0.0) for term in terms)

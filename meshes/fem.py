@@ -1,11 +1,10 @@
-"""Meshes of the parts as scikit-fem has them: made from arrays in gmsh's node order, names kept, and back.
+"""Meshes of the parts in scikit-fem: made from arrays in gmsh's node order and read back, with named boundaries; quality.
 
 P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2; those of second order map with their
-curved cells. Faces go by names in `mesh.boundaries`. Freedom 3 * node + component of the vector space on a mesh's own
-element belongs to the node `mesh.doflocs[:, node]`.
+curved cells. Boundaries go by name in ``mesh.boundaries``. Degree of freedom 3 * node + component of the vector space on
+a mesh's element belongs to the node ``mesh.doflocs[:, node]``.
 
-How good a mesh is, is judged here too: scaled Jacobians of its curved cells, distances from the exact surface; mending,
-refusal.
+Quality is the scaled Jacobian of curved cells, and the distance of nodes from the exact surface.
 """
 
 from __future__ import annotations
@@ -35,11 +34,32 @@ _SKFEM: dict[str, tuple[int, ...]] = {
 
 
 def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Index] | None = None) -> tuple[Mesh, Index]:
-    """Mesh of points ``(n, 3)`` [m] and cells ``(m, nodes)`` in gmsh's order, and the new number of every point ``(n,)``.
+    """Mesh of points and cells in gmsh's node order.
 
-    scikit-fem renumbers the nodes of second-order meshes, vertices first; points of no cell get -1 there.
-    boundaries: faces ``(k, 3 or more)`` by name, their corners first.
-    Raises ValueError for an unknown kind, cells of another, or a boundary that has a face which no cell has.
+    scikit-fem renumbers the nodes of second-order meshes, vertices first.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Nodes [m].
+    cells : (m, nodes) Index
+        Nodes of the cells, in gmsh's order.
+    kind : str
+        P1, P2, Q1 or Q2.
+    boundaries : dict of (k, 3 or more) Index, optional, default None
+        Faces by name, their corners first.
+
+    Returns
+    -------
+    mesh : Mesh
+        The mesh, boundaries named.
+    number : (n,) Index
+        New number of every point; -1 for points of no cell.
+
+    Raises
+    ------
+    ValueError
+        Unknown kind, cells of another kind, or a boundary with a face that no cell has.
     """
     if kind not in MESHES:
         raise ValueError(f"element {kind!r} is unknown; one of {', '.join(MESHES)}")
@@ -54,9 +74,24 @@ def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Ind
 
 
 def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
-    """The mesh with further boundaries: corners ``(k, 3 or 4)`` of their faces by name, in any order.
+    """Add boundaries to a mesh, given by the corners of their faces.
 
-    Raises ValueError for a boundary that has a face which no cell has, or none at all.
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    faces : dict of (k, 3 or 4) Index
+        Corners of the faces by name, in any order.
+
+    Returns
+    -------
+    Mesh
+        Copy with these boundaries added.
+
+    Raises
+    ------
+    ValueError
+        A boundary has a face that no cell has, or none at all.
     """
     count = mesh.doflocs.shape[1]
     known = _keys(np.sort(mesh.facets.T), count)
@@ -73,7 +108,25 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
 
 
 def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
-    """The mesh with further boundaries: numbers of its facets by name. Raises ValueError for an empty one."""
+    """Add boundaries to a mesh, given by the numbers of their facets.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    facets : dict of (k,) Index
+        Facets by name.
+
+    Returns
+    -------
+    Mesh
+        Copy with these boundaries added.
+
+    Raises
+    ------
+    ValueError
+        A boundary is empty.
+    """
     for name, numbers in facets.items():
         if not len(numbers):
             raise ValueError(f"boundary {name!r} is empty")
@@ -82,8 +135,10 @@ def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
 
 
 def _keys(corners: Index, count: int) -> Index:
-    """One number for each edge or face by its ascending corners ``(k, 2 or more)``, three of which name a face of a mesh;
-    in the order of the corners."""
+    """Key each edge or face by its ascending corners ``(k, 2 or more)``; keys sort like the corners.
+
+    Three corners identify a face of a mesh.
+    """
     if count >= 2**21:
         raise ValueError(f"{count} points: face keys hold fewer than {2**21}")
     low = corners[:, :3].astype(np.int64)
@@ -91,23 +146,24 @@ def _keys(corners: Index, count: int) -> Index:
 
 
 def kind_of(mesh: Mesh) -> str:
-    """P1, P2, Q1 or Q2."""
+    """Kind of a mesh's cells: P1, P2, Q1 or Q2."""
     return next(kind for kind, mesh_class in MESHES.items() if mesh.elem is mesh_class.elem)
 
 
 def points_of(mesh: Mesh) -> Array:
-    """Nodes ``(n, 3)`` [m]."""
+    """Nodes of a mesh ``(n, 3)`` [m]."""
     return np.asarray(mesh.doflocs.T)
 
 
 def cells_of(mesh: Mesh) -> Index:
-    """Nodes of the cells ``(m, nodes)`` in gmsh's order."""
+    """Nodes of a mesh's cells ``(m, nodes)``, in gmsh's order."""
     return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[kind_of(mesh)])], dtype=np.int64)
 
 
 class Meshed:
-    """Properties of records that hold the mesh of a body."""
+    """Base of records that hold the mesh of a body."""
 
+    #: The mesh, as scikit-fem has it.
     mesh: Mesh
 
     @property
@@ -117,13 +173,26 @@ class Meshed:
 
     @property
     def cells(self) -> Index:
-        """Nodes of the cells ``(m, nodes)`` in gmsh's order."""
+        """Nodes of the cells ``(m, nodes)``, in gmsh's order."""
         return cells_of(self.mesh)
 
 
 def faces_of(mesh: Mesh, name: str) -> Index:
-    """Nodes of a boundary's faces ``(k, nodes of a face)``: corners turning left seen from outside, then the middles of the
-    edges from each to the next, then the face's own."""
+    """Nodes of a boundary's faces.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    name : str
+        Boundary.
+
+    Returns
+    -------
+    (k, nodes of a face) Index
+        Corners counter-clockwise seen from outside, then the middles of the edges from each corner to the next, then
+        the middle of the face.
+    """
     facets = mesh.boundaries[name]
     corners = mesh.facets[:, facets]
     parts = [corners]
@@ -142,12 +211,38 @@ def faces_of(mesh: Mesh, name: str) -> Index:
 
 
 def nodes_on(mesh: Mesh, *names: str) -> Index:
-    """Nodes of named boundaries, ascending."""
+    """Nodes of named boundaries, ascending.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    *names : str
+        Boundaries.
+
+    Returns
+    -------
+    (k,) Index
+        Nodes.
+    """
     return _on(mesh.dofs, mesh, names)
 
 
 def freedoms_on(mesh: Mesh, *names: str) -> Index:
-    """Freedoms of the vector space on named boundaries, ascending."""
+    """Degrees of freedom of the vector space on named boundaries, ascending.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    *names : str
+        Boundaries.
+
+    Returns
+    -------
+    (k,) Index
+        Degrees of freedom 3 * node + component.
+    """
     return _on(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
 
 
@@ -157,26 +252,65 @@ def _on(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
 
 
 def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:
-    """Q1 or Q2 hexahedra between ascending coordinates x, y, z of their corners; left_handed: for maps that mirror them."""
+    """Hexahedra between the grid lines of three axes.
+
+    Parameters
+    ----------
+    x, y, z : Array
+        Ascending coordinates of the corners [m].
+    kind : str
+        Q1 or Q2.
+    left_handed : bool, default False
+        Number cells for a map that mirrors them.
+
+    Returns
+    -------
+    Mesh
+        The mesh.
+    """
     mirrored = MeshHex1.init_tensor(x, y, z)  # left-handed
     grid = MeshHex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
     return grid if kind == "Q1" else second_order(grid)
 
 
 def second_order(mesh: Mesh) -> Mesh:
-    """The mesh with straight cells of second order, whose edges and faces need not be numbered again."""
+    """Make straight second-order cells of a mesh, on the same vertices; boundaries are lost.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        P1 or Q1 cells.
+
+    Returns
+    -------
+    Mesh
+        P2 or Q2 cells.
+    """
     quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
     known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
     return _changed(quadratic, **known)
 
 
 def moved(mesh: Mesh, points: Array) -> Mesh:
-    """The mesh with its nodes at points ``(n, 3)`` [m], names kept."""
+    """Put the nodes of a mesh at other points; boundaries are kept.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    points : (n, 3) Array
+        New nodes [m].
+
+    Returns
+    -------
+    Mesh
+        Copy with these nodes.
+    """
     return _changed(mesh, doflocs=np.ascontiguousarray(points.T))
 
 
 def _changed(mesh: Mesh, **fields: Any) -> Mesh:
-    """The mesh with other fields and the same cells; its edges and faces need not be numbered again."""
+    """Copy of a mesh with other attributes and the same cells, whose edges and faces need not be numbered again."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
         changed.__dict__.pop(name, None)
@@ -190,34 +324,61 @@ CHUNK = 8192
 
 @dataclass(frozen=True)
 class Quality:
-    """Cells and nodes of a mesh, smallest and median scaled Jacobian, the worst cell and where it is (its middle, [m])."""
+    """Size and quality of a mesh."""
 
+    #: Number of cells.
     cells: int
+    #: Number of nodes.
     nodes: int
+    #: Smallest scaled Jacobian.
     smallest: float
+    #: Median of the cells' smallest scaled Jacobians.
     median: float
+    #: Number of the worst cell.
     worst: int
+    #: Centre of the worst cell [m].
     where: tuple[float, float, float]
 
 
 def node_slopes(element: Element) -> Array:
-    """Reference gradients ``(q, n, 3)`` of an element's shape functions at its own nodes."""
+    """Gradients of an element's shape functions at its nodes, in the reference cell.
+
+    Returns
+    -------
+    (q, n, 3) Array
+        At node q, of shape function n.
+    """
     at = element.doflocs.T
     return np.stack([element.lbasis(at, k)[1] for k in range(at.shape[1])], axis=1).transpose(2, 1, 0)
 
 
 def scaled_jacobians(mesh: Mesh) -> Array:
-    """Smallest scaled Jacobian of every cell ``(m,)`` over its nodes; 1 for the regular tetrahedron and the cube.
+    """Smallest scaled Jacobian of every cell over its nodes; 1 for the regular tetrahedron and the cube.
 
     Hexahedra: det J over the product of the lengths of its columns. Tetrahedra: sqrt(2) det J over the largest product of
-    the three edges that meet in a corner, J taken as that of a straight tetrahedron (Stimpson et al. 2007, SAND2007-1751).
-    Curved cells count as they are; pyvista's cell quality sees their corners only.
+    the three edges that meet in a corner, J taken as that of a straight tetrahedron. Curved cells count as they are,
+    where pyvista's cell quality sees only their corners.
+
+    Returns
+    -------
+    (m,) Array
+        One value for each cell.
+
+    References
+    ----------
+    Stimpson et al. (2007), The Verdict Library Reference Manual, SAND2007-1751.
+
+    Examples
+    --------
+    >>> edge = np.array([0.0, 1.0])
+    >>> scaled_jacobians(tensor_grid(edge, edge, edge, "Q1")).round(12).tolist()
+    [1.0]
     """
     return _of_cells(mesh, mesh.dofs.element_dofs.T)
 
 
 def _of_cells(mesh: Mesh, cells: Index) -> Array:
-    """The same for cells ``(m, nodes)`` of the mesh in scikit-fem's order."""
+    """Smallest scaled Jacobian ``(c,)`` of some cells ``(c, nodes)`` of a mesh, in scikit-fem's order."""
     points, table = mesh.doflocs.T, node_slopes(mesh.elem())
     result = np.empty(len(cells))
     for k in range(0, len(cells), CHUNK):
@@ -226,7 +387,20 @@ def _of_cells(mesh: Mesh, cells: Index) -> Array:
 
 
 def _smallest(x: Array, table: Array) -> Array:
-    """Scaled Jacobians ``(m, q)`` of cells with nodes at x ``(m, n, 3)``; table: reference gradients ``(q, n, 3)``."""
+    """Scaled Jacobians of cells at given nodes.
+
+    Parameters
+    ----------
+    x : (m, n, 3) Array
+        Nodes of the cells [m].
+    table : (q, n, 3) Array
+        Reference gradients of the shape functions at q places.
+
+    Returns
+    -------
+    (m, q) Array
+        Scaled Jacobian of each cell at each place.
+    """
     u, v, w = np.einsum("cnx,qnd->dcqx", x, table, optimize=["einsum_path", (0, 1)])
     normal = np.stack([u[..., i] * v[..., j] - u[..., j] * v[..., i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
     det = np.einsum("cqx,cqx->cq", normal, w)
@@ -239,7 +413,7 @@ def _smallest(x: Array, table: Array) -> Array:
 
 
 def measure(mesh: Mesh) -> Quality:
-    """Quality of a mesh."""
+    """Size and quality of a mesh."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
@@ -254,7 +428,15 @@ def measure(mesh: Mesh) -> Quality:
 
 
 def refuse_bad(quality: Quality, name: str) -> None:
-    """Raise ValueError where the worst cell is turned inside out."""
+    """Raise ValueError where the worst cell of a mesh is turned inside out.
+
+    Parameters
+    ----------
+    quality : Quality
+        Quality of the mesh.
+    name : str
+        Body, for the message.
+    """
     if quality.smallest > 0.0:
         return
     r, z = np.hypot(*quality.where[:2]), quality.where[2]
@@ -264,16 +446,28 @@ def refuse_bad(quality: Quality, name: str) -> None:
     )
 
 
-#: Scaled Jacobian below which a curved cell is mended, and below which its edges are straightened, though the surface
-#: suffers.
+#: Scaled Jacobian below which a curved cell is untangled, and below which its edges are straightened, though the surface
+#: becomes less exact.
 BENT, STRAIGHTENED = 0.05, 0.01
 
 
 def untangle(mesh: Mesh, surface: Index) -> Mesh:
-    """The mesh with inner mid-edge nodes of badly curved P2 tetrahedra moved; surface: nodes that stay.
+    """Move inner mid-edge nodes of badly curved P2 tetrahedra until the cells are better.
 
-    A bent edge of the surface may cut into its cell; the cell's inner edges are then bent too. One node after the other
-    goes where the worst cell around it is best, out of steps in 26 directions that shrink.
+    A curved edge of the surface may cut into its cell; the inner edges of that cell are then curved too. One node after
+    the other moves to the place where the worst cell around it is best, out of steps in 26 directions that shrink.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Second-order tetrahedra.
+    surface : Index
+        Nodes that stay.
+
+    Returns
+    -------
+    Mesh
+        Copy with moved nodes.
     """
     cells = mesh.dofs.element_dofs.T
     points = mesh.doflocs.T.copy()
@@ -305,7 +499,22 @@ def untangle(mesh: Mesh, surface: Index) -> Mesh:
 
 
 def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
-    """The mesh with straightened edges of badly curved P2 tetrahedra, how many nodes moved; nodes ``keep`` stay."""
+    """Straighten the edges of badly curved P2 tetrahedra.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Second-order tetrahedra.
+    keep : Index
+        Nodes that stay.
+
+    Returns
+    -------
+    mesh : Mesh
+        Copy with straightened edges.
+    moved : int
+        Number of nodes that moved.
+    """
     cells = mesh.dofs.element_dofs.T
     points = mesh.doflocs.T.copy()
     free = np.ones(len(points), dtype=bool)
@@ -328,8 +537,33 @@ def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
 
 
 def mended(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
-    """The mesh of a body with its cells untangled, nodes of the surface staying, then straightened, nodes ``keep`` staying;
-    how many nodes that moved; its quality. Raises ValueError where a cell stays turned inside out."""
+    """Improve the cells of a body's mesh: `untangle`, then `straighten`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Second-order tetrahedra.
+    name : str
+        Body, for the message.
+    surface : Index
+        Nodes that stay in the first step.
+    keep : Index
+        Nodes that stay in the second step, in which the surface may suffer.
+
+    Returns
+    -------
+    mesh : Mesh
+        Improved mesh.
+    moved : int
+        Number of nodes that the second step moved.
+    quality : Quality
+        Its quality.
+
+    Raises
+    ------
+    ValueError
+        A cell remains turned inside out.
+    """
     mesh, straight = straighten(untangle(mesh, surface), keep)
     quality = measure(mesh)
     refuse_bad(quality, name)
@@ -337,5 +571,25 @@ def mended(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, in
 
 
 def arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
-    """Largest distance [m] of section points (x3, z3) [m] from the circle of a groove: centre ``(2,)``, radius [m]."""
+    """Largest distance of section points from a groove's circle.
+
+    Parameters
+    ----------
+    x3, z3 : Array
+        Section coordinates of the points [m].
+    centre : (2,) Array
+        Centre of the arc [m].
+    radius : float
+        Radius of the arc [m].
+
+    Returns
+    -------
+    float
+        [m]; 0 without points.
+
+    Examples
+    --------
+    >>> arc_deviation(np.array([3.0, 0.0]), np.array([0.0, 3.5]), np.zeros(2), 3.0)
+    0.5
+    """
     return float(np.abs(np.hypot(x3 - centre[0], z3 - centre[1]) - radius).max(initial=0.0))

@@ -1,5 +1,7 @@
-"""A grooved tube as numbers: its dimensions, the section of its groove, the outline of its flange, and the curves on it in
-space and in plane coordinates."""
+"""A grooved tube as numbers: dimensions, section of its groove, outline of its flange, and curves on it.
+
+Curves are given in space and in plane coordinates of the faces that they bound.
+"""
 
 from __future__ import annotations
 
@@ -16,29 +18,51 @@ from rollbench.meshes.shell import Placing
 from rollbench.meshes.sockets import ON_GROOVE, SocketSize, flank_limits, groove_lines, whole_turns
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
-#: Circles of a flanged nut nearer to each other [m] are one.
+#: Distance [m] below which circles of a flanged nut count as one.
 SAME = 1e-8
 
 
 @dataclass(frozen=True)
 class GrooveEnds:
-    """Where the groove of a nut ends that is filled beyond its loaded balls, as a recirculation leaves it.
+    """Ends of a nut's groove that is filled beyond its loaded balls, as recirculation leaves it.
 
-    Along its line the groove is whole as far as `WHOLE` ball diameters (or a socket) beyond the outermost balls; over the
-    next `RUN_OUT` it rises to the land: its depth below the land is a smoothstep of the azimuth there. Beyond, its flanks
-    lie on the land's cylinder, so that the surface stays one of strips and meshes as ever.
+    The groove is whole up to `WHOLE` ball diameters (or a socket) beyond the outermost balls; over the next `RUN_OUT` it
+    rises to the land: its depth below the land is a smoothstep of the azimuth there. Beyond, its flanks lie on the land's
+    cylinder, so that the surface is composed of the same strips and is meshed alike.
+    """
 
-    Ends of the groove of every start: its line z - rg phi [m] ``(n,)``, total azimuths ``(n, 2)`` [rad] between which it
-    is whole (NaN for a start without balls), length of the run-out [rad]; reduced lead rg [m/rad]."""
-
+    #: z - r_g phi of the groove of every start ``(n,)`` [m].
     lines: Array
+    #: Total azimuths between which it is whole ``(n, 2)`` [rad]; NaN for a start without balls.
     whole: Array
+    #: Length of the run-out [rad].
     length: float
+    #: Reduced lead [m/rad].
     rg: float
 
     @classmethod
     def of(cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: SocketSize) -> GrooveEnds:
-        """Ends beyond the balls of ``sockets`` (azimuth [rad], z [m], side). Raises ValueError for a ring."""
+        """Place the ends beyond the balls of some sockets.
+
+        Parameters
+        ----------
+        m : GrooveMap
+            Track.
+        sockets : Iterable[tuple[float, float, int]]
+            Azimuth [rad] and station [m] of the ball, and flank, of each.
+        size : SocketSize
+            Size of the sockets.
+
+        Returns
+        -------
+        GrooveEnds
+            The ends.
+
+        Raises
+        ------
+        UnfitKey
+            The track is a ring, whose groove does not end.
+        """
         if not m.rg:
             raise UnfitKey("solid.nut_groove", "the groove of a ring does not end: leave solid.nut_groove out")
         lines = groove_lines(m)
@@ -53,14 +77,37 @@ class GrooveEnds:
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
     def depth(self, line: float, phi: Array) -> Array:
-        """Depth of a line's groove at total azimuths, over that of the whole groove: 1 between the ends, 0 in the filled
-        rest."""
+        """Depth of a groove over that of the whole groove: 1 between its ends, 0 where it is filled.
+
+        Parameters
+        ----------
+        line : float
+            z - r_g phi of the groove [m].
+        phi : Array
+            Total azimuths [rad].
+
+        Returns
+        -------
+        Array of that shape
+            Relative depth.
+        """
         low, high = self.whole[int(np.abs(self.lines - line).argmin())]
         t = np.clip(np.maximum(low - phi, phi - high) / self.length, 0.0, 1.0)
         return np.asarray(np.nan_to_num(1.0 - t * t * (3.0 - 2.0 * t)))
 
     def in_whole(self, points: Array) -> NDArray[np.bool_]:
-        """Which points ``(n, 3)`` [m] of the flanks lie where the groove is whole."""
+        """Mask of points on the flanks where the groove is whole.
+
+        Parameters
+        ----------
+        points : (n, 3) Array
+            Points on the flanks [m].
+
+        Returns
+        -------
+        (n,) Mask
+            True where the groove is whole.
+        """
         phi = np.arctan2(points[:, 1], points[:, 0])
         off = points[:, 2] - self.rg * phi - self.lines[:, None]
         turns = np.round(off / (2.0 * np.pi * self.rg))
@@ -73,29 +120,51 @@ class GrooveEnds:
 
 @dataclass(frozen=True)
 class BodySpec:
-    """A grooved tube between radii r_in < r_out [m] and flat ends z_low < z_high [m] (z absolute); r_in = 0: no bore.
+    """Recipe of a grooved tube with flat ends: dimensions, sockets and element sizes."""
 
-    outer: whether the groove is cut from outside (screw) or from inside (nut); sockets: (azimuth of the ball's section
-    including its start [rad], z of the ball [m], side) of every contact; fine, coarse: element sizes near and away from
-    the sockets [m]; ends: whether the groove ends beyond its outermost sockets (`GrooveEnds`), or runs through;
-    flange: of a nut.
-    """
-
+    #: Inner radius [m]; 0: no bore.
     r_in: float
+    #: Outer radius [m].
     r_out: float
+    #: Station of the lower end [m].
     z_low: float
+    #: Station of the upper end [m].
     z_high: float
+    #: Whether the groove is cut from outside (screw) or from inside (nut).
     outer: bool
+    #: Of every contact, azimuth [rad] of the ball's section with the offset of its start, station [m] of the ball, and
+    #: flank 0 to 3.
     sockets: tuple[tuple[float, float, int], ...]
+    #: Size of the sockets.
     size: SocketSize
+    #: Element size at the sockets [m].
     fine: float
+    #: Element size far from them [m].
     coarse: float
+    #: Whether the groove ends beyond its outermost sockets (`GrooveEnds`), or runs through.
     ends: bool = False
+    #: Flange of a nut.
     flange: Flange | None = None
 
 
 def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
-    """Points ``(n, 3)`` of cylindrical coordinates."""
+    """Points of cylindrical coordinates.
+
+    Parameters
+    ----------
+    r, phi, z : float | Array
+        Radius [m], azimuth [rad] and height [m], of shapes that broadcast.
+
+    Returns
+    -------
+    (..., 3) Array
+        x, y, z [m].
+
+    Examples
+    --------
+    >>> cylindrical(2.0, np.array([0.0, np.pi / 2.0]), 1.0).round(12).tolist()
+    [[2.0, 0.0, 1.0], [0.0, 2.0, 1.0]]
+    """
     points = np.empty((*np.broadcast(r, phi, z).shape, 3))
     points[..., 0], points[..., 1], points[..., 2] = r * np.cos(phi), r * np.sin(phi), z
     return points
@@ -103,24 +172,50 @@ def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array
 
 @dataclass(frozen=True)
 class Groove:
-    """Section of a body's groove: map, sides of its flanks (one for both where they are one arc), radii of land and of the
-    smooth surface behind [m], angles gamma of apex and edge [rad], middle of the opening along z from the groove's line and
-    half of the opening [m], thickness of the wall under the groove [m], where it ends (None: at the flat ends)."""
+    """Section of a body's groove."""
 
+    #: Map of the track.
     m: GrooveMap
+    #: Flanks; the same one for both halves where they are one arc.
     sides: tuple[int, ...]
+    #: Radius of the lands [m].
     land: float
+    #: Radius of the smooth surface behind the groove [m].
     behind: float
+    #: Section angle of the apex [rad].
     apex: float
+    #: Section angle of the edge at the land [rad].
     edge: float
+    #: Middle of the opening along z from the groove's line [m].
     middle: float
+    #: Half of the opening along z [m].
     half: float
+    #: Thickness of the wall under the groove [m].
     wall: float
+    #: Where the groove ends; None: at the flat ends.
     ends: GrooveEnds | None
 
     @staticmethod
     def of(m: GrooveMap, spec: BodySpec) -> Groove:
-        """Groove of a body. Raises ValueError where it leaves no land or no wall."""
+        """Section of a body's groove.
+
+        Parameters
+        ----------
+        m : GrooveMap
+            Map of the track.
+        spec : BodySpec
+            Dimensions of the body.
+
+        Returns
+        -------
+        Groove
+            The section.
+
+        Raises
+        ------
+        ValueError
+            The groove leaves no land or no wall.
+        """
         sides: tuple[int, ...] = (0, 1) if spec.outer else (2, 3)
         if m.one_arc:
             sides = tuple(s for s in sides if s in m.arc_sides)
@@ -128,7 +223,7 @@ class Groove:
         apex, edge = flank_limits(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
-        r, zeta, _ = m.unroll(*m.section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
+        r, zeta, _ = m.unroll(*m.section_point(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
         middle = float(m.centre[sides[-1], 1]) if m.one_arc else 0.0
         zeta = np.abs(zeta - middle)
         wall = float(r.min() - behind if spec.outer else behind - r.max())
@@ -153,50 +248,114 @@ class Groove:
         return Groove(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
     def unrolled(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Radius [m], zeta [m] and turn psi [rad] of a flank at angles gamma."""
-        return self.m.unroll(*self.m.section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
+        """Unrolled coordinates of a flank.
+
+        Parameters
+        ----------
+        side : int
+            Flank 0 to 3.
+        gamma : Array
+            Section angles [rad].
+
+        Returns
+        -------
+        r, zeta, psi : Array
+            As of `GrooveMap.unroll` [m, m, rad].
+        """
+        return self.m.unroll(*self.m.section_point(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
-        """Radius [m] and zeta [m] of a flank at angles gamma."""
+        """Radius and unrolled height of a flank.
+
+        Parameters
+        ----------
+        side : int
+            Flank 0 to 3.
+        gamma : Array
+            Section angles [rad].
+
+        Returns
+        -------
+        r, zeta : Array
+            [m].
+        """
         return self.unrolled(side, gamma)[:2]
 
     def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
-        """Radius [m] at total azimuths along a line of what lies at r in the whole groove."""
+        """Radius of a flank's point, raised towards the land where the groove runs out.
+
+        Parameters
+        ----------
+        line : float
+            z - r_g phi of the groove [m].
+        r : float | Array
+            Radius in the whole groove [m].
+        phi : Array
+            Total azimuths [rad].
+
+        Returns
+        -------
+        float or Array
+            [m].
+        """
         return r if self.ends is None else self.land + self.ends.depth(line, phi) * (r - self.land)
 
 
 def level(at: float) -> Placing:
-    """Plane coordinates (t, at)."""
+    """Curve of plane coordinates (t, at)."""
     return lambda t: np.stack([t, np.full(t.size, at)], axis=1)
 
 
 def upright(at: float) -> Placing:
-    """Plane coordinates (at, t)."""
+    """Curve of plane coordinates (at, t)."""
     return lambda t: np.stack([np.full(t.size, at), t], axis=1)
 
 
 def flat(z: float) -> Placing:
-    """Points at the height z of plane coordinates (x, y)."""
+    """Map of plane coordinates (x, y) to points at the height z [m]."""
     return lambda x: np.column_stack([x, np.full(len(x), z)])
 
 
 def circle(r: float, z: float) -> Placing:
-    """Points at azimuths on a circle about the axis."""
+    """Curve of points on a circle of radius r [m] about the axis at the height z [m], by azimuth."""
     return lambda t: cylindrical(r, t, z)
 
 
 def seen(r: float) -> Placing:
-    """Plane coordinates (x, y) of azimuths on a circle about the axis."""
+    """Curve of plane coordinates (x, y) on a circle of radius r [m] about the axis, by azimuth."""
     return lambda t: cylindrical(r, t, 0.0)[:, :2]
 
 
 def rail(line: float, zeta: float, rg: float, at: float | None = None) -> Placing:
-    """Plane coordinates (azimuth, at) of stations z along a groove at a height zeta; at None: (azimuth, z)."""
+    """Curve of plane coordinates along a groove, by height z [m].
+
+    Parameters
+    ----------
+    line : float
+        z - r_g phi of the groove [m].
+    zeta : float
+        Unrolled height on its section [m].
+    rg : float
+        Reduced lead [m/rad].
+    at : float | None, default None
+        Second coordinate; None: z.
+
+    Returns
+    -------
+    Placing
+        Plane coordinates (azimuth, at).
+    """
     return lambda z: np.stack([(z - line - zeta) / rg, z if at is None else np.full(z.size, at)], axis=1)
 
 
 def widest_gap(spec: BodySpec) -> float:
-    """Azimuth [rad] midway between the two neighbouring sockets farthest apart, seen along the axis; 0 without sockets."""
+    """Azimuth midway between the two neighbouring sockets farthest apart, seen along the axis.
+
+    Returns
+    -------
+    float
+        [rad]; 0 without sockets.
+    """
     if not spec.sockets:
         return 0.0
     phi = np.sort(np.mod([p for p, _, _ in spec.sockets], 2.0 * np.pi))
@@ -208,11 +367,26 @@ def widest_gap(spec: BodySpec) -> float:
 def outline(
     flange: Flange, outer: float, z: tuple[float, float], least: float = SAME
 ) -> tuple[list[str], list[tuple[float, float]]]:
-    """Names of the surfaces outside a flanged nut of radius ``outer`` [m] from its low end on, and the circles (r, z) [m]
-    before, between and behind them.
+    """Surfaces outside a flanged nut, from its lower end to its upper one.
 
-    least: width [m] below which the seat reaches the flange's rim or the nut's outer surface, and a fit is none: circles
-    closer than their own edges' deviation from the arc would cross in a mesh.
+    Parameters
+    ----------
+    flange : Flange
+        The flange.
+    outer : float
+        Outer radius of the nut [m].
+    z : tuple[float, float]
+        Stations of its ends [m].
+    least : float, default SAME
+        Width [m] below which the seat is taken to reach the flange's rim or the nut's outer surface, and a centring
+        fit is ignored: circles closer than their edges' deviation from the arc would intersect in a mesh.
+
+    Returns
+    -------
+    names : list of str
+        Names of the surfaces.
+    circles : list of (r, z)
+        Circles [m] before, between and behind them.
     """
     rim = flange.diameter / 2.0
     end, face, fit = flange.stations(*z)

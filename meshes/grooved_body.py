@@ -1,9 +1,9 @@
 """Coarse mesh of a screw or nut: second-order tetrahedra by gmsh, with a socket at every contact.
 
-The surface is put together from smooth faces, each with plane coordinates in which it is known exactly: flanks in
-(azimuth, gamma), lands and bores in (azimuth, z), the flat ends as they are. On a helix, flanks and lands are strips that
-end at the flat ends, so nothing has to be cut open; a ring is cut open midway between two sockets. ``meshes.shell`` fills
-the closed surface.
+The surface is composed of smooth faces, each with plane coordinates in which it is known exactly: flanks in (azimuth,
+gamma), lands and bores in (azimuth, z), the flat ends as they are. On a helix, flanks and lands are strips that end at
+the flat ends, so nothing has to be cut open; a ring is cut open midway between two sockets. ``meshes.shell`` fills the
+closed surface.
 """
 
 from __future__ import annotations
@@ -71,27 +71,48 @@ SLIVER = 0.1
 
 @dataclass(frozen=True)
 class GroovedBody(Meshed):
-    """Second-order tetrahedra with boundaries "low end", "high end", "flank SL" or of other sides, "land", "bore" of a
-    screw that has one or "outside" of a nut (of a flanged one also "rim", "seat", where its flange may be held, the rest of
-    that face as "flange", and "centring", the fit beside it), "sockets" if any; per socket the nodes of its inner faces in
-    the order of its side's ``sockets`` mesh ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims
-    among them, from the exact flanks; quality."""
+    """Mesh of a screw or nut with sockets.
 
+    Boundaries: "low end", "high end", "flank SL" (and other sides), "land", "bore" of a screw that has one or "outside"
+    of a nut, "sockets" if any; of a flanged nut also "rim", "seat" (where its flange may be fixed), "flange" (the rest of
+    that face) and "centring" (the fit beside it).
+    """
+
+    #: Second-order tetrahedra.
     mesh: Mesh
+    #: Nodes of the inner faces of each socket ``(count, k)``, in the order of its side's mesh in ``sockets``.
     socket_nodes: Index
+    #: Mesh of the sockets' faces, by side.
     sockets: dict[int, SocketMesh]
+    #: Largest distance of the flanks' nodes, the sockets' rims among them, from the exact flanks [m].
     deviation: float
+    #: Size and quality.
     quality: Quality
 
 
 class Surface:
-    """The surface of a grooved body in a shell; plane coordinates are (azimuth, gamma) or (azimuth, z)."""
+    """Surface of a grooved body in a `Shell`; plane coordinates are (azimuth, gamma) or (azimuth, z)."""
 
     def __init__(
         self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0, groove: Groove | None = None
     ) -> None:
-        """Divide and triangulate all of it; ``corners``: of every socket, in the order of ``spec.sockets``; share: of the
-        usual longest edges on curved faces; groove: another one than that of ``spec``."""
+        """Divide the curves and triangulate the faces.
+
+        ``corners`` are those of every socket, in the order of ``spec.sockets``.
+
+        Parameters
+        ----------
+        shell : Shell
+            Shell to which the surface is added.
+        m : GrooveMap
+            Map of the track.
+        spec : BodySpec
+            Dimensions and sockets.
+        share : float, default 1.0
+            Factor on the usual longest edges on curved faces.
+        groove : Groove | None, default None
+            Section of the groove; None: that of ``spec``.
+        """
         self.shell, self.m, self.spec = shell, m, spec
         self.groove = groove or Groove.of(m, spec)
         self.z = (spec.z_low, spec.z_high)
@@ -158,12 +179,15 @@ class Surface:
         return [low.on(level(at[0])), cut.on(end), high.back(level(at[1])), cut.back(begin)]
 
     def _tube(self, name: str, r: float, low: Curve, high: Curve, z: tuple[float, float], limit: float) -> None:
-        """A closed cylinder between two circles."""
+        """Triangulate a closed cylinder between two circles."""
         seam = self._around(low, high, z, lambda t: cylindrical(r, self.start, t), limit)
         self._cylinder(name, r, seam, limit)
 
     def _ends(self, bounds: list[list[Side]]) -> None:
-        """The smooth surface behind the groove, if any, and the flat ends; bounds: their loops at the groove's side."""
+        """Triangulate the smooth surface behind the groove, if any, and the flat ends.
+
+        bounds: loops of the ends at the groove's side.
+        """
         r = self.groove.behind
         loops = [[bound] for bound in bounds]
         if r > 0.0:
@@ -182,7 +206,10 @@ class Surface:
             self.shell.face(name, loop, flat(z), np.inf)
 
     def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float) -> list[Curve]:
-        """The surface between circles at ``places``, by name; returns the circles. thin: longest edges on the flange."""
+        """Triangulate the surface between circles at ``places``, by name; returns the circles.
+
+        thin: longest edges on the flange [m].
+        """
         sizes = [limit if name in ("centring", "outside") else min(thin, limit) for name in names]
         around = [min(pair) for pair in zip([limit, *sizes], [*sizes, limit], strict=True)]
         circles = [self._circle(r, z, size) for (r, z), size in zip(places, around, strict=True)]
@@ -299,7 +326,7 @@ class Thread:
         return lambda gamma: cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
-        """The same in the plane of the end."""
+        """Cut of a flank by an end, in the plane of the end; place: 0 left, 1 right; end: 0 low, 1 high."""
         return lambda gamma: self._space(place, end)(gamma)[:, :2]
 
     def flank(self, place: int) -> list[Side]:
@@ -315,7 +342,25 @@ class Thread:
 
 
 def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
-    """Mesh a grooved body. Raises ValueError where a socket does not fit or no attempt gives a good mesh."""
+    """Mesh a grooved body.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Map of the track.
+    spec : BodySpec
+        Dimensions, sockets and element sizes.
+
+    Returns
+    -------
+    GroovedBody
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        A socket does not fit, or no attempt of gmsh gives a good mesh.
+    """
     land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
     refuse_misfit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
     Groove.of(m, spec)
@@ -334,7 +379,7 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
 
 
 def _collected(surface: Surface, filled: Filled) -> GroovedBody:
-    """The mesh, its boundaries named; edges that would turn cells inside out are straightened."""
+    """Collect the mesh, its boundaries named; edges that would turn cells inside out are straightened."""
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]

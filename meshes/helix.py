@@ -1,4 +1,7 @@
-"""The nominal ball path and the section frames that follow it (Lin 2.1, 2.2, 2.5, 2.6; Appendix A, rot_y mended)."""
+"""Nominal ball path (helix) and the section frames along it.
+
+Source: Lin (2019), eqs. (2.1), (2.2), (2.5), (2.6) and Appendix A, whose printed rotation about y is corrected.
+"""
 
 from __future__ import annotations
 
@@ -12,52 +15,134 @@ from rollbench.meshes.parts import SIDE_SIGNS, Scene, Track
 
 
 def reduced_lead(track: Track) -> float:
-    """Signed gear ratio r_g = lead / (2 pi) [m/rad] (Lin 2.2), negative for a left-hand track."""
+    """Signed reduced lead of a track.
+
+    Parameters
+    ----------
+    track : Track
+        Ball path; lead in m.
+
+    Returns
+    -------
+    float
+        r_g = lead / (2 pi) [m/rad]; negative for a left-hand track, 0 for a bearing.
+
+    References
+    ----------
+    Lin (2019), eq. (2.2).
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> round(1e3 * reduced_lead(Track(16.5e-3, 20e-3, radians(45.0))), 4)  # mm/rad
+    3.1831
+    """
     return (1.0 if track.hand == "right" else -1.0) * track.lead / (2.0 * pi)
 
 
 def lead_angle(track: Track) -> float:
-    """Signed lead angle alpha [rad] at the pitch radius (Lin 2.5)."""
+    """Signed lead angle of a track at its pitch radius.
+
+    Parameters
+    ----------
+    track : Track
+        Ball path; pitch radius and lead in m.
+
+    Returns
+    -------
+    float
+        alpha = atan(r_g / R_p) [rad]; negative for a left-hand track, 0 for a bearing.
+
+    References
+    ----------
+    Lin (2019), eq. (2.5).
+
+    Examples
+    --------
+    >>> from math import degrees, radians
+    >>> round(degrees(lead_angle(Track(16.5e-3, 20e-3, radians(45.0)))), 3)
+    10.919
+    """
     return atan2(reduced_lead(track), track.pitch_radius)
 
 
 @dataclass(frozen=True)
 class BallLayout:
-    """Where the balls are, start after start.
+    """Nominal places and section frames of n balls, start after start."""
 
-    azimuth: unwrapped azimuth of each ball, including its start's offset, shape ``(n,)`` [rad].
-    z: station of each ball's centre, shape ``(n,)`` [m].
-    centre: nominal ball centres, shape ``(n, 3)`` [m].
-    radial, binormal, tangent: unit vectors x3, z3, y3 of each section frame, shape ``(n, 3)``.
-    """
-
+    #: Unwrapped azimuths ``(n,)`` [rad], each with the offset of its start.
     azimuth: Array
+    #: Stations of the ball centres ``(n,)`` [m].
     z: Array
+    #: Ball centres ``(n, 3)`` [m], the screw's axis along z.
     centre: Array
+    #: Unit vectors x3 ``(n, 3)``: radially outward.
     radial: Array
+    #: Unit vectors z3 ``(n, 3)``: across the groove, in its section.
     binormal: Array
+    #: Unit vectors y3 ``(n, 3)``: along the track.
     tangent: Array
 
 
 def ball_layout(scene: Scene) -> BallLayout:
-    """Nominal ball centres and section frames of a scene (Lin 2.1, 2.6).
+    """Nominal ball centres and section frames of a scene.
 
     The helix of start k passes the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
+
+    Parameters
+    ----------
+    scene : Scene
+        Ball screw or bearing.
+
+    Returns
+    -------
+    BallLayout
+        Places of all balls, start after start.
+
+    References
+    ----------
+    Lin (2019), eqs. (2.1) and (2.6).
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> places = ball_layout(rollbench.read("lin-case1"))
+    >>> places.centre.shape, (1e3 * places.z[:3]).round(3).tolist()  # mm
+    ((32, 3), [380.625, 381.875, 383.125])
     """
     track = scene.track
     offsets = 2.0 * pi * np.arange(track.starts) / track.starts
     azimuths = np.asarray(scene.balls.azimuths, dtype=float)
     azimuth = (azimuths[None, :] + offsets[:, None]).ravel()
-    z = scene.nut.position + reduced_lead(track) * np.tile(azimuths - track.phase, track.starts)
+    z = scene.nut.position + reduced_lead(track) * np.tile(azimuths - track.phase, track.starts)  # (2.1)
     return layout_at(track, azimuth, z)
 
 
 def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
-    """Centres and section frames of balls at azimuths (n,) [rad] and stations (n,) [m] of a track."""
+    """Ball centres and section frames at given azimuths and stations of a track.
+
+    Parameters
+    ----------
+    track : Track
+        Ball path.
+    azimuth : (n,) Array
+        Azimuths [rad].
+    z : (n,) Array
+        Stations of the ball centres [m].
+
+    Returns
+    -------
+    BallLayout
+        Places of the n balls.
+
+    References
+    ----------
+    Lin (2019), eqs. (2.1) and (2.6).
+    """
     alpha = lead_angle(track)
     c, s = np.cos(azimuth), np.sin(azimuth)
     radial, binormal, tangent, centre = np.zeros((4, azimuth.size, 3))
-    radial[:, 0], radial[:, 1] = c, s
+    radial[:, 0], radial[:, 1] = c, s  # x3, z3 and y3 of (2.6)
     binormal[:, 0], binormal[:, 1], binormal[:, 2] = s * sin(alpha), -c * sin(alpha), cos(alpha)
     tangent[:, 0], tangent[:, 1], tangent[:, 2] = -s * cos(alpha), c * cos(alpha), sin(alpha)
     centre[:, 0], centre[:, 1], centre[:, 2] = track.pitch_radius * c, track.pitch_radius * s, z
@@ -65,7 +150,18 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
 
 
 def groove_radii(scene: Scene) -> Array:
-    """Nominal groove radius of each side, shape ``(4,)`` [m]."""
+    """Nominal groove radii of the flanks SL, SR, NL, NR.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the radii of screw and nut.
+
+    Returns
+    -------
+    (4,) Array
+        Groove radii [m].
+    """
     return np.array(_radii(scene))
 
 
@@ -74,12 +170,50 @@ def _radii(scene: Scene) -> list[float]:
 
 
 def nominal_groove_centres(scene: Scene) -> Array:
-    """Groove centres in the section frame, shape ``(4, 2)`` [m]: (r_G - r_B) opposite to the contact (Lin 2.4)."""
+    """Nominal groove centres of the flanks SL, SR, NL, NR in the section frame.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives radii and contact angle.
+
+    Returns
+    -------
+    (4, 2) Array
+        (x3, z3) [m]: r_G - r_B from the ball's centre, opposite to the contact.
+
+    References
+    ----------
+    Lin (2019), eq. (2.4).
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> (1e3 * nominal_groove_centres(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
+    [0.3366, 0.3366]
+    """
     return _along_contacts(scene, [-(r - scene.balls.radius) for r in _radii(scene)])
 
 
 def nominal_contact_points(scene: Scene) -> Array:
-    """Nominal contact points in the section frame, shape ``(4, 2)`` [m]: r_B along the contact direction."""
+    """Nominal contact points of the flanks SL, SR, NL, NR in the section frame.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives ball radius and contact angle.
+
+    Returns
+    -------
+    (4, 2) Array
+        (x3, z3) [m]: r_B from the ball's centre, along the contact direction.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> (1e3 * nominal_contact_points(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
+    [-1.9643, -1.9643]
+    """
     return _along_contacts(scene, [scene.balls.radius] * 4)
 
 
@@ -90,8 +224,32 @@ def _along_contacts(scene: Scene, distance: list[float]) -> Array:
 
 
 def spread_over_turns(balls: int, turns: float, phase: float, circuits: int = 1, gap: float = 0.0) -> tuple[float, ...]:
-    """Azimuths [rad] of balls spread evenly over the turns of each circuit, circuits with gaps of some turns between them,
-    centred on a phase [rad]."""
+    """Azimuths of balls that are evenly spaced on the loaded turns of each circuit.
+
+    Parameters
+    ----------
+    balls : int
+        Balls of one circuit.
+    turns : float
+        Loaded turns of one circuit.
+    phase : float
+        Azimuth [rad] about which all circuits together are centred.
+    circuits : int, default 1
+        Number of circuits of a start.
+    gap : float, default 0.0
+        Turns left free between two circuits.
+
+    Returns
+    -------
+    tuple[float, ...]
+        Azimuths [rad], ascending.
+
+    Examples
+    --------
+    >>> from math import degrees
+    >>> [round(degrees(x)) for x in spread_over_turns(4, 1.0, 0.0)]
+    [-135, -45, 45, 135]
+    """
     spacing, pitch = 2.0 * pi * turns / balls, 2.0 * pi * (turns + gap)
     middles = (phase + (k - (circuits - 1) / 2.0) * pitch for k in range(circuits))
     return tuple(middle + (i - (balls - 1) / 2.0) * spacing for middle in middles for i in range(balls))

@@ -1,6 +1,6 @@
-"""What depends only on a geometry, kept on disc between commands, so that a geometry that was solved once is known.
+"""Disk cache of what depends only on a geometry, shared by commands.
 
-Off unless a process switches it on, as the command line does: a library, a test or a timing makes everything itself.
+Off unless a process switches it on, as the command line does: a library, a test or a timing computes everything.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _stores: list[Cache] = []
 
 
 def switch_on() -> None:
-    """Keep what functions marked `kept` make in the user's cache folder, unless caches are switched off there."""
+    """Keep results of functions marked `kept` in the user's cache folder, unless ROLLBENCH_CACHE is "off"."""
     from rollbench.meshes.cache import Cache, default_root
 
     root = default_root()
@@ -31,13 +31,13 @@ def switch_on() -> None:
 
 
 def switch_off() -> None:
-    """Make everything again."""
+    """Compute everything again."""
     _stores.clear()
 
 
 @contextmanager
-def made_anew() -> Iterator[None]:
-    """Nothing is kept or taken from what was, for a while: for work that is timed."""
+def no_cache() -> Iterator[None]:
+    """Context in which nothing is read from the cache or written to it, for work that is timed."""
     before, _stores[:] = list(_stores), []
     try:
         yield
@@ -46,8 +46,18 @@ def made_anew() -> Iterator[None]:
 
 
 def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Mark a function of plain records, called by position, that makes a number or a record of a class of the package:
-    `switch_on` lets its results be kept."""
+    """Decorate a function whose results may be cached on disk; see `switch_on`.
+
+    Parameters
+    ----------
+    type_ : type[T]
+        Class of the results: a number, or a record of this package.
+
+    Returns
+    -------
+    decorator
+        For a function of plain records, called by position. Calls with keywords are never cached.
+    """
 
     def mark(build: Callable[P, T]) -> Callable[P, T]:
         @wraps(build)

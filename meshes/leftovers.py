@@ -1,6 +1,6 @@
-"""Names of temporary files and folders next to those they become, and what killed processes left of them.
+"""Names of temporary files and folders beside their targets, and removal of those that killed processes left.
 
-A name tells machine and process, so that the next writer of the same file knows which are nobody's any more.
+A name contains machine and process, so that the next writer of the same target recognises abandoned ones.
 """
 
 from __future__ import annotations
@@ -19,19 +19,44 @@ OLD = 86_400.0
 
 
 def temporary(path: Path, ending: str = "tmp") -> Path:
-    """A new name next to ``path`` for what will become it; leftovers of earlier ones of dead processes are removed."""
+    """Make a temporary name beside a target, and remove abandoned ones of earlier processes.
+
+    Parameters
+    ----------
+    path : Path
+        Target that the temporary file or folder will replace.
+    ending : str, default 'tmp'
+        Suffix of the name.
+
+    Returns
+    -------
+    Path
+        The name; nothing is created.
+    """
     clean(path, ending)
     return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
 def for_group(path: Path) -> None:
-    """Let the group read a file of this user's, whatever the mask of new files: what is stored is meant to be shared."""
+    """Let the group read a file of this user's, whatever the umask: stored files are meant to be shared.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     with suppress(OSError):  # another user's file, or a file system without modes: the owner reads it all the same
         path.chmod(path.stat().st_mode | 0o440)
 
 
 def folder_for_group(path: Path) -> None:
-    """Make a folder and those above it that are missing; what is made lets the group read in it."""
+    """Make a folder and its missing parents; new ones may be read by the group.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    """
     missing = [folder for folder in (path, *path.parents) if not folder.exists()]
     path.mkdir(parents=True, exist_ok=True)
     for folder in missing:
@@ -40,7 +65,15 @@ def folder_for_group(path: Path) -> None:
 
 
 def clean(path: Path, ending: str = "tmp") -> None:
-    """Remove the temporary files and folders of ``path`` whose process is dead, or that are a day old."""
+    """Remove temporary files and folders of a target whose process is dead, or that are older than a day.
+
+    Parameters
+    ----------
+    path : Path
+        Target, as for `temporary`.
+    ending : str, default 'tmp'
+        Suffix of the names.
+    """
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")
     with suppress(OSError):  # no such folder, or one that may not be listed: nothing to tidy
         for other in path.parent.iterdir():

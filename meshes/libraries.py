@@ -1,5 +1,4 @@
-"""System libraries that only meshing and pictures need, by the Debian package that holds them, and Python packages of
-some work: the one list of them."""
+"""System libraries (by Debian package) and Python packages that only some functions need."""
 
 from __future__ import annotations
 
@@ -57,8 +56,10 @@ _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 
 
 def pip(package: str) -> str:
-    """The line that installs a package, by the extra that it belongs to.
+    """Command that installs a Python package, by the extra that it belongs to.
 
+    Examples
+    --------
     >>> pip("gmsh")
     "pip install 'rollbench[reference]'"
     """
@@ -68,8 +69,20 @@ def pip(package: str) -> str:
 
 @cache
 def fault(package: str) -> str:
-    """Why a Python package cannot be used; empty where it can.
+    """Reason why a Python package cannot be imported.
 
+    Parameters
+    ----------
+    package : str
+        Name of the package.
+
+    Returns
+    -------
+    str
+        The reason; empty where it can be imported.
+
+    Examples
+    --------
     >>> fault("numpy"), fault("no-such-package")
     ('', 'no-such-package is not installed')
     """
@@ -91,8 +104,15 @@ def version(package: str) -> str | None:
 
 
 def install(*lists: Mapping[str, str]) -> str:
-    """The command that installs the packages of lists, on Debian and what descends from it.
+    """Command that installs system libraries on Debian and its derivatives.
 
+    Parameters
+    ----------
+    *lists : dict
+        Debian packages by library, such as `MESHING`.
+
+    Examples
+    --------
     >>> install(PICTURES)
     'apt-get install libegl1 libgl1 libxrender1'
     """
@@ -101,7 +121,13 @@ def install(*lists: Mapping[str, str]) -> str:
 
 
 def missing(libraries: Mapping[str, str]) -> list[str]:
-    """Names of the libraries that this process cannot load."""
+    """Names of the libraries that this process cannot load.
+
+    Parameters
+    ----------
+    libraries : Mapping[str, str]
+        Debian packages by library, such as `MESHING`.
+    """
     lacking = []
     for name in libraries:
         try:

@@ -1,4 +1,4 @@
-"""The mean contact load that percentages of loads are of, and which contacts count in it."""
+"""Mean contact load, to which percentages of loads refer, and the contacts that count in it."""
 
 from __future__ import annotations
 
@@ -7,27 +7,68 @@ import numpy as np
 from rollbench.meshes.arrays import Array, Mask
 
 #: Share of the largest contact load below which a contact carries nothing, where nothing but loads is known: a flank that
-#: is barely touched beside those that bear the load.
+#: barely touches, next to those that carry the load.
 BARELY = 0.01
 
 
 def bearing(load: Array) -> Mask:
-    """Which contacts bear the load: those with more than ``BARELY`` of the largest."""
+    """Mask of the contacts that carry more than `BARELY` (1 %) of the largest load.
+
+    Parameters
+    ----------
+    load : Array of any shape
+        Contact loads [N].
+
+    Returns
+    -------
+    Mask of that shape
+        True where the contact counts as loaded.
+
+    Examples
+    --------
+    >>> bearing(np.array([358.0, 358.0, 0.2, 0.0])).tolist()
+    [True, True, False, False]
+    """
     return np.asarray(load > BARELY * load.max(initial=0.0))
 
 
 def counted(load: Array, contacts: int = 0) -> int:
-    """Over how many contacts the sum of loads of any shape is shared out in their mean; see ``mean_load``."""
+    """Count the contacts that a mean load is taken over; see `mean_load`.
+
+    Parameters
+    ----------
+    load : Array of any shape
+        Contact loads [N].
+    contacts : int, default 0
+        The number if it is known, else 0.
+
+    Returns
+    -------
+    int
+        ``contacts``, or the number of `bearing` contacts.
+    """
     return contacts or int(np.count_nonzero(bearing(load)))
 
 
 def mean_load(load: Array, contacts: int = 0) -> float:
-    """Sum of contact loads [N] of any shape over the number of contacts that the nominal screw loads; zero without load.
+    """Sum of the contact loads over the number of contacts that the nominal screw loads.
 
-    contacts: that number (`lowfi.statics.nominal.nominal_contacts`), the same for all models, meshes and specimens of a
-    scene. Zero where it is not known, as of loads without a scene, of a set on a shaft, or of a screw that only its errors
-    press: then the contacts of `bearing` count, so that one that is barely touched moves the mean by what it carries.
+    Parameters
+    ----------
+    load : Array of any shape
+        Contact loads [N].
+    contacts : int, default 0
+        That number (`lowfi.statics.nominal.nominal_contacts`), the same for all models, meshes and specimens of a
+        scene. 0 where it is not known: loads without a scene, a set on a shaft, a screw that only its errors load.
+        Then the contacts of `bearing` count, so that a lightly loaded one changes the mean only by its own load.
 
+    Returns
+    -------
+    float
+        Mean load [N]; 0 without load.
+
+    Examples
+    --------
     >>> mean_load(np.array([358.0, 358.0, 0.2, 0.0]))
     358.1
     >>> mean_load(np.array([358.0, 358.0, 10.0, 0.0]), 2)

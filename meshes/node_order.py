@@ -1,4 +1,4 @@
-"""Order of the nodes of a cell in VTK and meshio, from gmsh's."""
+"""Order of the nodes of a cell in VTK and meshio, from gmsh's order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A root by Brent's method, and pairs of near points, without the seconds that importing scipy takes."""
+"""Brent's root finding and a search for close points, without the seconds that importing scipy takes."""
 
 from __future__ import annotations
 
@@ -14,12 +14,35 @@ LEAST = 8.881784197001252e-16
 
 
 def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2e-12, rtol: float = LEAST) -> float:
-    """Root of ``f`` between ``low`` and ``high``, to within ``xtol + rtol |root|``, digit for digit that of
-    ``scipy.optimize.brentq``.
+    """Root of a function in a bracket by Brent's method, digit for digit that of ``scipy.optimize.brentq``.
 
-    Source: R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4. Raises ValueError where ``f``
-    has one sign at both ends, ArithmeticError where 300 steps do not find the root.
+    Parameters
+    ----------
+    f : Callable[[float], float]
+        Continuous function.
+    low, high : float
+        Ends of the bracket, at which f has different signs.
+    xtol, rtol : float, default 2e-12
+        The root is found to within ``xtol + rtol abs(root)``; rtol at least `LEAST`.
 
+    Returns
+    -------
+    float
+        The root.
+
+    Raises
+    ------
+    ValueError
+        f has the same sign at both ends.
+    ArithmeticError
+        300 steps do not find the root.
+
+    References
+    ----------
+    R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4.
+
+    Examples
+    --------
     >>> brentq(lambda x: x * x - 2.0, 0.0, 2.0)
     1.4142135623731364
     """
@@ -64,7 +87,25 @@ FEW = 500
 
 
 def close_pairs(points: Array, reach: float) -> Index:
-    """Indices ``(m, 2)``, the lower first, of points ``(n, 3)`` [m] no farther than ``reach`` [m] apart, sorted."""
+    """Pairs of points no farther apart than a given distance.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Points [m].
+    reach : float
+        Largest distance [m].
+
+    Returns
+    -------
+    (m, 2) Index
+        Indices of each pair, the lower one first, sorted.
+
+    Examples
+    --------
+    >>> close_pairs(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.0, 0.0, 0.0]]), 2.0).tolist()
+    [[0, 1]]
+    """
     if len(points) > FEW:
         from scipy.spatial import cKDTree
 

@@ -1,5 +1,8 @@
-"""Grooves of bearings that are one arc each: of deep-groove and angular-contact rows, and of any ring whose two arcs meet
-so near a contact angle of zero that both flanks' contacts lie within one patch."""
+"""Grooves of bearings that are one circular arc each, and their internal clearance.
+
+Deep-groove and angular-contact rows have such grooves. A gothic arch counts as one arc too where its contact angle is so
+small that the contacts of both flanks overlap at the apex.
+"""
 
 from __future__ import annotations
 
@@ -12,42 +15,107 @@ from rollbench.meshes.quantity import quantity, record
 #: Distance of the contact from the apex between both arcs, over the ball's radius, below which they count as one: there a
 #: third of a contact of usual size lies beyond the apex.
 NEAR = 0.0774
-#: Contact angle [rad] of a groove of one arc: the way in which thrust turns it has a sign, its size plays no part.
+#: Contact angle [rad] of a groove of one arc: its sign gives the direction in which thrust turns it, its size has no
+#: effect.
 LEAST = 1e-7
 
 
 def is_one_arc(scene: Scene) -> bool:
-    """Whether each groove of a bearing is one arc: it has no apex, and a ball has one contact with it."""
+    """Whether each groove of a bearing is one arc, so that a ball has one contact with it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    bool
+        False for every screw.
+    """
     return bool(sides_of_arc(scene))
 
 
 def sides_of_arc(scene: Scene) -> tuple[int, ...]:
-    """Sides of the contacts in grooves of one arc each, of the screw and of the nut (0 to 3 for SL, SR, NL, NR); none where
-    the grooves have two."""
+    """Flanks that carry the contacts of a bearing whose grooves are one arc each.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    tuple[int, ...]
+        Flanks (0 to 3 for SL, SR, NL, NR) of screw and nut; empty where grooves have two arcs.
+    """
     radius = min(scene.screw.groove_radius, scene.nut.groove_radius)
     track = scene.track
     return sides_of_arcs(track.lead, track.arcs, near_apex(radius, track.contact_angle, scene.balls.radius))
 
 
 def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
-    """`sides_of_arc` by a lead, by ``Track.arcs``, and by whether both flanks' contacts are one. The thread of a screw
-    always has two arcs: its nut would carry no thrust on one near the apex."""
+    """Flanks that carry the contacts of grooves of one arc each, as `sides_of_arc`, from plain values.
+
+    The thread of a screw always has two arcs: with one arc near the apex its nut would carry no thrust.
+
+    Parameters
+    ----------
+    lead : float
+        Lead [m] or reduced lead [m/rad]; only whether it is zero counts.
+    arcs : str
+        ``Track.arcs``.
+    near : bool
+        Whether the contacts of both flanks overlap, by `near_apex`.
+
+    Returns
+    -------
+    tuple[int, ...]
+        Flanks 0 to 3.
+    """
     if lead != 0.0 or (arcs == "two" and not near):
         return ()
     return (1, 2) if arcs == "-z" else (0, 3)
 
 
 def near_apex(groove: float, angle: float, ball: float) -> bool:
-    """Whether both flanks' contacts are one: radii of groove and ball [m], contact angle [rad]."""
+    """Whether the contacts of both flanks of a gothic arch count as one.
+
+    Parameters
+    ----------
+    groove, ball : float
+        Radii of groove and ball [m].
+    angle : float
+        Contact angle [rad].
+
+    Returns
+    -------
+    bool
+        Whether the contact point lies within `NEAR` ball radii of the apex.
+
+    Examples
+    --------
+    >>> near_apex(3.254e-3, 0.05, 2.778e-3), near_apex(3.254e-3, 0.7, 2.778e-3)
+    (True, False)
+    """
     return groove * sin(angle) < NEAR * ball
 
 
 def as_one_arc(scene: Scene) -> Scene:
-    """The scene with grooves of one arc each, and a statement that says so, where both flanks' contacts are one; else as it
-    is, as where the scene says itself that they are one arc.
+    """Replace a bearing's gothic arches by single arcs where the contacts of both flanks overlap.
 
-    The ball touches the arc where it touched the ridge between two, without play; what the ridge leaves out there,
-    (r_g - r_b) r_b beta^2 / (2 r_g) of the larger groove [m], is stated.
+    The ball touches the arc where it touched the ridge between two arcs, without clearance. What the ridge leaves out
+    there, (r_G - r_B) r_B beta^2 / (2 r_G) of the larger groove [m], goes to the scene's ``assumed``.
+
+    Parameters
+    ----------
+    scene : Scene
+        Bearing; other scenes are returned unchanged.
+
+    Returns
+    -------
+    Scene
+        The changed scene, or the same one where nothing has to be changed.
     """
     angle, ball = scene.track.contact_angle, scene.balls.radius
     if angle <= LEAST or scene.track.arcs != "two" or not is_one_arc(scene):
@@ -63,8 +131,7 @@ def as_one_arc(scene: Scene) -> Scene:
 
 @record
 class Clearance:
-    """Play between rings of one arc each: radial and axial internal clearance [m], both the whole way that one ring goes
-    against the other, and the contact angle [rad] at which the balls touch at either end of the axial one."""
+    """Internal clearance of a bearing whose grooves are one arc each; whole travel of one ring against the other."""
 
     radial: float = quantity(
         "radial_um",
@@ -80,16 +147,55 @@ class Clearance:
 
 
 def distance_of_centres(scene: Scene) -> float:
-    """Distance A = r_i + r_o - D [m] of the groove centres where a ball of nominal diameter D touches both grooves."""
+    """Distance of the groove centres at which a ball of nominal diameter touches both grooves.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives the radii.
+
+    Returns
+    -------
+    float
+        A = r_i + r_o - D [m].
+
+    References
+    ----------
+    Harris and Kotzalas (2007), chapter 2.
+    """
     return scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
 
 
 def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
-    """Contact angle at rest [rad] of rings whose groove centres are A [m] apart in contact, by their radial clearance
-    P_d = 2 A (1 - cos alpha), or their axial one P_e = 2 A sin alpha [m] (Harris and Kotzalas 2007, 2.3 and 2.4).
+    """Free contact angle of rings whose grooves are one arc each, from their clearance.
 
-    Raises ValueError, with the largest clearance that leaves a contact angle below 90 deg, for a larger one.
+    P_d = 2 A (1 - cos alpha) and P_e = 2 A sin alpha.
 
+    Parameters
+    ----------
+    A : float
+        Distance of the groove centres in contact [m], by `distance_of_centres`.
+    radial : float | None
+        Radial internal clearance P_d [m]; used where ``axial`` is None.
+    axial : float | None
+        Axial internal clearance P_e [m], or None.
+
+    Returns
+    -------
+    float
+        Contact angle [rad], at least `LEAST`.
+
+    Raises
+    ------
+    ValueError
+        A clearance of 2 A or more; the message gives that limit.
+
+    References
+    ----------
+    Harris and Kotzalas (2007), sections 2.3 and 2.4.
+
+    Examples
+    --------
     >>> round(degrees(rest_angle(0.18e-3, 13e-6, None)), 2)
     15.44
     """
@@ -100,7 +206,18 @@ def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
 
 
 def clearance_of(scene: Scene) -> Clearance | None:
-    """Clearance of a bearing whose grooves are one arc each, with the oversize of its balls; None of other grooves."""
+    """Compute the internal clearance of a bearing whose grooves are one arc each, with the oversize of its balls.
+
+    Parameters
+    ----------
+    scene : Scene
+        Bearing.
+
+    Returns
+    -------
+    Clearance | None
+        Clearances [m] and free contact angle [rad], all 0 without clearance; None for other grooves.
+    """
     if not is_one_arc(scene):
         return None
     A = distance_of_centres(scene)

@@ -1,7 +1,7 @@
 """Records as bytes and back without pickle: a description of their structure, and their arrays as npz.
 
 Reading makes numbers, texts and records of named packages, and runs none of what it reads: fields are set, no constructor
-is called. What a record computed and kept besides its fields is left out.
+is called. What a record computed and cached besides its fields is left out.
 """
 
 from __future__ import annotations
@@ -22,10 +22,25 @@ TRUSTED = ("rollbench", "skfem")
 
 
 def packed(value: object) -> bytes:
-    """A record, of numbers, texts, arrays, sparse matrices, tuples, lists, dicts, classes and other records, as bytes.
+    """Bytes of a record.
 
-    Raises TypeError for anything else.
+    Parameters
+    ----------
+    value : object
+        Record, number, text, array, sparse matrix, tuple, list, dict or class; nested as you like.
 
+    Returns
+    -------
+    bytes
+        Contents of an .npz file.
+
+    Raises
+    ------
+    TypeError
+        A value of any other type.
+
+    Examples
+    --------
     >>> unpacked(packed((1, {"a": [2.5, None]})))
     (1, {'a': [2.5, None]})
     """
@@ -37,8 +52,25 @@ def packed(value: object) -> bytes:
 
 
 def unpacked(content: bytes, *packages: str) -> Any:
-    """The record of such bytes; ``packages``: names of more that may be named. Raises ValueError for bytes of something
-    else."""
+    """Record of bytes that `packed` made.
+
+    Parameters
+    ----------
+    content : bytes
+        The bytes.
+    *packages : str
+        Packages besides `TRUSTED` whose classes may appear.
+
+    Returns
+    -------
+    Any
+        The record.
+
+    Raises
+    ------
+    ValueError
+        The bytes hold something else, or a class of another package.
+    """
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             tree, *arrays = (file[name] for name in file.files)
@@ -48,7 +80,7 @@ def unpacked(content: bytes, *packages: str) -> Any:
 
 
 def _described(value: Any, arrays: list[Any]) -> Any:
-    """JSON of a value: a plain one itself, others as a list that begins with their sort; arrays go to ``arrays``."""
+    """JSON of a value: plain values as they are, others as a list that begins with their kind; arrays go to ``arrays``."""
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.ndarray | np.generic) and value.dtype != object:
@@ -99,7 +131,7 @@ def _unpacked(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
 
 
 def _class(name: str, packages: tuple[str, ...]) -> Any:
-    """A class by its module and name. Raises ValueError for one of another package."""
+    """Import a class by its module and name. Raises ValueError for one of another package."""
     module, _, path = name.partition(":")
     if module.split(".")[0] not in packages:
         raise ValueError(f"{name}: of none of {', '.join(packages)}")

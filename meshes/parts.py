@@ -57,7 +57,8 @@ SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 #: Freedoms of a station of the screw: displacements along x, y, z and small rotations about them.
 FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
-#: Where a nut may be held: the inner and outer halves of a face are rings on both sides of the middle of its width.
+#: Surfaces by which a nut may be fixed: the inner and outer halves of a face are rings on both sides of the middle of
+#: its width.
 NutHeld = Literal[
     "left face",
     "right face",
@@ -72,83 +73,121 @@ NutHeld = Literal[
 
 
 class UnfitKey(ValueError):
-    """Parts that cannot be built, or not solved by a model: ``key`` of the scene (``nut.outer_diameter``), and why."""
+    """Error of a scene whose parts cannot be built, or not be solved by a model."""
 
     def __init__(self, key: str, reason: str) -> None:
-        """Keep both; the text is the reason."""
+        """Keep the scene's key (``"nut.outer_diameter"``) and the reason, which is the message."""
         super().__init__(key, reason)
         self.key = key
 
     def __str__(self) -> str:
-        """The reason."""
+        """Return the reason."""
         return str(self.args[1])
 
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio."""
+    """Isotropic linear elastic material."""
 
+    #: Young's modulus E [Pa].
     youngs_modulus: Modulus
+    #: Poisson's ratio nu.
     poissons_ratio: Poisson
 
     @property
     def shear_modulus(self) -> float:
-        """Shear modulus E / (2 (1 + nu)) [Pa]."""
+        """Shear modulus G = E / (2 (1 + nu)) [Pa].
+
+        Examples
+        --------
+        >>> round(Material(210e9, 0.28).shear_modulus / 1e9, 2)
+        82.03
+        """
         return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
 
 
 @keyed
 @dataclass(frozen=True)
 class Track:
-    """Nominal ball path (Lin 2.1, 2.2, 2.5): pitch radius [m], lead [m], hand, starts, contact angle [rad].
+    """Nominal ball path of a screw or bearing (Lin 2019, 2.1, 2.2, 2.5)."""
 
-    ``phase`` [rad] is the azimuth of the helix at the nut's centre; a lead of zero is a ball bearing. ``arcs``: each groove
-    is a gothic arch of two arcs, or, of a bearing, one arc, whose contacts then carry thrust on the screw this way.
-    """
-
+    #: Pitch radius R_p [m].
     pitch_radius: Radius
+    #: Lead [m]; 0 for a bearing.
     lead: Lead
+    #: Nominal contact angle beta [rad].
     contact_angle: ContactAngle
+    #: Hand of the helix.
     hand: Literal["right", "left"] = usual("right")
+    #: Number of starts.
     starts: int = usual(1)
+    #: Azimuth of the helix at the nut's centre [rad].
     phase: Azimuth = usual(0.0)
+    #: Arcs of each groove: ``"two"`` for a gothic arch; of a bearing also one arc, whose contacts carry thrust on the
+    #: shaft along ``"+z"`` or ``"-z"``.
     arcs: Literal["two", "+z", "-z"] = usual("two")
 
 
 @keyed
 @dataclass(frozen=True)
 class Screw:
-    """Screw shaft or inner ring: length, outer diameter, bore and groove radius [m], material."""
+    """Screw shaft, or inner ring of a bearing."""
 
+    #: Length [m], from station 0 on.
     length: Size
+    #: Diameter of the lands [m].
     outer_diameter: Size
+    #: Radius of the groove's arcs [m].
     groove_radius: Radius
+    #: Elastic material.
     material: Material
+    #: Diameter of the bore [m]; 0: solid.
     bore: Bore = usual(0.0)
 
 
 @keyed
 @dataclass(frozen=True)
 class Flange:
-    """Flange at an end of a nut, within its length: outer diameter and thickness [m], ``side`` of the nut.
+    """Flange at one end of a nut, within the nut's length."""
 
-    ``seat``: radii [m] between which its face towards the rest of the nut may be held (``Solid.nut_held``); ``centring``:
-    length [m] of the nut's outside from that face on that fits the housing's bore; ``bonded``: whether the fit holds the
-    nut there too, or lets it go; ``bolts``: number of bolts, in each of which a circle as wide as the seat holds it in 3D,
-    the first at azimuth 0 (0: all of the seat, as in low-order models).
-    """
-
+    #: Outer diameter [m].
     diameter: Size
+    #: Thickness [m].
     thickness: Size
+    #: Radii [m] between which the face towards the rest of the nut may be fixed (``Solid.nut_held``).
     seat: tuple[float, float]
+    #: End of the nut at which the flange is.
     side: Literal["left", "right"] = usual("left")
+    #: Length of the nut's outer surface, from that face on, that fits the bore of the housing [m].
     centring: Bore = usual(0.0)
+    #: Whether the centring fit fixes the nut too, or leaves it free.
     bonded: bool = usual(False)
+    #: Number of bolts; the 3D reference fixes a circle as wide as the seat at each, the first at azimuth 0. 0 fixes all
+    #: of the seat, as low-order models always do.
     bolts: int = usual(0)
 
     def stations(self, low: float, high: float) -> tuple[float, float, float]:
-        """Stations [m] of its outer face, of the face that may be held, and of the end of the fit, on a nut from ``low``
-        to ``high`` [m]."""
+        """Axial places of a flange on a nut.
+
+        Parameters
+        ----------
+        low, high : float
+            Stations of the nut's ends [m].
+
+        Returns
+        -------
+        outer : float
+            Station of the flange's outer face [m].
+        seat : float
+            Station of the face that may be fixed [m].
+        centring : float
+            Station of the end of the centring fit [m].
+
+        Examples
+        --------
+        >>> Flange(0.1, 0.02, (0.03, 0.05), centring=0.01).stations(0.4, 0.5)
+        (0.4, 0.42000000000000004, 0.43000000000000005)
+        """
         end, inwards = (low, 1.0) if self.side == "left" else (high, -1.0)
         return end, end + inwards * self.thickness, end + inwards * (self.thickness + self.centring)
 
@@ -156,26 +195,33 @@ class Flange:
 @keyed
 @dataclass(frozen=True)
 class Nut:
-    """Nut or outer ring: axial position of its centre, length, outer diameter and groove radius [m], material.
+    """Nut, or outer ring of a bearing."""
 
-    ``azimuth`` [rad] is the angle psi_N between the axes of nut and screw (Lin 2.9), on which the nut's errors depend.
-    """
-
+    #: Station of its centre [m].
     position: Station
+    #: Length [m].
     length: Size
+    #: Outer diameter [m].
     outer_diameter: Size
+    #: Radius of the groove's arcs [m].
     groove_radius: Radius
+    #: Elastic material.
     material: Material
+    #: Angle psi_N from the axes of the screw to those of the nut [rad], on which the nut's errors depend (Lin 2.9).
     azimuth: Azimuth = usual(0.0)
+    #: Flange, if any.
     flange: Flange | None = usual(None)
 
 
 @dataclass(frozen=True)
 class Balls:
-    """Balls: nominal radius [m], material, and the unwrapped azimuths [rad] of one start (each start has the same)."""
+    """Balls of one screw or bearing."""
 
+    #: Nominal radius [m].
     radius: Radius
+    #: Elastic material.
     material: Material
+    #: Unwrapped azimuths of the balls of one start [rad]; the other starts have the same, shifted by their offsets.
     azimuths: tuple[Azimuth, ...]
 
 
@@ -220,33 +266,52 @@ class SideErrors:
 @keyed
 @dataclass(frozen=True)
 class BallErrors:
-    """Errors of the ball radii [m]: the same ``oversize`` for all, ``listed`` by ball number (from 1), and random."""
+    """Errors of the ball radii."""
 
+    #: Error that all radii share [m].
     oversize: Deviation = usual(0.0)
+    #: Pairs of a ball's number (from 1) and the further error of its radius [m].
     listed: tuple[tuple[int, float], ...] = usual(())
+    #: Standard deviation of a random error of each radius [m].
     sigma: Spread = usual(0.0)
+    #: Distribution of the random errors; a uniform one has the half width sqrt(3) sigma.
     distribution: Literal["normal", "uniform"] = usual("normal")
 
 
 @keyed
 @dataclass(frozen=True)
 class Errors:
-    """All geometric errors of a scene, and the seed of every random one.
+    """All geometric errors of a scene, and the seed of its random ones."""
 
-    ``lead_offset`` [m]: shift along the axis of the nut's groove beyond the nut's centre (z above its position) against the
-    rest of it, by which a single nut is preloaded in two-point contact.
-    """
-
+    #: Errors of the ball radii.
     balls: BallErrors = usual(BallErrors())
+    #: Errors of the screw's left flank.
     SL: SideErrors = usual(SideErrors())
+    #: Errors of the screw's right flank.
     SR: SideErrors = usual(SideErrors())
+    #: Errors of the nut's left flank.
     NL: SideErrors = usual(SideErrors())
+    #: Errors of the nut's right flank.
     NR: SideErrors = usual(SideErrors())
+    #: Seed of all random draws.
     seed: int = usual(0)
+    #: Axial shift [m] of the nut's groove beyond the nut's centre (z above its position) against the rest, by which a
+    #: single nut is preloaded in two-point contact.
     lead_offset: float = usual(0.0)
 
     def side(self, name: str) -> SideErrors:
-        """Errors of the flank ``name`` (one of SIDES)."""
+        """Errors of the flank of a name out of `SIDES`.
+
+        Parameters
+        ----------
+        name : str
+            SL, SR, NL or NR.
+
+        Returns
+        -------
+        SideErrors
+            Errors of that flank.
+        """
         found: SideErrors = getattr(self, name)
         return found
 
@@ -261,9 +326,11 @@ class Errors:
 
 @dataclass(frozen=True)
 class Support:
-    """Support of the screw at station ``at`` [m]: pairs (freedom, prescribed displacement [m] or rotation [rad])."""
+    """Support of the screw."""
 
+    #: Station [m].
     at: Station
+    #: Pairs of a freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...]
 
 
@@ -341,23 +408,24 @@ class Solid:
 @keyed
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
+    """Coulomb friction of the balls."""
 
-    feedback: whether friction moves each ball across its grooves, or leaves the contact loads unchanged; neighbours:
-    whether balls that touch push each other at the scene's instant (in a run in time they always do); balls:
-    coefficient from ball to ball, ``None`` for the larger one of the grooves.
-    """
-
+    #: Coefficient on the grooves of the screw.
     screw: float
+    #: Coefficient on the grooves of the nut.
     nut: float
+    #: Where the coefficients come from.
     assumed: tuple[str, ...] = usual(())
+    #: Whether friction moves each ball across its grooves, or leaves the contact loads unchanged.
     feedback: bool = usual(True)
+    #: Coefficient between balls; None for the larger one of the grooves.
     balls: float | None = usual(None)
+    #: Whether balls in touch push each other at the scene's instant; in a run in time they always do.
     neighbours: bool = usual(False)
 
     @property
     def between_balls(self) -> float:
-        """Coefficient of friction from ball to ball."""
+        """Coefficient of friction between balls."""
         return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
@@ -378,8 +446,10 @@ class Motion:
 @keyed
 @dataclass(frozen=True)
 class Lubricant:
-    """Oil, or base oil of a grease, at the temperature of running: kinematic viscosity [m^2/s] and density [kg/m^3] at
-    ambient pressure, rise of the viscosity's logarithm with pressure [1/Pa]; how it gets to rows of balls."""
+    """Oil, or base oil of a grease, at running temperature and ambient pressure.
+
+    Viscosity [m^2/s], density [kg/m^3], pressure coefficient [1/Pa].
+    """
 
     viscosity: Viscosity = field(metadata=about("kinematic viscosity at the temperature of running", "27 mm2/s"))
     density: Density = usual(900.0, "density", "900 kg/m3")
@@ -393,7 +463,13 @@ class Lubricant:
 
     @property
     def dynamic_viscosity(self) -> float:
-        """Dynamic viscosity at ambient pressure [Pa s]."""
+        """Dynamic viscosity at ambient pressure [Pa s].
+
+        Examples
+        --------
+        >>> round(Lubricant(100e-6, 900.0).dynamic_viscosity, 4)
+        0.09
+        """
         return self.viscosity * self.density
 
 
@@ -435,7 +511,23 @@ class Time:
     )
 
     def span(self, motion: Motion) -> float:
-        """Duration of the run [s] at a motion's speed."""
+        """Duration of the run [s]: as given, or the angle over the speed of the motion.
+
+        Parameters
+        ----------
+        motion : Motion
+            Gives the speed.
+
+        Returns
+        -------
+        float
+            [s].
+
+        Examples
+        --------
+        >>> Time(angle=6.0).span(Motion(speed=-3.0))
+        2.0
+        """
         if self.duration is not None:
             return self.duration
         return abs((self.angle or 0.0) / motion.speed)
@@ -455,7 +547,7 @@ class GateLimits:
 @keyed
 @dataclass(frozen=True)
 class Operation:
-    """What modifies the life, and what the return of the balls bears."""
+    """Conditions that modify the life, and the limit of the balls' return."""
 
     reliability: Reliability | None = usual(None, "share that reaches the modified life, in per cent", 95)
     viscosity_ratio: ViscosityRatio | None = usual(
@@ -472,51 +564,73 @@ class Operation:
 @keyed
 @dataclass(frozen=True)
 class Scene:
-    """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
+    """One load case of one ball screw or bearing, in SI units; the input of every model."""
 
+    #: Name of the scene.
     name: str
+    #: Title of the scene.
     title: str
+    #: Nominal ball path.
     track: Track
+    #: Screw shaft or inner ring.
     screw: Screw
+    #: Nut or outer ring.
     nut: Nut
+    #: Balls of one start.
     balls: Balls
+    #: Geometric errors.
     errors: Errors = usual(Errors())
+    #: Supports of the screw.
     supports: tuple[Support, ...] = usual(())
+    #: Loads on the screw.
     loads: tuple[Load, ...] = usual(())
+    #: Parts of the low-order model that are used.
     ingredients: Ingredients = usual(Ingredients())
+    #: What the 3D reference needs besides.
     solid: Solid = usual(Solid())
+    #: Where the case comes from.
     source: str = usual("")
+    #: Statements about what the source leaves open.
     assumed: tuple[str, ...] = usual(())
+    #: Number of specimens with different random errors.
     members: int = usual(1)
+    #: Coulomb friction of the balls.
     friction: Friction | None = usual(None)
+    #: Which part turns, and how fast.
     motion: Motion | None = usual(None)
+    #: Role in the report of a shipped scene.
     role: str = usual("", compare=False)
+    #: How the balls circulate.
     circulation: Circulation | None = usual(None)
+    #: Run in time.
     time: Time | None = usual(None)
+    #: Limits of errors against the 3D reference.
     gate: GateLimits = usual(GateLimits(), compare=False)
+    #: Conditions that modify the life.
     operation: Operation = usual(Operation(), compare=False)
+    #: Oil or base oil.
     lubricant: Lubricant | None = usual(None)
 
     def __hash__(self) -> int:
-        """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""
+        """Hash of the fields that are compared, computed once: many caches look up scenes."""
         found: int | None = self.__dict__.get("_hash")
         if found is None:
             found = self.__dict__["_hash"] = hash(tuple(getattr(self, f.name) for f in fields(self) if f.compare))
         return found
 
     def __getstate__(self) -> dict[str, Any]:
-        """Only the fields: words have another hash in another process."""
+        """Only the fields: a hash of text differs in another process."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def to_toml(self) -> str:
-        """Text of a scene file that is read as this scene."""
+        """Text of a scene file that reads back as this scene."""
         from rollbench.meshes.scene_text import scene_tables, to_toml
 
         return to_toml(scene_tables(self))
 
     @property
     def stations(self) -> list[float]:
-        """Stations [m] of supports, then of loads."""
+        """Stations of the supports, then of the loads [m]."""
         return [*(x.at for x in self.supports), *(x.at for x in self.loads)]
 
     @property

@@ -1,4 +1,4 @@
-"""Folders of this user only: what is read from a cache is trusted, machine code in it is run."""
+"""Folders that only this user may write to: what is read from a cache is trusted, and machine code in it is run."""
 
 from __future__ import annotations
 
@@ -8,11 +8,28 @@ from pathlib import Path
 
 
 def private_folder(root: Path, *below: str) -> Path:
-    """The folder ``below`` a root, made where it is missing, for this user only.
+    """Make a folder for this user only, below a root, and check its permissions.
 
-    Raises OSError where it cannot be made, and PermissionError where the root or a folder below is another user's or may be
-    written to by others; only the root may be one that all share, as that of temporary files is (sticky). On Windows
-    nothing is looked at.
+    On Windows nothing is checked.
+
+    Parameters
+    ----------
+    root : Path
+        Folder to start from; it may be one that all users share, as that of temporary files (sticky).
+    *below : str
+        Names of nested folders below the root.
+
+    Returns
+    -------
+    Path
+        The innermost folder.
+
+    Raises
+    ------
+    PermissionError
+        The root or a folder below belongs to another user, or others may write to it.
+    OSError
+        A folder cannot be made.
     """
     root.mkdir(mode=0o700, parents=True, exist_ok=True)
     _check(root.stat(), root, shared=True)

@@ -1,14 +1,14 @@
-"""Processes of this machine: threads of their linear algebra, workers, peak memory.
+"""Threads of linear algebra, worker processes, and peak memory on this machine.
 
-Linear algebra runs on one thread: with small matrices, and next to any other busy process, more only wait for one another.
-
-One rule: the command line, workers and tests call `one_thread` when they begin; a call of the library has one thread until
-it returns, because the rest of the process is its user's. Work is shared among processes. A user's own variable wins.
+Linear algebra runs on one thread: with small matrices, or beside any other busy process, more threads only wait for one
+another. The command line, workers and tests call `one_thread` when they begin; a call of the library uses one thread only
+until it returns, because the rest of the process is its user's. Work is shared among processes. Variables that the user
+has set (`VARIABLES`) take precedence.
 
 Workers end with the process that started them.
 
 Peak memory is that of one piece of work in a process that does several. ``getrusage`` gives the highest memory since the
-process began, so that a small run after a large one gets the large one's number. Linux forgets that record when asked to
+process began, so that a small run after a large one gets the large one's number. Linux resets that record when asked to
 (``/proc/self/clear_refs``); elsewhere nothing is measured.
 """
 
@@ -30,13 +30,18 @@ VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "
 
 
 def for_one_thread() -> dict[str, str]:
-    """Variables to set for one thread: none that the user has set, and none at all where he has set the first."""
+    """Environment variables to set for linear algebra on one thread.
+
+    Returns
+    -------
+    dict[str, str]
+        Values by name; only those that the user has not set, and none where the first of `VARIABLES` is set.
+    """
     return {} if VARIABLES[0] in os.environ else {name: "1" for name in VARIABLES if name not in os.environ}
 
 
 def one_thread() -> None:
-    """Linear algebra of this process, and of those that it starts, on one thread from now on. A second call changes
-    nothing."""
+    """Run linear algebra of this process, and of those that it starts, on one thread from now on."""
     if "numpy" in sys.modules:
         for library in _loaded():
             library.set_num_threads(1)
@@ -45,11 +50,11 @@ def one_thread() -> None:
 
 @contextmanager
 def held_to_one_thread() -> Iterator[None]:
-    """The same, as a context or a decorator, for a while and in this process alone."""
+    """Context or decorator that limits linear algebra of this process to one thread for a while."""
     if not for_one_thread():
         yield
         return
-    import scipy.linalg  # noqa: F401 - it brings a library of its own: later it would not be held
+    import scipy.linalg  # noqa: F401 - it brings another BLAS, which must be loaded before threads are limited
 
     libraries = [(library, library.num_threads) for library in _loaded()]
     for library, _ in libraries:
@@ -77,10 +82,16 @@ LOOK = 0.5
 
 
 def local() -> Any:
-    """joblib's context in which ``Parallel`` starts workers of this machine, each with linear algebra on one thread, or on
-    as many as the variables say that are set here (`rollbench.meshes.processes`). A worker ends within a second of the
-    process that started it, however that ended: one that was killed leaves none. On Windows, which does not tell, they end
-    when they have been idle for five minutes."""
+    """Context of joblib in which ``Parallel`` starts workers on this machine, each with linear algebra on one thread.
+
+    Threads as `VARIABLES` say, where those are set. A worker ends within a second of the process that started it, however
+    that ended. On Windows, where a worker cannot know, workers end after five idle minutes.
+
+    Returns
+    -------
+    context manager
+        ``joblib.parallel_config``.
+    """
     from joblib import parallel_config
 
     threads = None if any(name in os.environ for name in VARIABLES) else 1
@@ -90,7 +101,13 @@ def local() -> Any:
 
 
 def end_with_parent(parent: int) -> None:
-    """End this process at once, whatever it does, as soon as process ``parent`` is not its parent any more."""
+    """End this process as soon as its parent is another one than the given process.
+
+    Parameters
+    ----------
+    parent : int
+        Process id of the present parent.
+    """
     threading.Thread(target=_wait_for_end, args=(parent,), daemon=True).start()
 
 
@@ -100,14 +117,20 @@ def _wait_for_end(parent: int) -> None:
     os._exit(1)
 
 
-#: Whether the record may hold earlier work: a reset was asked for and refused.
+#: Whether the record may include earlier work: a reset was asked for and refused.
 _stale = False
 
 
 def reset_peak() -> bool:
-    """Start a new record of the highest resident memory of this process; whether the system can.
+    """Start a new record of the highest resident memory of this process.
 
-    What earlier work freed is given back to the system first, as far as the C library can, so that it does not count.
+    Memory that earlier work freed is given back to the system first, as far as the C library can, so that it does not
+    count.
+
+    Returns
+    -------
+    bool
+        Whether the system can reset its record.
     """
     global _stale
     gc.collect()
@@ -122,8 +145,13 @@ def reset_peak() -> bool:
 
 
 def peak_MB() -> float | None:
-    """Highest resident memory of this process since ``reset_peak`` [MB], interpreter and libraries included; None where
-    the system keeps no such record, or did not reset it."""
+    """Highest resident memory of this process since `reset_peak`, interpreter and libraries included.
+
+    Returns
+    -------
+    float | None
+        [MB]; None where the system keeps no such record, or did not reset it.
+    """
     if _stale:
         return None
     try:

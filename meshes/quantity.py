@@ -1,4 +1,4 @@
-"""Records whose fields state what they hold; JSON, tables and the manual read it there."""
+"""Records whose fields state the quantity they hold; JSON, tables and the manual take it from there."""
 
 from __future__ import annotations
 
@@ -12,29 +12,33 @@ Getter = TypeVar("Getter", bound=Callable[..., object])
 
 @dataclass(frozen=True)
 class Stated:
-    """What is stated of a quantity. As a decorator, below ``@property``, it is stated of a property; of a method it is only
-    a definition.
+    """What is stated of a quantity: its key, definition and format.
 
-    key: in JSON, whose ending says the unit, with a dot where it is in a table there; definition: formula and sign where it
-    needs them; error: of the value, empty where it has none; heading: in tables, else the words of the key; form: of a
-    number in tables; parts: what follows the key in the paths of its parts, ``[]`` of a list, ``.*`` of any keys,
-    ``.FLANK`` of the four flanks; show: what is shown of the field's value, in SI units.
+    As a decorator below ``@property`` it is stated of a property; of a method it is only a definition.
     """
 
+    #: Key in JSON, whose ending gives the unit; with a dot where it is in a table there.
     key: str
+    #: What the quantity is, with its formula and sign where needed.
     definition: str = ""
+    #: Error of the value; empty where it has none.
     error: str = ""
+    #: Column heading in tables; empty: made of the key.
     heading: str = ""
+    #: Format of a number in tables.
     form: str = "g5"
+    #: What follows the key in the paths of its parts: ``[]`` of a list, ``.*`` of any keys, ``.FLANK`` of the four
+    #: flanks.
     parts: str = ""
+    #: Function of the field's value (SI units) that gives what is shown; None: the value.
     show: Callable[[Any], object] | None = field(default=None, compare=False)
 
     def shown(self, value: object) -> object:
-        """What is shown of the field's value."""
+        """Value as it is shown, from that of the field."""
         return value if self.show is None else self.show(value)
 
     def __call__(self, getter: Getter) -> Getter:
-        """The function of a property of which this is stated."""
+        """Attach the statement to the getter of a property, and return the getter."""
         getter.__dict__["stated"] = (self, *getter.__dict__.get("stated", ()))
         return getter
 
@@ -51,8 +55,24 @@ def quantity(
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
-    """A field of a `record`, with what is stated of it: arguments as of `Stated`; also: further keys with what they show.
+    """Field of a `record` with what is stated of its quantity.
 
+    Parameters
+    ----------
+    key, definition, error, heading, form, parts, show
+        As the fields of `Stated`.
+    *also : Stated
+        Further keys, with what they show of the same value.
+    default, default_factory : Any, default MISSING
+        As of ``dataclasses.field``.
+
+    Returns
+    -------
+    dataclasses.Field
+        The field.
+
+    Examples
+    --------
     >>> @record
     ... class Contact:
     ...     force: float = quantity("force_N", "its load F")
@@ -70,13 +90,37 @@ def record(cls: type[Class], /) -> type[Class]: ...
 def record(*, eq: bool = True, repr: bool = True, kw_only: bool = False) -> Callable[[type[Class]], type[Class]]: ...
 @dataclass_transform(frozen_default=True, field_specifiers=(field, quantity))
 def record(cls: type[Class] | None = None, /, **options: bool) -> Any:
-    """A frozen dataclass, some fields of which are a `quantity`; options: as of `dataclasses.dataclass`."""
+    """Make a frozen dataclass, some fields of which are a `quantity`.
+
+    Parameters
+    ----------
+    cls : type[Class] | None, default None
+        Class to decorate; None where options are given.
+    **options : bool
+        As of ``dataclasses.dataclass``.
+
+    Returns
+    -------
+    type
+        The dataclass, or the decorator.
+    """
     made = dataclass(frozen=True, **options)
     return made if cls is None else made(cls)
 
 
 def stated_in(kind: type) -> tuple[tuple[str, Stated], ...]:
-    """Names of the fields, properties and methods of a record, in their order, with what is stated of each."""
+    """List what is stated of the fields, properties and methods of a record.
+
+    Parameters
+    ----------
+    kind : type
+        Record class.
+
+    Returns
+    -------
+    tuple[tuple[str, Stated], ...]
+        Pairs of a name and its statement, in the order of the class.
+    """
     fields = [(name, x.metadata) for name, x in getattr(kind, "__dataclass_fields__", {}).items()]
     members = [(name, getattr(x, "fget", x)) for each in reversed(kind.__mro__) for name, x in vars(each).items()]
     of_members = [(name, getattr(x, "__dict__", {})) for name, x in members]

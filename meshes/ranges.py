@@ -1,5 +1,7 @@
-"""Quantities of scene files: ranges with units and advice, as pydantic reads them, the JSON Schema shows them, and a scene
-that is written has them."""
+"""Quantities of scene files as annotated types: unit, range and example.
+
+pydantic reads them, the JSON Schema shows them, and scenes are written by them.
+"""
 
 from __future__ import annotations
 
@@ -31,18 +33,30 @@ RATES = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """Range of a quantity, ends as in a scene (``above``, ``below``: without that end), and an example."""
+    """Range of a quantity, as the annotation of a field."""
 
+    #: One of `meshes.units.DIMENSIONS`, or of `RATES` for `Rate`.
     dimension: str
+    #: Lower end, as a scene file has it.
     low: str | float
+    #: Upper end, as a scene file has it.
     high: str | float
+    #: Usual value, whose unit values are written in.
     example: str | float
+    #: Whether the lower end is excluded.
     above: bool = False
+    #: Whether the upper end is excluded.
     below: bool = False
 
     @property
     def allowed(self) -> str:
-        """The range as text: ``0.01 mm to 1 m``, ``above 0 deg, below 90 deg``."""
+        """Range as text.
+
+        Examples
+        --------
+        >>> quantity_of(ContactAngle).allowed
+        'above 0 deg, below 90 deg'
+        """
         if not (self.above or self.below):
             return f"{self.low} to {self.high}"
         low = f"{'above' if self.above else 'from'} {self.low}"
@@ -50,11 +64,32 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """SI unit of its values."""
+        """SI unit of the values."""
         return units.DIMENSIONS[self.dimension][0]
 
-    def read(self, value: object) -> float:
-        """SI value of ``value``; raises pydantic's error carrying ``allowed`` and ``advice``."""
+    def si_value(self, value: object) -> float:
+        """SI value of a quantity of a scene file.
+
+        Parameters
+        ----------
+        value : object
+            Text with a unit, or a plain number where the quantity has none.
+
+        Returns
+        -------
+        float
+            Value in SI units.
+
+        Raises
+        ------
+        PydanticCustomError
+            The value is no such quantity or out of range; it carries ``allowed`` and ``advice``.
+
+        Examples
+        --------
+        >>> quantity_of(Size).si_value("32 mm")
+        0.032
+        """
         number, low, high = (self._number(v) for v in (value, self.low, self.high))
         too_low = number <= low if self.above else number < low
         if not too_low and (number < high if self.below else number <= high):
@@ -71,9 +106,24 @@ class Quantity:
             raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
 
     def written(self, value: float, added: float = 0.0) -> str | float:
-        """A value as a file has it, in the unit of the example: the shortest text that is read as exactly this value.
+        """Shortest text of a value that reads back as exactly this value, in the unit of the example.
 
-        added: what the value that is read is added to, where only the sum counts.
+        Parameters
+        ----------
+        value : float
+            Value in SI units.
+        added : float, default 0.0
+            Offset that is added to the value when it is read; then only the sum has to be exact.
+
+        Returns
+        -------
+        str | float
+            Text, or the number itself where the quantity has no unit.
+
+        Examples
+        --------
+        >>> quantity_of(Size).written(0.032), quantity_of(Force).written(250.0)
+        ('32 mm', '250 N')
         """
         if self.dimension == "number":
             return value
@@ -95,13 +145,13 @@ class Quantity:
         return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Validate with ``read``."""
+        """Validate with `si_value`."""
         from pydantic_core import core_schema
 
-        return core_schema.no_info_plain_validator_function(self.read)
+        return core_schema.no_info_plain_validator_function(self.si_value)
 
     def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """A number, or text with a unit."""
+        """Describe a number, or text with a unit."""
         kind = "number" if self.dimension == "number" else "string"
         schema: dict[str, Any] = {"type": kind, "examples": [self.example]}
         schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed}
@@ -114,22 +164,30 @@ class Quantity:
 
 @dataclass(frozen=True)
 class ShareOfRating:
-    """Part of the basic dynamic load rating C as computed [-]."""
+    """Force given as a part of the basic dynamic load rating C."""
 
+    #: Force over C.
     share: float
 
 
 @dataclass(frozen=True)
 class ForceOrShare(Quantity):
-    """Range of a force, or of per cents of the dynamic load rating C: ``5 % of C``."""
+    """Range of a force that may also be given in per cent of the dynamic load rating: ``5 % of C``."""
 
+    #: Largest share [%].
     most: float = 50.0
 
-    def read(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
-        """SI value, or the part of C; raises pydantic's error carrying ``allowed`` and ``advice``."""
+    def si_value(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
+        """SI value of a force, or its share of C; otherwise as `Quantity.si_value`.
+
+        Examples
+        --------
+        >>> ForceOrShare("force", "0 N", "1 MN", "5 kN").si_value("5 % of C")
+        ShareOfRating(share=0.05)
+        """
         match = _OF_C.fullmatch(value) if isinstance(value, str) else None
         if match is None:
-            return super().read(value)
+            return super().si_value(value)
         percent = float(match[1])
         if not 0.0 < percent <= self.most:
             advice = "makers preload with 3 to 8 % of C, and seldom with more than 10 %"
@@ -138,17 +196,17 @@ class ForceOrShare(Quantity):
 
     @property
     def allowed(self) -> str:
-        """The range as text."""
+        """Range as text."""
         return f'{super().allowed}, or e.g. "5 % of C"'
 
 
 @dataclass(frozen=True)
 class Rate(Quantity):
-    """Range of a speed, an angular speed, a time, a mass or what describes a lubricant."""
+    """Range of a speed, angular speed, time, mass, inertia or property of a lubricant; units from `RATES`."""
 
     @property
     def unit(self) -> str:
-        """SI unit of its values."""
+        """SI unit of the values."""
         return next(iter(RATES[self.dimension]))
 
     def _number(self, value: object) -> float:
@@ -166,7 +224,9 @@ class Rate(Quantity):
 class Whole:
     """Range of a whole number."""
 
+    #: Least number.
     low: int
+    #: Largest number.
     high: int
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
@@ -178,13 +238,15 @@ class Whole:
 
 @dataclass(frozen=True)
 class Several:
-    """How many entries a list of a file has that is read as a tuple."""
+    """Number of entries of a list of a file that is read as a tuple."""
 
+    #: Least number of entries.
     low: int
+    #: Largest number of entries.
     high: int
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> Any:
-        """Validate a list; its entries are a tuple."""
+        """Validate a list; its entries become a tuple."""
         from pydantic_core import core_schema
 
         items = handler.generate_schema(get_args(source)[0])
@@ -192,7 +254,18 @@ class Several:
 
 
 def quantity_of(of: Any) -> Quantity:
-    """The quantity of a type such as `Size`."""
+    """Quantity of an annotated type such as `Size`.
+
+    Parameters
+    ----------
+    of : Any
+        Annotated type with a `Quantity`.
+
+    Returns
+    -------
+    Quantity
+        The quantity.
+    """
     found: Quantity = get_args(of)[1]
     return found
 

@@ -1,4 +1,4 @@
-"""Scenes as text of a scene file: units as its keys have them, tables in the schema's order, what is usual left out."""
+"""Scenes as text of a scene file: units as its keys have them, tables in the schema's order, usual values left out."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from rollbench.meshes.ranges import (
     quantity_of,
 )
 
-#: Longest table that stands on the line of its key.
+#: Longest table that is written on the line of its key.
 LINE = 100
 #: Thermal expansion of steel [1/K], by which a strain is written as a warming.
 STEEL = 11.5e-6
@@ -39,12 +39,42 @@ Table = dict[str, Any]
 
 
 def to_toml(tables: Mapping[str, Any]) -> str:
-    """Text of a file with these keys and tables; a small table stands on the line of its key."""
+    """TOML text of keys and tables; a small table stands on the line of its key.
+
+    Parameters
+    ----------
+    tables : Mapping[str, Any]
+        Keys and tables, as `scene_tables` returns them.
+
+    Returns
+    -------
+    str
+        Text of a scene file.
+
+    Examples
+    --------
+    >>> print(to_toml({"title": "Two balls", "balls": {"count": 2}}), end="")
+    title = "Two balls"
+    <BLANKLINE>
+    [balls]
+    count = 2
+    """
     return "\n".join(_lines(tables, "")).strip() + "\n"
 
 
 def scene_tables(scene: Scene) -> Table:
-    """Keys and tables of a whole screw or bearing."""
+    """Keys and tables of the scene file of a screw or bearing.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    Table
+        Keys and tables, usual values left out.
+    """
     offset = scene.errors.lead_offset
     return given(
         **_head(scene, scene.screw.material),
@@ -72,7 +102,18 @@ def scene_tables(scene: Scene) -> Table:
 
 
 def axis_tables(axis: Assembly) -> Table:
-    """Keys and tables of a shaft with its rolling sets."""
+    """Keys and tables of the scene file of a shaft with its rolling sets.
+
+    Parameters
+    ----------
+    axis : Assembly
+        Shaft with its sets.
+
+    Returns
+    -------
+    Table
+        Keys and tables, usual values left out.
+    """
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
     shaft = table_of(axis.screw, "material", "groove_radius") | _material(axis.screw.material, shared)
     if axis.screw.groove_radius:
@@ -109,7 +150,26 @@ def axis_tables(axis: Assembly) -> Table:
 def case_table(
     share: float, time: float | None, speed: float | None, parts: Scene | Assembly, case: Scene | Assembly
 ) -> Table:
-    """What a load case has otherwise than the parts; its share of the revolutions, or its time [s], and speed [rad/s]."""
+    """Table of a load case of a duty cycle: only what differs from the scene itself.
+
+    Parameters
+    ----------
+    share : float
+        Share of all revolutions; used where ``time`` is None.
+    time : float | None
+        Duration [s], or None.
+    speed : float | None
+        Angular speed [rad/s], or None.
+    parts : Scene | Assembly
+        The scene itself.
+    case : Scene | Assembly
+        The scene under this load case.
+
+    Returns
+    -------
+    Table
+        Keys of the table, as the scene file has them.
+    """
     supports = [_displaced(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
     table: Table = {"share": share} if time is None else {"time": text_of(Duration, time)}
     table |= {} if speed is None else {"speed": text_of(Turning, speed)}
@@ -128,7 +188,7 @@ def _oversizes(parts: Scene | Assembly) -> list[float]:
 
 
 def _displaced(before: Support, after: Support) -> Table:
-    """What a load case says of a support that it displaces otherwise."""
+    """Keys of a support that a load case displaces differently; empty where it does not."""
     moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
     return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
 
@@ -142,7 +202,7 @@ def _head(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
 
 
 def _material(material: Material, shared: Material | None) -> Table:
-    """The material of a part where it is not the one that parts share."""
+    """Key of a part's material, where that is not the one that parts share."""
     if material == shared:
         return {}
     unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
@@ -150,7 +210,11 @@ def _material(material: Material, shared: Material | None) -> Table:
 
 
 def _track(scene: Scene, *, by_thrust: bool = False) -> Table:
-    """The path; of one arc a groove, which a thrust does not say, with the clearance at which the balls rest so."""
+    """Table of the ball path.
+
+    Of a deep groove, with the clearance from which its contact angle follows; of other grooves of one arc, thrust gives
+    the sense.
+    """
     track = scene.track
     if track.arcs == "two" or by_thrust:
         return table_of(track, "arcs")
@@ -166,7 +230,23 @@ def _track(scene: Scene, *, by_thrust: bool = False) -> Table:
 
 
 def groove_table(radius: float, ball: float) -> Table:
-    """A groove by the shorter text of its radius and of its conformity."""
+    """Key of a groove: conformity r_G / (2 r_B) where that is the shorter exact text, else the groove radius.
+
+    Parameters
+    ----------
+    radius, ball : float
+        Radii of groove and ball [m].
+
+    Returns
+    -------
+    Table
+        One key.
+
+    Examples
+    --------
+    >>> groove_table(0.52 * 2.0 * 2.7765e-3, 2.7765e-3), groove_table(3.254e-3, 2.778e-3)
+    ({'conformity': 0.52}, {'groove_radius': '3.254 mm'})
+    """
     text, conformity = text_of(Size, radius), float(f"{radius / (2.0 * ball):.9g}")
     shorter = len(str(conformity)) < len(str(text)) - 3 and conformity > 0.5
     if shorter and conformity * (2.0 * ball) == radius:
@@ -285,12 +365,31 @@ def _stiffness(matrix: Stiffness | None) -> Table:
 
 
 def given(**table: Any) -> Table:
-    """What is neither None nor empty."""
+    """Collect the keyword arguments that are neither None nor empty.
+
+    Examples
+    --------
+    >>> given(a=1, b=None, c="", d=[])
+    {'a': 1}
+    """
     return {name: value for name, value in table.items() if value not in (None, "", [], {})}
 
 
 def text_of(of: Any, value: float) -> str | float:
-    """A value as text of a quantity such as `ranges.Size`."""
+    """Text of a value in SI units as a scene file has it.
+
+    Parameters
+    ----------
+    of : Any
+        Annotated type of `ranges`, such as ``Size``.
+    value : float
+        Value in SI units.
+
+    Returns
+    -------
+    str | float
+        Text, or the number itself where the quantity has no unit.
+    """
     return quantity_of(of).written(value)
 
 
@@ -309,7 +408,20 @@ def _inside(hint: Any) -> Iterator[Quantity]:
 
 
 def table_of(record: Any, *left_out: str) -> Table:
-    """Fields of a record as keys, but those that are as usual."""
+    """Keys of a record's fields that differ from their defaults.
+
+    Parameters
+    ----------
+    record : Any
+        Dataclass whose fields are keys of scene files.
+    *left_out : str
+        Fields to leave out.
+
+    Returns
+    -------
+    Table
+        Values by key, as the scene file has them.
+    """
     of: type = type(record)
     quantities = _quantities(of)
     out = {}
@@ -345,7 +457,7 @@ def _lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
 
 
 def _shown(value: Any, *, wrapped: bool = False) -> str:
-    """A value in TOML; wrapped: a long list has a line for each entry."""
+    """Write a value in TOML; wrapped: a long list gets a line for each entry."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {_shown(x)}" for name, x in value.items()) + " }"
     if isinstance(value, list):

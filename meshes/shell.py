@@ -1,7 +1,7 @@
 """A closed surface of exactly known faces, and the second-order tetrahedra that gmsh fills it with.
 
 Curves are divided once, gmsh triangulates the plane faces between them and fills the closed surface with tetrahedra, and
-the midpoints of the edges on the surface are put onto it. Units inside: mm (gmsh), metres outside.
+the midpoints of the edges on the surface are moved onto it. Units inside: mm (gmsh), metres outside.
 
 gmsh has one state for a process: `session` begins it quietly and ends it whatever happens.
 """
@@ -31,11 +31,27 @@ RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
 
 @contextmanager
 def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
-    """gmsh with options by name; one that runs already takes them too, and goes on running afterwards.
+    """Run gmsh in a context, under some options.
 
-    What this process does on signals stays as it was: gmsh would let TERM end it before it has tidied up, HUP in spite of
-    nohup, and a pipe that nobody reads without a word. Only the main thread can see to that. Raises ImportError where
-    gmsh, or a library of the system that it needs, is missing.
+    A gmsh that runs already takes the options too, and goes on running afterwards.
+
+    Signal handlers of this process stay as they were: gmsh would let TERM end it before it has tidied up, HUP in spite of
+    nohup, and PIPE silently. Only the main thread can restore them.
+
+    Parameters
+    ----------
+    options : Mapping[str, float], optional
+        Options of gmsh by name.
+
+    Yields
+    ------
+    module
+        gmsh.
+
+    Raises
+    ------
+    ImportError
+        gmsh, or a system library that it needs, is missing.
     """
     gmsh = _gmsh()
     started = not gmsh.isInitialized()
@@ -84,13 +100,13 @@ BEND = (1.2, 1.1)
 #: Longest edges of the smooth surface behind a groove over the wall's thickness.
 WALL = 1.6
 
-#: How fast edges grow away from the surface.
+#: Growth of the edge length per distance from the surface.
 INWARD = 0.5
 
-#: Cubes in which gmsh's questions for sizes are answered at once, along x, y and z, on faces and in volumes.
+#: Cubes for which sizes are evaluated at once for gmsh's callback, along x, y and z, on faces and in volumes.
 FACE_BLOCK, VOLUME_BLOCK = (12, 12, 1), (4, 4, 4)
 
-#: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
+#: gmsh's options: no output, one thread and no randomness but its fixed seed, sizes from faces inwards.
 OPTIONS = {
     "General.NumThreads": 1,
     "Mesh.MaxNumThreads1D": 1,
@@ -106,59 +122,76 @@ OPTIONS = {
     "Mesh.OptimizeThreshold": 0.5,
 }
 
-#: Sine of an angle from which a triangle is sound.
+#: Sine of the smallest angle from which a triangle is well shaped.
 SLENDER = 0.3
 
 #: What is tried in turn: gmsh's algorithms for faces (6 frontal, 5 Delaunay) and volume (1 Delaunay, 4 frontal), share of
 #: the element sizes.
 ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))
 
-#: Flanks as near as this [m] to where they should be are without fault; else the nearest of all attempts is taken.
+#: Deviation [m] of flanks from the exact surface that counts as none; otherwise the best of all attempts is taken.
 EXACT = 1e-9
 
-#: So are meshes without a cell of a smaller scaled Jacobian.
+#: Smallest scaled Jacobian of a mesh that counts as faultless.
 POOREST = 0.005
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A divided curve: nodes ``(n + 1,)``, parameters ``(n + 1,)``."""
+    """A divided curve of n edges."""
 
+    #: Nodes ``(n + 1,)``.
     nodes: Index
+    #: Parameters ``(n + 1,)``.
     t: Array
 
     def on(self, plane: Placing) -> Side:
-        """The curve as side of a face whose plane coordinates ``plane`` gives."""
+        """Curve as side of a face with the given plane coordinates."""
         return self.nodes, plane(self.t)
 
     def back(self, plane: Placing) -> Side:
-        """The same, backwards."""
+        """Curve backwards, as side of a face with the given plane coordinates."""
         return self.nodes[::-1], plane(self.t[::-1])
 
 
 @dataclass
 class Face:
-    """A triangulated face: its nodes' numbers ``(n,)`` and plane coordinates ``(n, 2)`` (a node on a seam has two), its
-    triangles ``(t, 3)`` of them, points of plane coordinates (None: a socket's faces, which stay as they are)."""
+    """A triangulated face of n nodes."""
 
+    #: Name of its boundary.
     name: str
+    #: Numbers of its nodes ``(n,)``.
     number: Index
+    #: Plane coordinates of its nodes ``(n, 2)``; a node on a seam occurs twice.
     plane: Array
+    #: Triangles ``(t, 3)``, by place among its nodes.
     local: Index
+    #: Points of plane coordinates; None: a socket's faces, which stay as they are.
     space: Placing | None
 
     @property
     def tris(self) -> Index:
-        """Triangles ``(t, 3)`` of nodes' numbers."""
+        """Triangles ``(t, 3)``, by numbers of nodes."""
         return self.number[self.local]
 
     @property
     def pairs(self) -> Index:
-        """Edges ``(3 t, 2)`` of the triangles."""
+        """Edges ``(3 t, 2)`` of the triangles, by place among the face's nodes."""
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
     def turn(self, first: int, second: int) -> bool:
-        """Exchange the common edge of two triangles for the other diagonal, if both stay sound in the plane."""
+        """Exchange the common edge of two triangles for the other diagonal, if both stay well shaped in the plane.
+
+        Parameters
+        ----------
+        first, second : int
+            The triangles.
+
+        Returns
+        -------
+        bool
+            Whether the edge was exchanged.
+        """
         one, two = ([int(k) for k in self.local[t]] for t in (first, second))
         start = next((k for k in range(3) if one[k] in two and one[(k + 1) % 3] in two), None)
         if start is None:
@@ -173,7 +206,23 @@ class Face:
 
 
 def corner_sine(corners: Array) -> Array:
-    """Sine of the smallest angle of triangles ``(t, 3, 2)`` in the plane; negative for one that turns right."""
+    """Sine of the smallest angle of plane triangles; negative for clockwise ones.
+
+    Parameters
+    ----------
+    corners : (t, 3, 2) Array
+        Corners.
+
+    Returns
+    -------
+    (t,) Array
+        Sines.
+
+    Examples
+    --------
+    >>> corner_sine(np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])).round(4).tolist()
+    [0.7071]
+    """
     u, v, w = (corners[:, (k + 1) % 3] - corners[:, k] for k in range(3))
     long = np.sort([np.linalg.norm(x, axis=1) for x in (u, v, w)], axis=0)
     return np.asarray((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / (long[1] * long[2]))
@@ -183,7 +232,19 @@ class Shell:
     """A closed surface under construction: nodes, divided curves, triangulated faces, exact midpoints of edges."""
 
     def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
-        """size: edge length [m] at points; fine: the smallest [m]; algorithm: gmsh's for plane faces."""
+        """Begin a shell without nodes.
+
+        Parameters
+        ----------
+        gmsh : Any
+            gmsh in a `session`.
+        size : Placing
+            Edge length [m] at points ``(n, 3)`` [m].
+        fine : float
+            Smallest edge length [m].
+        algorithm : int
+            gmsh's algorithm for plane faces.
+        """
         self.gmsh, self.size, self.fine, self.algorithm = gmsh, size, fine, algorithm
         self.points = np.zeros((0, 3))
         self.faces: list[Face] = []
@@ -191,13 +252,30 @@ class Shell:
         self.raised: list[tuple[Index, Array]] = []
 
     def nodes(self, points: Array) -> Index:
-        """Numbers of new nodes at points ``(n, 3)`` [m]."""
+        """Add nodes at points ``(n, 3)`` [m]; returns their numbers ``(n,)``."""
         first = len(self.points)
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
 
     def curve(self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None) -> Curve:
-        """Divide a curve ``space(t)``; ends: nodes there (None: a closed curve, at least five edges)."""
+        """Divide a curve.
+
+        Parameters
+        ----------
+        space : Placing
+            Points ``(n, 3)`` [m] of parameters ``(n,)``.
+        start, end : float
+            Range of the parameter.
+        limit : float
+            Longest edge [m].
+        ends : tuple[int, int] | None, default None
+            Nodes at its ends; None: a closed curve, with at least five edges.
+
+        Returns
+        -------
+        Curve
+            The divided curve.
+        """
         t = np.linspace(start, end, 65)
         length = float(np.linalg.norm(np.diff(space(t), axis=0), axis=1).sum())
         t = np.linspace(start, end, int(np.clip(length / (0.3 * self.fine), 64, 40000)) + 1)
@@ -214,9 +292,20 @@ class Shell:
     def face(
         self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
     ) -> None:
-        """Triangulate a face; loops: its boundary, then its holes, as sides in order; space: plane coordinates to points.
+        """Triangulate a face.
 
-        limit: longest edge [m]; stretch: length in the plane over length in space, at plane coordinates (None: 1).
+        Parameters
+        ----------
+        name : str
+            Name of its boundary.
+        loops : Sequence[Sequence[Side]]
+            Its outer boundary, then its holes, each as sides in order.
+        space : Placing
+            Points ``(n, 3)`` [m] of plane coordinates ``(n, 2)``.
+        limit : float
+            Longest edge [m].
+        stretch : Placing | None, default None
+            Length in the plane over length in space, at plane coordinates; None: 1.
         """
         rings = [(np.concatenate([n[:-1] for n, _ in loop]), np.concatenate([x[:-1] for _, x in loop])) for loop in loops]
         boundary = np.concatenate([n for n, _ in rings])
@@ -233,8 +322,24 @@ class Shell:
         self.faces.append(Face(name, number, plane, tris, space))
 
     def socket(self, name: str, mesh: SocketMesh, points: Array, raised: Array) -> Index:
-        """Add the inner faces of a socket as a face of that name, its nodes at ``points``, its corners ``raised`` while the
-        volume is filled; returns the corners' numbers."""
+        """Add the inner faces of a socket as a face.
+
+        Parameters
+        ----------
+        name : str
+            Name of its boundary.
+        mesh : SocketMesh
+            Mesh of the faces.
+        points : (k, 3) Array
+            Points of its nodes [m].
+        raised : (c, 3) Array
+            Points of its corners while the volume is filled [m].
+
+        Returns
+        -------
+        (c,) Index
+            Numbers of the corners.
+        """
         count = len(mesh.xi) - len(mesh.edges)
         number = self.nodes(points[:count])
         pairs = np.array(list(mesh.edges), dtype=np.int64)
@@ -244,19 +349,41 @@ class Shell:
         return number
 
     def tris(self, name: str = "") -> Index:
-        """Triangles ``(t, 3)`` of all faces, or of those of that name."""
+        """Triangles ``(t, 3)`` of the faces of a name; of all faces where the name is empty."""
         return np.concatenate([f.tris for f in self.faces if name in ("", f.name)])
 
     def exact(self) -> tuple[Index, Array]:
-        """Edges ``(k, 2)`` of the surface and their exact midpoints ``(k, 3)`` [m]; first those of the curves."""
+        """Exact midpoints of the edges on the surface; first those of the curves.
+
+        Returns
+        -------
+        edges : (k, 2) Index
+            Nodes of the edges.
+        points : (k, 3) Array
+            Midpoints [m].
+        """
         of_faces = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
         edges, points = zip(*self.middles, *of_faces, strict=True)
         return np.concatenate(edges), np.concatenate(points)
 
 
 def callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Callable[..., float]:
-    """Answers to gmsh's question for sizes: ``lengths`` at points ``(n, 3)`` [m], once for every cube of edge grain [m], as
-    many at once as a block has along x, y and z."""
+    """Size callback for gmsh that evaluates many points at once and caches them.
+
+    Parameters
+    ----------
+    lengths : Placing
+        Edge lengths [m] at points ``(n, 3)`` [m].
+    grain : float
+        Edge of the cubes in which the length counts as constant [m].
+    block : tuple[int, int, int]
+        Cubes along x, y and z that are evaluated at once.
+
+    Returns
+    -------
+    callable
+        For gmsh's ``setSizeCallback``.
+    """
     known = dict[tuple[int, int, int], list[float]]()
     inverse, (a, b, c) = 1.0 / (MM * grain), block
     cubes = np.array(list(product(*map(range, block))))
@@ -275,10 +402,32 @@ def callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Cal
 def triangulate(
     gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
-    """Triangles of a plane region without new nodes on its boundary, and its inner nodes ``(k, 2)``.
+    """Triangulate a plane region without new nodes on its boundary.
 
-    counts: nodes of each closed loop, the outer one first; plane: the nodes, loop after loop ``(n, 2)`` [m]; sizes: answers
-    gmsh's question for them. The triangles count the boundary's nodes first and turn left.
+    Parameters
+    ----------
+    gmsh : Any
+        gmsh in a `session`.
+    counts : Sequence[int]
+        Number of nodes of each closed loop, the outer one first.
+    plane : (n, 2) Array
+        Nodes of the loops, one after another [m].
+    sizes : Callable[..., float]
+        Size callback, by `callback`.
+    algorithm : int
+        gmsh's algorithm.
+
+    Returns
+    -------
+    triangles : (t, 3) Index
+        Counter-clockwise; nodes of the boundary are counted first.
+    inner : (k, 2) Array
+        New nodes inside [m].
+
+    Raises
+    ------
+    ValueError
+        gmsh changed the boundary.
     """
     gmsh.model.add("face")
     geo, mesh = gmsh.model.geo, gmsh.model.mesh
@@ -315,9 +464,32 @@ def triangulate(
 
 
 def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int) -> tuple[Index, Array]:
-    """Tetrahedra inside a closed triangulated surface, which they keep, and the inner nodes ``(k, 3)`` [m].
+    """Fill a closed triangulated surface with tetrahedra; the surface stays as it is.
 
-    Raises ValueError where the surface is not closed.
+    Parameters
+    ----------
+    gmsh : Any
+        gmsh in a `session`.
+    points : (n, 3) Array
+        Nodes of the surface [m].
+    tris : (t, 3) Index
+        Its triangles.
+    sizes : Callable[..., float]
+        Size callback, by `callback`.
+    algorithm : int
+        gmsh's algorithm.
+
+    Returns
+    -------
+    cells : (m, 4) Index
+        Tetrahedra; nodes of the surface are counted first.
+    inner : (k, 3) Array
+        New nodes inside [m].
+
+    Raises
+    ------
+    ValueError
+        The surface is not closed, or gmsh leaves the volume empty.
     """
     edges = np.sort(np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]]), axis=1)
     if np.any(np.unique(edges @ np.array([len(points), 1]), return_counts=True)[1] != 2):
@@ -348,14 +520,33 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
 
 @dataclass(frozen=True)
 class Filled:
-    """Second-order tetrahedra in a shell, corners numbered as there; keys of its edges in order, and their midpoints."""
+    """Second-order tetrahedra in a shell, whose corners have the shell's numbers."""
 
+    #: The mesh.
     mesh: Mesh
+    #: Keys of its edges, ascending.
     keys: Index
+    #: Nodes in the middle of these edges.
     middles: Index
 
     def middle(self, pairs: Index) -> Index:
-        """Nodes in the middle of edges, by their corners ``(k, 2)``. Raises ValueError for a pair that is no edge."""
+        """Nodes in the middle of edges.
+
+        Parameters
+        ----------
+        pairs : (k, 2) Index
+            Corners of the edges.
+
+        Returns
+        -------
+        (k,) Index
+            Nodes.
+
+        Raises
+        ------
+        ValueError
+            A pair is no edge.
+        """
         keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
         place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
         if not np.array_equal(self.keys[place], keys):
@@ -363,31 +554,64 @@ class Filled:
         return np.asarray(self.middles[place])
 
     def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
-        """Nodes of a socket's faces in the order of ``box``, from those of its corners."""
+        """Nodes of a socket's faces, in the order of its mesh.
+
+        Parameters
+        ----------
+        corners : (c,) Index
+            Numbers of its corners.
+        box : SocketMesh
+            Mesh of its faces.
+
+        Returns
+        -------
+        (k,) Index
+            Nodes.
+        """
         return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
 
     def named(self, shell: Shell) -> Mesh:
-        """The mesh with the shell's faces as boundaries. Raises ValueError for one that is lost."""
+        """Name the shell's faces as boundaries of the mesh.
+
+        Raises
+        ------
+        ValueError
+            A face is lost.
+        """
         return with_faces(self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)})
 
     def on(self, tris: Index) -> Index:
-        """All nodes of triangles ``(t, 3)`` of the surface, ascending."""
+        """Nodes of triangles ``(t, 3)`` of the surface, ascending."""
         pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
         return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
 
 
 def turned_right(points: Array, cells: Index) -> Index:
-    """Tetrahedra ``(m, 4)`` with positive volume."""
+    """Tetrahedra ``(m, 4)`` renumbered so that all volumes are positive."""
     a, b, c, d = (points[cells[:, k]] for k in range(4))
     turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
 
 
 def freed(shell: Shell, points: Array, cells: Index) -> Index:
-    """Tetrahedra without flat ones on the surface; the shell's triangles are changed to match.
+    """Drop flat tetrahedra on the surface; the shell's triangles are changed to match.
 
-    A cell with two triangles of the same smooth face has no volume along their common edge once that is bent. It is left
-    out, and the two triangles are exchanged for its other two.
+    A cell with two triangles of the same smooth face has no volume along their common edge once that is curved. It is
+    left out, and the two triangles are exchanged for its other two.
+
+    Parameters
+    ----------
+    shell : Shell
+        The shell, changed in place.
+    points : (n, 3) Array
+        Nodes [m].
+    cells : (m, 4) Index
+        Tetrahedra.
+
+    Returns
+    -------
+    (k, 4) Index
+        Remaining tetrahedra.
     """
     base = np.array([len(points) ** 2, len(points), 1])
     for _ in range(6):
@@ -417,7 +641,25 @@ def freed(shell: Shell, points: Array, cells: Index) -> Index:
 
 
 def fill(shell: Shell, algorithm: int) -> Filled:
-    """Second-order tetrahedra inside a shell, growing away from it. Raises ValueError for an open shell."""
+    """Fill a shell with second-order tetrahedra that grow away from it.
+
+    Parameters
+    ----------
+    shell : Shell
+        Closed surface.
+    algorithm : int
+        gmsh's algorithm for the volume.
+
+    Returns
+    -------
+    Filled
+        The mesh, nodes of the surface exactly on it.
+
+    Raises
+    ------
+    ValueError
+        The surface is not closed.
+    """
     points = shell.points.copy()
     for number, place in shell.raised:
         points[number] = place
@@ -451,7 +693,22 @@ def fill(shell: Shell, algorithm: int) -> Filled:
 
 
 def graded(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:
-    """Edge length [m] at points: fine up to a distance ``first`` from any of ``near`` ``(k, 3)``, coarse from ``last``."""
+    """Edge length that grows with the distance from points.
+
+    Parameters
+    ----------
+    near : (k, 3) Array
+        Points [m].
+    fine, coarse : float
+        Edge length up to the distance ``first``, and from ``last`` on [m].
+    first, last : float
+        Distances [m], between which it grows linearly.
+
+    Returns
+    -------
+    callable
+        Edge lengths at points ``(n, 3)``.
+    """
     if not len(near):
         return lambda x: np.full(len(x), coarse)
     tree = cKDTree(near)
@@ -464,10 +721,24 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
 
 
 def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """First mesh without fault of gmsh's algorithms and sizes in turn, or else that with the smallest fault.
+    """First faultless mesh of gmsh's algorithms and sizes in turn (`ATTEMPTS`), or else the one with the smallest fault.
 
-    attempt: mesh and its fault, by gmsh, algorithm for faces, for the volume, share of the sizes. Raises ValueError where
-    no attempt gives a mesh.
+    Parameters
+    ----------
+    name : str
+        Body, for the message.
+    attempt : Callable[[Any, int, int, float], tuple[Body, float]]
+        Mesh and its fault (0: none), from gmsh, algorithm for faces, algorithm for the volume, factor on the sizes.
+
+    Returns
+    -------
+    Body
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        No attempt gives a mesh.
     """
     failures: list[str] = []
     attempts: list[tuple[Body, float]] = []

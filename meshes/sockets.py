@@ -1,4 +1,4 @@
-"""Sockets, the boxes left free around contacts for fine patches: their shape, their faces, and how large they may be.
+"""Sockets: boxes left free around contacts for fine patches; their shape, faces and largest size.
 
 A socket is bounded by surfaces of constant depth and azimuth; in gamma it narrows with its depth. Its local coordinates
 xi are gamma and azimuth in [-1, 1] and depth in [0, 1]; all sockets of a side are congruent, so that one patch fits them.
@@ -18,28 +18,28 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES
 
-#: Socket where nothing is near: half width in gamma [rad]; depth and half length along the track over the ball's radius
+#: Usual socket: half width in gamma [rad]; depth and half length along the track over the ball's radius
 #: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
-#: Smallest share of that size at which a contact zone still finds room.
+#: Smallest share of that size that is accepted.
 LEAST = 0.4
-#: That share beside a flat end, where a lip leaves no more depth; contacts keep the width and length that they need.
+#: That share near a flat end, where the wall leaves no more depth; contacts keep the width and length that they need.
 LIP = 0.1
-#: Share of a socket's half width and length that its contact zone fills, if there is room; and at most.
+#: Share of a socket's half width and length that its contact zone fills: usually, and at most.
 FILLED, ZONE = 0.6, 0.95
-#: Width that sockets offer to contacts over what they need, unless that takes more than half of what is left.
+#: Width of sockets for contacts over the required one, unless that takes more than half of the remaining flank.
 SPARE = 1.15
-#: Flank kept free beside a socket, over its half width: as a rule, and where the contact needs the room.
+#: Flank kept free next to a socket, over its half width: usually, and where the contact needs more width.
 BESIDE, CLOSE = 0.25, 0.03
 #: Track kept free between two sockets, over their half length.
 BETWEEN = 0.6
-#: Material kept under a socket, over its depth; and beside it to an end or to the next turn, over the ball's radius.
+#: Material kept under a socket, over its depth; and from it to an end or to the next turn, over the ball's radius.
 UNDER, AWAY = 0.5, 0.12
-#: That beside an end, where no more is left.
+#: Material kept to an end, where no more is available.
 THIN = 0.05
-#: How much narrower a socket is at its bottom: beside the edge of a groove there is room for it to bulge.
+#: Relative reduction of a socket's width at its bottom: leaves room for its faces to bulge next to the edge of a groove.
 TAPER = 0.2
-#: How far a ball may lie off its groove, over its radius.
+#: Largest distance of a ball from its groove, over its radius.
 ON_GROOVE = 1e-3
 #: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`, and how far diagonals stand out
 #: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does,
@@ -51,32 +51,53 @@ AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class SocketSize:
-    """Half width in gamma [rad], depth below the groove [m], half width in azimuth [rad], edges' subdivisions (3,)."""
+    """Size of a socket."""
 
+    #: Half width in the section angle [rad].
     gamma: float
+    #: Depth below the groove's surface [m].
     depth: float
+    #: Half width in azimuth [rad].
     phi: float
+    #: Subdivisions of its edges across, in depth and along.
     cuts: tuple[int, int, int] = (2, 2, 2)
 
 
 @dataclass(frozen=True)
 class SocketMesh:
-    """Inner faces of a socket: local coordinates xi ``(k, 3)`` of the nodes (gamma and azimuth in [-1, 1], depth in
-    [0, 1]), second-order triangles ``(t, 6)``, the face each lies on, and the midpoint of every edge of corners."""
+    """Mesh of the five inner faces of a socket."""
 
+    #: Nodes in local coordinates ``(k, 3)``: gamma and azimuth in [-1, 1], depth in [0, 1].
     xi: Array
+    #: Second-order triangles ``(t, 6)``.
     triangles: Index
+    #: Number of the face on which each triangle lies ``(t,)``.
     face: Index
+    #: Node in the middle of every edge, by its two corners.
     edges: dict[tuple[int, int], int]
 
 
 def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
-    """Inner faces of a socket, each edge cut into equal parts, and raised local coordinates of their corners.
+    """Mesh of a socket's inner faces, and coordinates of their corners at which the faces bulge into the body.
 
-    place: points ``(n, 3)`` of local coordinates ``(n, 3)``. While a body is filled, the corners of its sockets lie at the
-    raised coordinates, at which the faces bulge into the body; the rim stays. A tetrahedron with all corners on a convex
-    socket lies in the socket, so that none fits flat over a bulging face. Of both diagonals of a rectangle the one that
-    stands out into the body is taken; of `RAISED`, the least share with which all stand out by `RIDGE`, or else the best.
+    While a body is filled with cells, the corners of its sockets are at the bulging coordinates; the rim stays. A
+    tetrahedron with all corners on a convex socket lies in the socket, so that none fits flat over a bulging face. Of the
+    two diagonals of a rectangle the one that stands out into the body is taken; of the shares `RAISED`, the least with
+    which all stand out by `RIDGE`, or else the best.
+
+    Parameters
+    ----------
+    place : Callable[[Array], Array]
+        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+    cuts : tuple[int, int, int]
+        Equal parts of the edges across, in depth and along.
+
+    Returns
+    -------
+    mesh : SocketMesh
+        The faces.
+    bulging : (c, 3) Array
+        Local coordinates of the corners while the body is filled.
     """
     lines = (np.linspace(-1.0, 1.0, cuts[0] + 1), np.linspace(0.0, 1.0, cuts[1] + 1), np.linspace(-1.0, 1.0, cuts[2] + 1))
     number: dict[tuple[int, ...], int] = {}
@@ -106,10 +127,26 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
 def side_socket(
     places: Callable[[int], Callable[[Array], Array]], side: int, cuts: tuple[int, int, int]
 ) -> tuple[SocketMesh, Array]:
-    """`socket_mesh` of a side; places: the map of local coordinates by side.
+    """Mesh of the sockets of one side, as `socket_mesh`.
 
-    A turn by 180 degrees about the radius through the ball's centre takes left flanks onto right ones and azimuths to their
-    opposites. So the socket of a right flank (SR, NR) is that of the left one with azimuths turned round, node by node.
+    A turn by 180 degrees about the radius through the ball's centre takes left flanks onto right ones and reverses
+    azimuths. So the socket of a right flank (SR, NR) is that of the left one with azimuths reversed, node by node.
+
+    Parameters
+    ----------
+    places : Callable[[int], Callable[[Array], Array]]
+        Map of local coordinates to points, by side.
+    side : int
+        Flank 0 to 3.
+    cuts : tuple[int, int, int]
+        As for `socket_mesh`.
+
+    Returns
+    -------
+    mesh : SocketMesh
+        The faces.
+    bulging : (c, 3) Array
+        Local coordinates of the corners while the body is filled.
     """
     if side % 2 == 0:
         return socket_mesh(places(side), cuts)
@@ -120,7 +157,20 @@ def side_socket(
 
 
 def bulging(xi: Array, share: float) -> Array:
-    """Local coordinates ``(n, 3)`` of a socket's faces moved out, by about ``share`` times their size; the rim stays."""
+    """Local coordinates of a socket's faces moved outwards; the rim stays.
+
+    Parameters
+    ----------
+    xi : (n, 3) Array
+        Local coordinates on the faces.
+    share : float
+        Displacement over the size of the faces, about.
+
+    Returns
+    -------
+    (n, 3) Array
+        Moved local coordinates.
+    """
     a, u, b = xi.T
     rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
     bottom = u * u * (across + along + TWIST[1] * across * along + SKEW * a * b)
@@ -149,7 +199,18 @@ def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
 
 
 def rim(socket: SocketMesh) -> Index:
-    """Corners around the open top of a socket, in order."""
+    """Corners around the open top of a socket, in order.
+
+    Parameters
+    ----------
+    socket : SocketMesh
+        Mesh of the faces.
+
+    Returns
+    -------
+    (r,) Index
+        Nodes, around the rim.
+    """
     around: dict[int, list[int]] = {}
     for i, j in socket.edges:
         if socket.xi[i, 1] == 0.0 and socket.xi[j, 1] == 0.0:
@@ -163,22 +224,69 @@ def rim(socket: SocketMesh) -> Index:
 
 
 def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
-    """(r, zeta, psi) of the nominal contact point of a side."""
-    x3, z3 = m.section(side, np.array(m.beta), np.array(m.radius[side]))
+    """Unrolled coordinates of the nominal contact point of a side.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+
+    Returns
+    -------
+    r, zeta, psi : float
+        As of `GrooveMap.unroll` [m, m, rad].
+    """
+    x3, z3 = m.section_point(side, np.array(m.beta), np.array(m.radius[side]))
     r, zeta, psi = m.unroll(x3, z3)
     return float(r), float(zeta), float(psi)
 
 
 def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
-    """Points ``(n, 3)`` [m] of local socket coordinates for a ball at azimuth 0, z = 0."""
+    """Points of local socket coordinates, for a ball at azimuth 0 and z = 0.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Size of the socket.
+    side : int
+        Flank 0 to 3.
+    xi : (n, 3) Array
+        Local coordinates.
+
+    Returns
+    -------
+    (n, 3) Array
+        Points [m].
+    """
     gamma = m.beta + size.gamma * xi[:, 0] * (1.0 - TAPER * xi[:, 1])
     rho = m.radius[side] + size.depth * xi[:, 1]
-    r, zeta, _ = m.unroll(*m.section(side, gamma, rho))
+    r, zeta, _ = m.unroll(*m.section_point(side, gamma, rho))
     return m.space(r, zeta, socket_centre(m, side)[2] + size.phi * xi[:, 2])
 
 
 def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
-    """Points ``(n, 3)`` [m] of local coordinates in the socket (azimuth [rad] and z [m] of the ball, side)."""
+    """Points of local coordinates in the socket of a ball.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Size of the socket.
+    socket : tuple[float, float, int]
+        Azimuth [rad] and station [m] of the ball, and flank 0 to 3.
+    xi : (n, 3) Array
+        Local coordinates.
+
+    Returns
+    -------
+    (n, 3) Array
+        Points [m].
+    """
     phi, z, side = socket
     c, s = np.cos(phi), np.sin(phi)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -188,7 +296,20 @@ def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, in
 def socket_coordinates(
     m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
 ) -> Array:
-    """Local coordinates xi ``(n, 3)`` of points in cylindrical coordinates; inverse of ``socket_points``."""
+    """Local socket coordinates of points; the inverse of `socket_points`.
+
+    Parameters
+    ----------
+    m, size, socket
+        As for `socket_points`.
+    phi, z, r : (n,) Array
+        Cylindrical coordinates of the points [rad, m, m].
+
+    Returns
+    -------
+    (n, 3) Array
+        Local coordinates.
+    """
     ball_phi, ball_z, side = socket
     centre = ball_phi + socket_centre(m, side)[2]
     total = phi + 2.0 * np.pi * np.round((centre - phi) / (2.0 * np.pi))
@@ -200,14 +321,33 @@ def socket_coordinates(
 
 
 def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
-    """Angles gamma [rad] of the apex and of the edge of a flank at the land radius [m]; both edges of a groove of one arc.
+    """Section angles between which a flank extends.
 
-    Raises ValueError where the contact does not lie between the two.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    land : float
+        Radius of the lands [m].
+
+    Returns
+    -------
+    low : float
+        Angle of the apex [rad]; of a groove of one arc, of its other edge.
+    high : float
+        Angle of the edge at the land [rad].
+
+    Raises
+    ------
+    ValueError
+        The contact does not lie between the two.
     """
     apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
 
     def excess(gamma: float) -> float:
-        return float(m.unroll(*m.section(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
+        return float(m.unroll(*m.section_point(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
 
     if excess(m.beta) * excess(np.pi) < 0.0:
         edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))
@@ -219,7 +359,24 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
 
 
 def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
-    """Whole turns to add to a ball's azimuth [rad] so that z - rg phi becomes ``line`` [m], and the distance left [m]."""
+    """Whole turns by which a ball's azimuth differs from that along a groove.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    phi, z : float
+        Azimuth [rad] and station [m] of the ball.
+    line : float
+        z - r_g phi of the groove [m], by `groove_lines`.
+
+    Returns
+    -------
+    turns : int
+        Turns to add to the azimuth.
+    off : float
+        Distance along z that is left [m].
+    """
     off = z - m.rg * phi - line
     pitch = 2.0 * np.pi * m.rg
     turns = round(off / pitch) if pitch else 0
@@ -227,12 +384,40 @@ def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, f
 
 
 def groove_lines(m: GrooveMap) -> list[float]:
-    """z - rg phi [m] of every start's groove; one line for a ring."""
+    """Height z - r_g phi of every start's groove [m]; one entry for a ring.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+
+    Returns
+    -------
+    list[float]
+        Heights [m].
+    """
     return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
 
 
 def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
-    """Distances along each groove line from ball to ball [rad] and the balls' numbers ``(n, 2)``; rings count around."""
+    """Angles between neighbouring balls along the grooves.
+
+    In a ring the last ball is a neighbour of the first.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    azimuth, z : (k,) Array
+        Azimuths [rad] and stations [m] of the balls.
+
+    Returns
+    -------
+    gaps : (n,) Array
+        Angles from ball to ball [rad].
+    pairs : (n, 2) Index
+        Numbers of these balls.
+    """
     line = z - m.rg * azimuth
     pitch = 2.0 * np.pi * abs(m.rg)
     if pitch:  # one line for all turns of a start: unwrap whole turns
@@ -273,19 +458,68 @@ def _hull(m: GrooveMap, size: SocketSize, side: int) -> Array:
 
 
 def wall_left(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
-    """Material [m] between a socket and the surface of radius ``beyond`` [m] behind it (bore, or outside of a nut)."""
+    """Wall thickness between a socket and the surface behind it.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Size of the socket.
+    side : int
+        Flank 0 to 3.
+    beyond : float
+        Radius of the bore, or of a nut's outside [m].
+
+    Returns
+    -------
+    float
+        [m]; negative where the socket reaches through the wall.
+    """
     r = np.hypot(*_hull(m, size, side)[:, :2].T)
     return float(r.min() - beyond if side < 2 else beyond - r.max())
 
 
 def reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
-    """How far below and above the ball's centre sockets reach along z [m]."""
+    """Distances along z by which sockets reach below and above the ball's centre [m].
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Size of the sockets.
+    sides : tuple[int, ...]
+        Flanks 0 to 3.
+
+    Returns
+    -------
+    below, above : float
+        [m].
+    """
     z = np.concatenate([_hull(m, size, s)[:, 2] for s in sides])
     return float(-z.min()), float(z.max())
 
 
 def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
-    """Smallest distance [m] of sockets from the next turn of the groove, or from half-way to it where both flanks carry."""
+    """Smallest distance of sockets from the next turn of the groove.
+
+    From half-way to it where both flanks carry contacts.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Size of the sockets.
+    sides : tuple[int, ...]
+        Flanks of one body.
+
+    Returns
+    -------
+    float
+        [m]; infinite for a ring.
+    """
     if m.rg == 0.0:
         return np.inf
     pitch = 2.0 * np.pi * abs(m.rg) / m.starts
@@ -313,17 +547,39 @@ def fitted_socket(
     ends: tuple[float, float],
     need: tuple[float, float] = (0.0, 0.0),
 ) -> SocketSize:
-    """Largest socket, up to the usual one, that fits every ball on all of ``sides`` (0 to 3: SL, SR, NL, NR).
+    """Largest socket, up to the usual one, that fits every ball on all of some sides.
 
-    land_screw, bore_screw, land_nut, outer_nut: radii [m]; ends: z [m] of the flat ends nearest the balls (the nut's);
-    need: how far contacts reach from their nominal middle, across along the groove's arc and along the track [m].
     The usual socket is 0.30 rad wide to each side, or wider if the contacts fill more than 0.6 of that, 0.43 ball radii
     deep and 0.45 ball radii long to each side. It is made narrower beside the groove's edge and its apex, though not
-    below what the contacts need; shallower over a thin wall; shorter between close balls; smaller altogether beside an
+    narrower than the contacts need; shallower over a thin wall; shorter between close balls; smaller altogether beside an
     end or the next turn of the groove.
-    Raises ValueError, with the cause and a remedy, where a contact reaches beyond what apex and edge leave to a socket,
-    or less than 0.4 of the usual depth, length or (without ``need``) width would be left, 0.1 of depth and length beside an
-    end.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    layout : BallLayout
+        Places of the balls.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    land_screw, bore_screw, land_nut, outer_nut : float
+        Radii [m].
+    ends : tuple[float, float]
+        Stations of the flat ends nearest the balls (the nut's) [m].
+    need : tuple[float, float], optional
+        Distances that contacts reach from their nominal middle, across along the groove's arc and along the track
+        [m].
+
+    Returns
+    -------
+    SocketSize
+        Size that fits all contacts.
+
+    Raises
+    ------
+    ValueError
+        A contact reaches beyond what apex and edge leave to a socket, or less than 0.4 of the usual depth, length or
+        (without ``need``) width is left, 0.1 of depth and length beside an end. The message gives cause and remedy.
     """
     usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
@@ -402,11 +658,28 @@ def fitted_socket(
 def _narrowed(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
-    """Half width in gamma [rad], at most ``wanted``, that edges and apexes allow, and what set it; need: half width of the
-    contacts along the arc [m].
+    """Half width of sockets that edges and apexes of the grooves allow, and what limits it.
 
     On the ball, sockets are then as far from the middle between two contacts as here from apex or pitch cylinder.
-    Raises ValueError where a contact reaches beyond what they leave to a socket.
+
+    Parameters
+    ----------
+    wanted : float
+        Largest half width [rad].
+    need : float
+        Half width of the contacts along the arc [m].
+
+    Returns
+    -------
+    gamma : float
+        Half width [rad].
+    reason : str
+        What limits it.
+
+    Raises
+    ------
+    ValueError
+        A contact reaches beyond what edge and apex leave to a socket.
     """
     gamma, why = wanted, ""
     for side in sides:
@@ -444,7 +717,21 @@ def refuse_misfit(
     behind: float,
     ends: tuple[float, float],
 ) -> None:
-    """Raise ValueError where sockets (azimuth, z, side) of one body leave it or one another; radii and ends [m]."""
+    """Raise ValueError where sockets of one body leave it or overlap.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Size of the sockets.
+    sockets : tuple[tuple[float, float, int], ...]
+        Azimuth [rad] and station [m] of the ball, and flank, of each.
+    land, behind : float
+        Radii of the lands and of the surface behind the groove [m].
+    ends : tuple[float, float]
+        Stations of the flat ends [m].
+    """
     remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
     sides = tuple(sorted({s for _, _, s in sockets}))
     for phi, z, _ in sockets:

@@ -1,5 +1,7 @@
-"""Dimensions of the parts that only a 3D model needs: as the scene gives them, or assumed, with the assumption as a
-sentence."""
+"""Dimensions of the parts that only the 3D reference needs: as the scene gives them, or assumed.
+
+Each assumption is stated in a sentence, for the report.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from rollbench.meshes.parts import Scene, UnfitKey
 #: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
 #: modelling spread.
 HOLE = 1.0 / 11.0
-#: Stations [m] nearer to each other are one.
+#: Distance [m] below which stations count as one.
 SAME = 1e-9
 #: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
 SHAFT = 1.5
@@ -26,26 +28,44 @@ WHOLE, RUN_OUT = 1.0, 1.0
 @keyed
 @dataclass(frozen=True)
 class Dimensions:
-    """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
-    shaft beyond it (None: homogenised), where nut and screw are held, radii [m] between which a face of the nut is held,
-    whether the nut's groove ends beyond its loaded balls, the assumptions as sentences, and which only a mesh needs."""
+    """Dimensions of the solid parts, given or assumed."""
 
+    #: Radius of the nut's lands [m].
     land: float
+    #: Radius of the hole along the screw [m].
     hole: float
+    #: Length of 3D shaft beyond each face of the nut [m].
     shaft: float
+    #: Radius of the shaft beyond that [m]; None: the homogenised grooved shaft.
     shaft_radius: float | None
+    #: Surface by which the nut is fixed.
     nut_held: str
+    #: Whether supports and loads reach the screw through its ``"ends"`` or through a stiff shaft in its ``"bore"``.
     screw_held: str
+    #: Radii between which a face of the nut is fixed [m].
     held_radii: tuple[float, float]
+    #: Whether the nut's groove ends beyond its loaded balls.
     groove_ends: bool
+    #: All assumptions, as sentences.
     assumed: tuple[str, ...]
+    #: Those of them that only a mesh needs.
     mesh_only: tuple[str, ...] = usual(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:
-        """Stations [m] of the flat ends of the 3D stretch of the screw.
+        """Stations of the flat ends of the 3D stretch of the screw.
 
-        A support or load within `SAME` of an end is at that end, though their numbers differ by rounding: what acts on the
-        whole flat end would else act on the hole's surface just inside it.
+        A support or load within `SAME` of an end is at that end, though their numbers differ by rounding: what acts on
+        the whole flat end would otherwise act on the hole's surface just inside it.
+
+        Parameters
+        ----------
+        scene : Scene
+            Gives nut, screw, supports and loads.
+
+        Returns
+        -------
+        low, high : float
+            Stations [m].
         """
         half = scene.nut.length / 2.0 + self.shaft
         ends = max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
@@ -55,15 +75,34 @@ class Dimensions:
 
 
 def groove_depths(scene: Scene) -> tuple[float, float]:
-    """Depths [m] of the bottoms of screw's and nut's nominal groove below the pitch cylinder: where its two arcs meet, or
-    the bottom of one arc. In a wide groove that is far less than the groove's radius."""
+    """Depths of the nominal grooves below the pitch cylinder, at their bottoms.
+
+    The bottom is where both arcs meet, or that of one arc. In a wide groove the depth is far less than the groove's
+    radius.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives radii and contact angle.
+
+    Returns
+    -------
+    screw, nut : float
+        Depths [m].
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> [round(1e3 * x, 3) for x in groove_depths(rollbench.read("lin-case1"))]  # mm
+    [2.9, 2.9]
+    """
     radial, across = np.abs(nominal_groove_centres(scene)).T
     screw, nut = (np.sqrt(groove_radii(scene) ** 2 - across**2) - radial)[[0, 3]]
     return float(screw), float(nut)
 
 
 def _check_lands(scene: Scene, land: float, depth: float) -> None:
-    """Raise ValueError, naming what the scene says, where lands of radius ``land`` [m] leave the nut no groove or no wall.
+    """Raise ValueError, naming the scene's key, where lands of radius ``land`` [m] leave the nut no groove or no wall.
 
     depth: of the nut's groove below the pitch cylinder [m].
     """
@@ -89,7 +128,23 @@ def _check_lands(scene: Scene, land: float, depth: float) -> None:
 
 
 def dimensions(scene: Scene) -> Dimensions:
-    """Dimensions of a scene's solid parts. Raises ValueError where the land or hole leaves no groove or no wall."""
+    """Dimensions of a scene's solid parts; what the scene leaves out is assumed.
+
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    Dimensions
+        Dimensions, with the assumptions as sentences.
+
+    Raises
+    ------
+    UnfitKey
+        Land or hole leave no groove or no wall, or keys of ``[solid]`` contradict the parts.
+    """
     solid, assumed, mesh_only = scene.solid, [], []
     R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
     if solid.nut_inner_diameter is None:

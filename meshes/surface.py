@@ -1,4 +1,8 @@
-"""Exact groove surfaces S(phi, gamma) with their errors, and their curvatures (Lin 2.3, 2.6, 2.27, B.3-B.5)."""
+"""Exact groove surfaces S(phi, gamma) with their errors, and their curvatures.
+
+phi is the azimuth, gamma the angle in the section from the radial direction. Source: Lin (2019), eqs. (2.3), (2.6),
+(2.27) and (B.3) to (B.5).
+"""
 
 from __future__ import annotations
 
@@ -17,9 +21,30 @@ ALL = slice(None)
 
 
 def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array:
-    """Groove radius rho(gamma) = r - offset(gamma) and its first two derivatives, shape ``(3, ...)`` [m].
+    """Groove radius as a function of the angle in the section, and its first two derivatives.
 
-    ``profile``: polynomial coefficients of the inward offset [m], ascending powers of gamma [rad] (Lin 2.27).
+    Parameters
+    ----------
+    gamma : Array of any shape
+        Angle in the section [rad].
+    radius : float or Array
+        Radius without profile error [m].
+    profile : (d,) Array
+        Coefficients of the inward offset [m], ascending powers of gamma in rad.
+
+    Returns
+    -------
+    (3, ...) Array
+        rho = radius - offset(gamma), d rho / d gamma and d2 rho / d gamma2 [m].
+
+    References
+    ----------
+    Lin (2019), eq. (2.27).
+
+    Examples
+    --------
+    >>> groove_profile(np.array([0.5]), 3e-3, np.array([1e-6, 2e-6])).ravel().round(9).tolist()
+    [0.002998, -2e-06, 0.0]
     """
     if not profile.size:
         flat = 0.0 * gamma
@@ -29,11 +54,28 @@ def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array
 
 
 def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> dict[str, Array]:
-    """Groove surface of a side at each ball's section and the angle ``gamma`` of each ball, with its derivatives.
+    """Groove surface at each ball, and its derivatives by azimuth and section angle.
 
-    gamma: shape ``(n,)`` [rad], or ``(n, 4)`` for all sides at once (``ALL``). Returns ``S, Sp, Sg, Spp, Spg, Sgg``
-    (subscripts p: azimuth, g: gamma), each ``(..., 3)`` [m] in the cylindrical frame (radial, azimuthal, axial) of the
-    ball's azimuth (Lin 2.6; analytic).
+    Parameters
+    ----------
+    scene : Scene
+        Nominal geometry.
+    drawn : Specimen
+        Errors of the grooves.
+    side : int | slice
+        Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four in a second axis.
+    gamma : (n,) or (n, 4) Array
+        Section angle at each ball [rad]; ``(n, 4)`` for all flanks.
+
+    Returns
+    -------
+    dict of (n, 3) or (n, 4, 3) Arrays
+        ``S``, ``Sp``, ``Sg``, ``Spp``, ``Spg``, ``Sgg`` [m, m/rad, m/rad2]; p: by azimuth, g: by gamma. Components
+        are radial, azimuthal and axial at the azimuth of the ball.
+
+    References
+    ----------
+    Lin (2019), eq. (2.6), differentiated analytically.
     """
     sx, sz = SIGNS[side].T
     if isinstance(side, int):
@@ -55,7 +97,7 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
         return np.stack([plane[..., 0], -plane[..., 1] * sin(alpha), plane[..., 1] * cos(alpha)], -1)
 
     def turn(x: Array, dx: Array) -> Array:
-        """Derivative by azimuth of a vector given in the turning frame."""
+        """Differentiate a vector, given in the rotating frame, by azimuth."""
         return np.stack([dx[..., 0] - x[..., 1], dx[..., 1] + x[..., 0], dx[..., 2]], -1)
 
     rise = np.stack([zero, zero, zero + reduced_lead(scene.track)], -1)
@@ -67,7 +109,26 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
 
 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
-    """First and second fundamental forms ``(..., 2, 2)`` and the unit normal S_phi x S_gamma ``(..., 3)`` (Lin B.5)."""
+    """First and second fundamental form of a surface, and its unit normal.
+
+    Parameters
+    ----------
+    d : dict[str, Array]
+        Derivatives of the surface by `surface_derivatives`.
+
+    Returns
+    -------
+    first : (..., 2, 2) Array
+        Metric I [m2], parameters in the order azimuth, gamma.
+    second : (..., 2, 2) Array
+        II [m], with the normal S_phi x S_gamma.
+    normal : (..., 3) Array
+        Unit normal.
+
+    References
+    ----------
+    Lin (2019), eqs. (B.4) and (B.5).
+    """
     normal = np.cross(d["Sp"], d["Sg"])
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
@@ -83,10 +144,33 @@ def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
 
 
 def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> Array:
-    """Principal curvatures of the groove body at each ball, shape ``(..., 2)`` [1/m], ascending, convex positive; side and
-    gamma: as for `surface_derivatives`.
+    """Principal curvatures of the groove at each ball, convex positive.
 
-    Eigenvalues of I^-1 II with the normal turned out of the material; Lin B.4 takes those of II only.
+    Eigenvalues of I^-1 II with the normal pointing out of the material. Lin (B.4) takes those of II only.
+
+    Parameters
+    ----------
+    scene, drawn, side, gamma
+        As for `surface_derivatives`.
+
+    Returns
+    -------
+    (n, 2) or (n, 4, 2) Array
+        Curvatures [1/m], ascending: about -1/r_G across the groove, then that along the track.
+
+    References
+    ----------
+    Lin (2019), eqs. (B.4) and (B.5), with I^-1 added.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> from rollbench.meshes.errors import specimen
+    >>> from rollbench.meshes.helix import ball_layout
+    >>> scene = rollbench.read("lin-case1")
+    >>> drawn = specimen(scene, ball_layout(scene))
+    >>> principal_curvatures(scene, drawn, 0, np.full(32, scene.track.contact_angle))[0].round(2).tolist()
+    [-307.32, 46.75]
     """
     d = surface_derivatives(scene, drawn, side, gamma)
     first, second, normal = fundamental_forms(d)
@@ -99,9 +183,24 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
 
 
 def printed_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
-    """Table B.1's "principal radii": eigenvalues of II only, with the normal of B.5, ``(n, 2)`` [m], ascending.
+    """Compute "principal radii" as Table B.1 of Lin prints them: eigenvalues of II without I^-1.
 
-    As printed only. They have the dimension of a length because the parameters are angles; I^-1 is missing.
+    They are no radii of curvature; they have the dimension of a length only because the parameters are angles. For
+    comparison with the printed table; use `principal_curvatures` for everything else.
+
+    Parameters
+    ----------
+    scene, drawn, side, gamma
+        As for `surface_derivatives`, of one flank.
+
+    Returns
+    -------
+    (n, 2) Array
+        Eigenvalues of II [m], ascending, with the normal of (B.5).
+
+    References
+    ----------
+    Lin (2019), eqs. (B.4) and (B.5), Table B.1.
     """
     _, second, _ = fundamental_forms(surface_derivatives(scene, drawn, side, gamma))
     return np.asarray(np.linalg.eigvalsh(second))

@@ -1,7 +1,7 @@
 """Local first-order tetrahedra of a fine patch by gmsh, as the source meshed its contacts, and first-order coarse bodies.
 
 A patch's box is meshed in its local coordinates (gamma, depth, azimuth) scaled to lengths, with a body of influence about
-the contact. The contact zone is a surface of its own, so that the patches of ball and groove have the same contact nodes
+the contact. The contact zone is a separate surface, so that the patches of ball and groove have the same contact nodes
 even where their sockets are triangulated differently. Units inside: mm (gmsh), metres outside.
 """
 
@@ -17,9 +17,9 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.shell import MM, session
 from rollbench.meshes.sockets import SocketMesh
 
-#: gmsh's Delaunay tetrahedra are that much larger than regular ones of the edge asked for (cube root of mean volumes).
+#: Edge of gmsh's Delaunay tetrahedra over the one asked for (cube root of mean volumes).
 LARGER = 1.22
-#: Of gmsh.
+#: Options of gmsh.
 OPTIONS = {
     "General.NumThreads": 1,
     "Mesh.MeshSizeExtendFromBoundary": 0,
@@ -32,48 +32,83 @@ SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 @dataclass(frozen=True)
 class TetBox:
-    """Box of a patch and its sizes.
+    """Box of a patch, and the sizes of its cells."""
 
-    width: half widths across (gamma) and along (azimuth) [m]; depth [m]; zone: half widths of the contact zone across and
-    along in local units; influence: half axes of the box of cells of edge `fine` about the contact, across, along, and its
-    depth [m]; outside the edge grows by `growth` per unit of distance, to at most `far` [m].
-    """
-
+    #: Half widths across the groove (gamma) and along it (azimuth) [m].
     width: tuple[float, float]
+    #: Depth [m].
     depth: float
+    #: Half widths of the contact zone across and along, in local units.
     zone: tuple[float, float]
+    #: Half axes across and along of the box of cells of edge ``fine`` about the contact, and its depth [m].
     influence: tuple[float, float, float]
+    #: Edge of the cells in that box [m].
     fine: float
+    #: Largest edge [m].
     far: float
+    #: Growth of the edge per unit of distance from that box.
     growth: float = 0.2
 
 
 @dataclass(frozen=True)
 class LocalTets:
-    """Nodes xi ``(n, 3)`` (gamma and azimuth in [-1, 1], depth in [0, 1]), tetrahedra ``(m, 4)``, triangles of the face of
-    depth 0 ``(t, 3)``, nodes of the contact zone ``(c,)`` in the order of gamma, then azimuth, seconds it took."""
+    """First-order tetrahedra of a patch in its local coordinates."""
 
+    #: Nodes ``(n, 3)``: gamma and azimuth in [-1, 1], depth in [0, 1].
     xi: Array
+    #: Tetrahedra ``(m, 4)``.
     tets: Index
+    #: Triangles of the face of depth 0 ``(t, 3)``.
     top: Index
+    #: Nodes of the contact zone ``(c,)``, in the order of gamma, then azimuth.
     contact: Index
+    #: Time that gmsh took [s].
     seconds: float
 
 
 def source_box(
     width: tuple[float, float], depth: float, zone: tuple[float, float], fine: float = 0.08e-3, far: float = 0.5e-3
 ) -> TetBox:
-    """Box as in the source: edges `fine` [m] throughout the contact zone and as deep as the zone's short half width."""
+    """Box with cells as in the source: of equal edge throughout the contact zone.
+
+    Parameters
+    ----------
+    width, depth, zone
+        As the fields of `TetBox`.
+    fine : float, default 8e-05
+        Edge in the contact zone, and down to a depth of the zone's short half width [m].
+    far : float, default 0.0005
+        Largest edge [m].
+
+    Returns
+    -------
+    TetBox
+        The box.
+    """
     across, along = zone[0] * width[0], zone[1] * width[1]
     return TetBox(width, depth, zone, (across, along, min(across, along)), fine, far)
 
 
 def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
-    """Mesh a patch's box.
+    """Mesh the box of a patch with gmsh.
 
-    socket: its first-order triangles (four of every second-order one) are kept as they are or divided, so that a
-    first-order patch conforms to a first-order coarse body; None: five plain faces.
-    Raises ValueError where the zone leaves no room, or the socket's faces do not leave one open rim.
+    Parameters
+    ----------
+    box : TetBox
+        Dimensions and sizes.
+    socket : SocketMesh, optional, default None
+        Its first-order triangles (four of every second-order one) are kept or divided, so that a first-order patch
+        conforms to a first-order coarse body; None: five plane faces.
+
+    Returns
+    -------
+    LocalTets
+        The tetrahedra.
+
+    Raises
+    ------
+    ValueError
+        The contact zone leaves no room, or the socket's faces do not leave one open rim.
     """
     if not (0.0 < max(box.zone) < 1.0 and min(box.zone) > 0.0):
         raise ValueError(f"contact zone of half widths {box.zone} in a patch of 1 x 1: must lie between 0 and 1")
@@ -134,7 +169,7 @@ def _rim(corners: Array, polygons: list[list[int]]) -> list[int]:
 
 
 def _geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
-    """The box bounded by plane faces; returns the surfaces of the contact zone and of the ring around it."""
+    """Bound the box by plane faces; returns the surfaces of the contact zone and of the ring around it."""
     geo = gmsh.model.geo
     corners, polygons = _faces(socket)
     scale = MM * np.array([box.width[0], box.depth, box.width[1]])
@@ -142,7 +177,7 @@ def _geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, i
     lines: dict[tuple[int, int], int] = {}
 
     def line(i: int, j: int) -> int:
-        """Line between two corners, made once; negative where it runs the other way."""
+        """Line between two corners, made once; negative where it is reversed."""
         if (j, i) in lines:
             return -lines[j, i]
         if (i, j) not in lines:
@@ -181,7 +216,25 @@ def _collect(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> Loc
 
 
 def signed_volumes(points: Array, tets: Index) -> Array:
-    """Volumes [m3] of tetrahedra ``(m, 4)``, negative for those turned inside out, ``(m,)``."""
+    """Volumes of tetrahedra, negative for those turned inside out.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Nodes [m].
+    tets : (m, 4) Index
+        Corners of the tetrahedra.
+
+    Returns
+    -------
+    (m,) Array
+        Volumes [m3].
+
+    Examples
+    --------
+    >>> signed_volumes(np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2, 3]])).round(4).tolist()
+    [0.1667]
+    """
     corner = points[tets]
     return np.asarray(np.linalg.det(corner[:, 1:] - corner[:, :1]) / 6.0)
 
@@ -194,10 +247,26 @@ _OCTAHEDRON = np.array([[[p, q, ring[k], ring[(k + 1) % 4]] for k in range(4)] f
 
 
 def split_second_order(points: Array, cells: Index) -> Index:
-    """First-order tetrahedra ``(8 m, 4)`` on the nodes of second-order ones ``(m, 10)``, eight of each, cell after cell.
+    """Divide second-order tetrahedra into eight first-order ones each, on the same nodes.
 
-    The octahedron in the middle is divided about its shortest diagonal that leaves no cell inverted.
-    Raises ValueError where a cell is curved so much that none does.
+    The octahedron in the middle is divided along its shortest diagonal that inverts no cell.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Nodes [m].
+    cells : (m, 10) Index
+        Second-order tetrahedra, in gmsh's order.
+
+    Returns
+    -------
+    (8 m, 4) Index
+        First-order tetrahedra, cell after cell.
+
+    Raises
+    ------
+    ValueError
+        A cell is so strongly curved that no division works.
     """
     volume = signed_volumes(points, cells[:, _CORNERS].reshape(-1, 4)).reshape(-1, 4).min(axis=1)
     ends = np.array([[p, q] for p, q, _ in _DIAGONALS])

@@ -1,6 +1,6 @@
 """Quantities as text (``"20 mm"``, ``"5 kN"``) to SI numbers.
 
-Only a number followed by a unit is read: nothing is evaluated. A unit stands in a table, with or without a prefix, or is a
+A number followed by a unit is read; nothing is evaluated. A unit is in a table, with or without a prefix, or is a
 product or quotient of such units; factors are exact decimals.
 """
 
@@ -11,7 +11,7 @@ import re
 from decimal import Decimal
 from functools import lru_cache
 
-#: What each dimension is called, its SI unit, and an example.
+#: By dimension, its SI unit and an example.
 DIMENSIONS = {
     "length": ("m", "20 mm"),
     "force": ("N", "5 kN"),
@@ -36,7 +36,7 @@ COMMON = {
 
 _PI = "3.14159265358979323846264338328"
 #: By dimension, the names of units that may have a prefix or stand in a product, and their factor to SI, exact: a decimal
-#: or a quotient of two. Degrees by themselves are turned by ``math.radians``.
+#: or a quotient of two. A plain number of degrees is converted by ``math.radians``.
 _TABLE = {
     "length": {
         "m meter metre": "1",
@@ -140,7 +140,7 @@ COMMA = "is it a decimal comma? write a point, and nothing between thousands"
 
 
 class UnitError(ValueError):
-    """A text is not a quantity of the dimension asked for; ``reason`` and ``advice`` are half-sentences."""
+    """Error of a text that is no quantity of the dimension asked for; ``reason`` and ``advice`` are half-sentences."""
 
     def __init__(self, value: object, dimension: str, reason: str, advice: str = "") -> None:
         """Compose the message from value, reason, what was expected and advice."""
@@ -150,19 +150,37 @@ class UnitError(ValueError):
 
 
 def expected(dimension: str) -> str:
-    """What is expected, with an example: ``a length, e.g. "20 mm"``."""
+    """Text that names a dimension, with an example.
+
+    Examples
+    --------
+    >>> expected("length")
+    'a length, e.g. "20 mm"'
+    """
     article = "an" if dimension[0] in "aeiou" else "a"
     return f"{article} {dimension}, e.g. {example(dimension)}"
 
 
 def example(dimension: str) -> str:
-    """An example as it stands in a scene file: in quotes where it has a unit."""
+    """Show an example of a quantity as it stands in a scene file: in quotes where it has a unit.
+
+    Examples
+    --------
+    >>> example("pressure"), example("number")
+    ('"210 GPa"', '0.28')
+    """
     unit, text = DIMENSIONS[dimension]
     return f'"{text}"' if unit else text
 
 
 def show(value: object) -> str:
-    """A value as it stands in a TOML file: text in quotes, booleans in lower case, the rest by ``str``."""
+    """Text of a value as it stands in a TOML file: text in quotes, booleans in lower case, the rest by ``str``.
+
+    Examples
+    --------
+    >>> show(["5 kN", True, 3])
+    '["5 kN", true, 3]'
+    """
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, bool):
@@ -175,14 +193,34 @@ def show(value: object) -> str:
 
 
 def parse(value: object, dimension: str) -> float:
-    """Quantity ``value`` in SI units (m, N, Pa, rad, N m, N/m, K, or a plain number for ``dimension = "number"``).
+    """SI value of a quantity that is given as text.
 
-    The conversion is done in decimal and rounded once: ``parse("3.254 mm", "length") == 3.254e-3``.
-    Raises UnitError for a missing or unknown unit, another dimension, anything but a plain number before
-    the unit, and a number that is not finite.
+    The conversion is done in decimals and rounded once: ``parse("3.254 mm", "length") == 3.254e-3``.
 
-    >>> parse("20 mm", "length")
-    0.02
+    Parameters
+    ----------
+    value : object
+        Text of a number and a unit; a plain number for ``dimension = "number"``.
+    dimension : str
+        One of `DIMENSIONS`.
+
+    Returns
+    -------
+    float
+        Value in m, N, Pa, rad, N m, N/m or K, or the plain number.
+
+    Raises
+    ------
+    UnitError
+        The unit is missing, unknown or of another dimension, the text does not begin with a plain number, or the
+        number is not finite.
+
+    Examples
+    --------
+    >>> parse("20 mm", "length"), parse("5 kN", "force"), parse("200 N/um", "stiffness")
+    (0.02, 5000.0, 200000000.0)
+    >>> parse("2 lbf in", "moment"), parse("45 deg", "angle")
+    (0.2259696580552334, 0.7853981633974483)
     """
     if dimension == "number":
         return _plain(value)
@@ -223,19 +261,41 @@ def _plain(value: object) -> float:
 
 
 def number_and_unit(text: str) -> tuple[str, str] | None:
-    """Number and unit of a quantity as written, the unit empty where there is none; None where the text is no quantity."""
+    """Split a quantity into its number and its unit, both as written.
+
+    Parameters
+    ----------
+    text : str
+        Quantity.
+
+    Returns
+    -------
+    tuple[str, str] | None
+        Number and unit, the unit empty where there is none; None where the text is no quantity.
+
+    Examples
+    --------
+    >>> number_and_unit("3.5e-3 N/um"), number_and_unit("12"), number_and_unit("mm")
+    (('3.5e-3', 'N/um'), ('12', ''), None)
+    """
     text = text.strip()
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     return None if match is None else (match[1], match[2] or "")
 
 
 def has_comma(text: str) -> bool:
-    """Whether a text begins with a number that has a comma: of decimals, or between thousands."""
+    """Whether a text begins with a number that has a comma, of decimals or between thousands.
+
+    Examples
+    --------
+    >>> has_comma("3,254 mm"), has_comma("3.254 mm")
+    (True, False)
+    """
     return _COMMA.match(text) is not None
 
 
 def _split(value: str, dimension: str) -> tuple[Decimal, str]:
-    """Number and tidied unit; raises UnitError if the text does not begin with a plain finite number."""
+    """Split a text into number and tidied unit; raises UnitError unless it begins with a plain finite number."""
     if has_comma(value):
         raise UnitError(value, dimension, "has a comma in its number", COMMA)
     parts = number_and_unit(value)
@@ -248,7 +308,13 @@ def _split(value: str, dimension: str) -> tuple[Decimal, str]:
 
 
 def tidy(unit: str) -> str:
-    """One spelling per unit: micro, degree, products by a space (``N*m``, ``Nm``: ``N m``; ``in-lbf``: ``lbf in``)."""
+    """Write a unit in its one spelling: micro, degree, and products with a space.
+
+    Examples
+    --------
+    >>> tidy("Nmm"), tidy("N*m"), tidy("µm"), tidy("in-lbf")
+    ('N mm', 'N m', 'um', 'lbf in')
+    """
     unit = re.sub(r"\s*(?:(?<!\*)\*(?!\*)|·|\s)\s*", " ", unit.replace("μ", "µ").strip())
     unit = {"µm": "um", "°": "deg", "N/µm": "N/um", "°F": "degF"}.get(unit, unit)
     unit = {"in-lbf": "lbf in", "lbf-in": "lbf in", "in lbf": "lbf in"}.get(unit, unit)

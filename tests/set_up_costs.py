@@ -113,7 +113,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     the mean load]."""
     scene = scene_of(name)
     choices, wanted, raw, A_s, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
-    kept, finished = condensation.own_compliance, setup._as_the_section
+    kept, finished = condensation.local_compliance, setup._as_the_section
 
     def watched(*given: Any) -> Array:
         A_s.append(kept(*given))
@@ -124,7 +124,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     fine = condensation.fine_compliance
     with pytest.MonkeyPatch.context() as put:
         put.setattr(condensation, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
-        put.setattr(condensation, "own_compliance", watched)  # of groove and ball of one side after the other
+        put.setattr(condensation, "local_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_as_the_section", lambda *given: raw.append(given) or finished(*given))
         base = setup.prepare(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).load

@@ -21,7 +21,7 @@ from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_o
 from rollbench.compare.running import need_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, refuse
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.exchange.deck import UNITS, write
+from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.exchange.mesh_files import only
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene, Support
@@ -210,7 +210,7 @@ def write_deck(
         scene = cut_scene(scene, *parse_balls(balls, scene))
     out = out or Path(f"{scene.name}.inp")
     deck = build_deck(scene, DeckOptions(b_over_h, growth, 1e9 * stiffness)).deck
-    replace_file(out, write(deck, unit))
+    replace_file(out, deck_text(deck, unit))
     name = shlex.quote(str(out.with_suffix("")))
     return (
         f"wrote {out}: {deck.node_count} nodes, {sum(len(b.cells) for b in deck.bodies)} 10-node tetrahedra, "

@@ -1,23 +1,23 @@
-"""Elastic bodies with sockets: what a load on one contact patch does to every other, through the body.
+"""Elastic bodies with sockets: compliance between contact patches through the body.
 
 A body is its coarse mesh plus the condensed patches in its sockets. Only the few smooth modes in which a patch's contact
-forces reach its socket matter: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by
-u = A f + V z, z = Q q, and the coarse body answers z = G V^T f with G = Q K^-1 Q^T.
+forces reach its socket matter: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by u = A f +
+V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T.
 
-What a contact answers by itself comes from a submodel: a short piece of its body around it, meshed finely. A coarse body
-tied to a condensed patch carries loads from contact to contact well, but is too stiff where a contact answers itself: the
-trace of its socket and the cells beside it hold back a share of the approach that no finer patch gives back. That share is
-local, the same for all contacts of a side, and decays within a socket's size. So a contact's own compliance is taken from a
-piece of the body cut off around one contact and meshed as finely as needed, and what the coarse body has there is taken
-out:
+The local compliance of a contact comes from a submodel: a short piece of its body around it, meshed finely. A coarse body
+tied to a condensed patch carries loads from contact to contact well, but is too stiff under a contact's load: the trace
+of its socket and the cells around it take away a part of the approach that no finer patch restores. That part is local,
+the same for all contacts of a side, and decays within a socket's size. So a contact's local compliance is taken from a
+piece of the body cut off around one contact and meshed as finely as needed, and the share of the coarse body is
+subtracted:
 
     A_own = C_fine - V G_coarse V^T,
 
-C_fine (c, c): pressure hats of the contact against one another in the fine piece; V G_coarse V^T: the same through the
-modes V that the coarse body keeps, in the same piece cut and meshed as the coarse body is. Both pieces are held alike, so
-that what the holding does cancels. Modes that the coarse body does not keep are in A_own too, as far as a contact feels
-itself. (Local defect correction, Hackbusch 1984; submodelling in the field.) With A_own in place of A,
-C = blkdiag(A_own) + V G V^T.
+C_fine (c, c): compliance between the contact's pressure functions in the fine piece; V G_coarse V^T: the same through the
+modes V that the coarse body keeps, in the same piece cut and meshed as the coarse body is. Both pieces are constrained
+alike, so that the effect of the constraint cancels. Modes that the coarse body does not keep are in A_own too, as far as
+they act on the contact itself. (Local defect correction, Hackbusch 1984; submodelling in the field.) With A_own in place
+of A, C = blkdiag(A_own) + V G V^T.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ import scipy.sparse as sp
 from scipy.linalg import qr
 from skfem import Mesh
 
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, hat_rows
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, pressure_rows
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import elasticity, mean_weights, share
 from rollbench.hifi.elements.rigid import rigid_modes
@@ -43,15 +43,18 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 
 @dataclass(frozen=True)
 class Socket:
-    """One socket: its nodes in the order of its patch's side, the rotation (3, 3) of its local frame, its side."""
+    """One socket of a body."""
 
+    #: Its nodes, in the order of its side's patch.
     nodes: Index
+    #: Rotation of its local frame ``(3, 3)``.
     rotation: Array
+    #: Flank 0 to 3.
     side: int
 
 
 #: Sizes of the elliptic pressures that `patch_modes` has to carry, over the contact zone, and their places along each of
-#: its axes, over the room that is left around them.
+#: its axes, over the free width around them.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 #: Weight of all other forces against them; strength over the largest that is round-off.
@@ -62,17 +65,30 @@ NO_RESULTANT = 1e-9
 
 
 def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Orthonormal modes V ``(c, k)`` and their rows Q ``(k, 3 nodes)``: V Q is the transfer H of contact forces to the
-    socket through ``count`` traces that they leave there.
+    """Reduce the transfer H of contact forces to a socket to few modes: V Q approximates H.
 
-    First come, for every independent resultant of contact forces, the nodal forces on the socket that pressures of contacts
-    leave per unit of it on an average: Q^T V^T f is in equilibrium with f for all forces f. Resultants are those of the
-    forces themselves, by the rigid motions' means over the hats; H of a carrier has them but to some 1e-4
-    (`hifi.bodies.patch.condense_patch`). Then the strongest of the other traces, freed of resultants.
+    First come, for every independent resultant of contact forces, the nodal forces on the socket that contact pressures
+    cause per unit of it on average: Q^T V^T f is in equilibrium with f for all forces f. Resultants are those of the
+    forces, by the rigid motions' means over the pressure functions; H of a carrier patch has them only to some 1e-4
+    (`hifi.bodies.patch.condense_patch`). Then come the strongest of the other traces, without resultants.
 
-    Pressures are elliptic, of several sizes and places in the contact zone (`contact_pressures`), so that the modes do not
-    depend on the grid and few are needed; then, weighted by ``REST``, single hats. Last come the resultants that H has
-    wrong, so that it is exact with all modes. Fewer where the rest is ``ROUND_OFF`` of all.
+    Pressures are elliptic, of several sizes and places in the contact zone (`contact_pressures`), so that the modes do
+    not depend on the grid and few are needed; then, weighted by `REST`, single pressure functions. Last come errors of H
+    in the resultants, so that V Q is exact with all modes.
+
+    Parameters
+    ----------
+    patch : CondensedPatch
+        The condensed patch, with c contact nodes.
+    count : int
+        Number of modes; fewer where the remainder is below `ROUND_OFF`.
+
+    Returns
+    -------
+    V : (c, k) Array
+        Orthonormal modes.
+    Q : (k, 3 nodes) Array
+        Their rows on the socket's degrees of freedom.
     """
     rigid, moved = rigid_motions(patch)
     W, strength, _ = np.linalg.svd(moved, full_matrices=False)
@@ -97,8 +113,20 @@ def _strongest(traces: Array, least: float) -> Array:
 
 
 def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Rigid motions of a patch: orthonormal at the socket's nodes ``(3 nodes, 6)``, and what each of them moves the hats
-    by, in the mean along the normals, ``(c, 6)``."""
+    """Rigid motions of a patch, at its socket and at its contact.
+
+    Parameters
+    ----------
+    patch : CondensedPatch
+        The condensed patch.
+
+    Returns
+    -------
+    rigid : (3 nodes, 6) Array
+        Orthonormal rigid motions of the socket's nodes.
+    moved : (c, 6) Array
+        Mean displacement along the normals over each pressure function, by each of these motions.
+    """
     centre = patch.socket.mean(axis=0)
     rigid, T = np.linalg.qr(rigid_modes(patch.socket, centre))
     along = np.einsum("cx,cxk->ck", patch.normals, rigid_modes(patch.points, centre).reshape(-1, 3, 6))
@@ -106,8 +134,20 @@ def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
 
 
 def contact_pressures(patch: CondensedPatch) -> Array:
-    """Hertz's pressures of unit force on the hats of a patch, ``(c, s)``: ellipses similar to its contact zone, of
-    ``SIZES`` and ``SHIFTS``, smeared over the hats by their values at the nodes."""
+    """Hertz pressures of unit force on the pressure functions of a patch.
+
+    Ellipses similar to its contact zone, of `SIZES` and `SHIFTS`, sampled at the nodes.
+
+    Parameters
+    ----------
+    patch : CondensedPatch
+        The condensed patch.
+
+    Returns
+    -------
+    (c, s) Array
+        Forces, one pressure a column.
+    """
     middle = patch.points - patch.points.mean(axis=0)
     x = middle @ np.linalg.svd(middle, full_matrices=False)[2][:2].T
     x = (x - 0.5 * (x.max(axis=0) + x.min(axis=0))) / (0.5 * np.ptp(x, axis=0))
@@ -121,14 +161,49 @@ def contact_pressures(patch: CondensedPatch) -> Array:
 
 
 def freedoms(nodes: Index) -> Index:
-    """Freedoms 3 i + k of nodes, ``(3 n,)``."""
+    """Degrees of freedom 3 i + k of nodes.
+
+    Parameters
+    ----------
+    nodes : (n,) Index
+        Nodes i.
+
+    Returns
+    -------
+    (3 n,) Index
+        Degrees of freedom.
+
+    Examples
+    --------
+    >>> freedoms(np.array([0, 2])).tolist()
+    [0, 1, 2, 6, 7, 8]
+    """
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel(), dtype=np.int64)
 
 
 def of_order(mesh: Mesh, kind: str) -> Mesh:
-    """A mesh of 10-node tetrahedra (kind "P2"), or each divided into eight of first order on the same nodes ("P1",
-    half the size; patches are then tied linearly, `hifi.bodies.patch.tie_matrix`), boundaries kept. Raises ValueError for
-    another kind."""
+    """Mesh of 10-node tetrahedra, or of eight first-order ones in each; boundaries are kept.
+
+    First-order ones have the same nodes and half the size; patches are then tied linearly
+    (`hifi.bodies.patch.tie_matrix`).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        10-node tetrahedra.
+    kind : str
+        "P2" or "P1".
+
+    Returns
+    -------
+    Mesh
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        Another kind.
+    """
     if kind not in ("P1", "P2"):
         raise ValueError(f"coarse body of {kind!r} elements: P1 or P2")
     if kind == "P2":
@@ -141,7 +216,26 @@ def of_order(mesh: Mesh, kind: str) -> Mesh:
 def assemble(
     mesh: Mesh, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
-    """Stiffness of a coarse body with every patch in its socket, ``(3 n, 3 n)``."""
+    """Stiffness of a coarse body with a condensed patch in every socket.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Coarse body of n nodes.
+    sockets : Sequence[Socket]
+        Its sockets.
+    patches : dict[int, CondensedPatch]
+        Condensed patch of each side.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (3 n, 3 n) sparse array
+        Stiffness.
+    """
     K = forms.assemble(elasticity(young, poisson), mesh)
     rows, columns, values = [], [], []
     for socket in sockets:
@@ -160,7 +254,22 @@ def assemble(
 
 
 def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
-    """Q of all sockets on the body's freedoms, ``(r, size)``: local motion is R^T times the global one."""
+    """Rows Q of all sockets on the body's degrees of freedom; local motion is R^T times the global one.
+
+    Parameters
+    ----------
+    sockets : Sequence[Socket]
+        Sockets of the body.
+    rows : dict[int, Array]
+        Rows Q ``(k, 3 nodes)`` of each side.
+    size : int
+        Number of the body's degrees of freedom.
+
+    Returns
+    -------
+    (r, size) sparse array
+        Rows, socket after socket.
+    """
     data, row, column = [], [], []
     start = 0
     for socket in sockets:
@@ -176,7 +285,20 @@ def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> s
 
 
 def isostatic(points: Array, avoid: Index) -> Index:
-    """Six freedoms that hold a free body without straining it: pivoted rows of its rigid motions, away from ``avoid``."""
+    """Six degrees of freedom that constrain a free body without straining it: pivoted rows of its rigid motions.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Nodes [m].
+    avoid : Index
+        Nodes that are not constrained.
+
+    Returns
+    -------
+    (6,) Index
+        Degrees of freedom.
+    """
     allowed = np.setdiff1d(np.arange(len(points)), avoid)
     pick = allowed[np.linspace(0, len(allowed) - 1, min(200, len(allowed))).astype(int)]
     modes = rigid_modes(points[pick], points.mean(axis=0))
@@ -187,7 +309,18 @@ def isostatic(points: Array, avoid: Index) -> Index:
 
 
 def rigid_loads(mesh: Mesh) -> Array:
-    """Nodal forces ``(6, 3 n)`` of body forces [N/m3] that are rigid motions, in the order of `rigid_modes`."""
+    """Nodal forces of body forces [N/m3] that are rigid motions.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Body of n nodes.
+
+    Returns
+    -------
+    (6, 3 n) Array
+        In the order of `rigid_modes`.
+    """
     V = forms.cells(mesh)
     volume = share().assemble(V)
     loads = rigid_modes(np.stack([share(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
@@ -196,15 +329,40 @@ def rigid_loads(mesh: Mesh) -> Array:
 
 
 def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
-    """C of a body whose freedoms ``held`` are: its freedoms from the free ones."""
+    """Map the free degrees of freedom of a body to all of them, with some fixed.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The body.
+    held : Index
+        Fixed degrees of freedom.
+
+    Returns
+    -------
+    sparse array
+        C, one column for each free degree of freedom.
+    """
     size = mesh.doflocs.size
     return sp.eye_array(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 
 
 def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
-    """C of a body held at its "low end", its "high end" a rigid section whose six freedoms about z = high [m] come last.
+    """Map the free degrees of freedom of a body that is fixed at its "low end" and rigid at its "high end" to all.
 
-    C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes only the equations of the free freedoms.
+    C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes only the equations of the free degrees of freedom.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The body.
+    high : float
+        Height z of the reference point of the rigid section [m].
+
+    Returns
+    -------
+    sparse array
+        C; the six degrees of freedom of the section come last.
     """
     upper = nodes_on(mesh, "high end")
     slaves = freedoms(upper)
@@ -222,28 +380,74 @@ STEP = 0.01
 
 @dataclass(frozen=True)
 class Piece:
-    """A body around one contact: mesh, nodes of its socket in the order of the side's socket mesh, rotation (3, 3) of the
-    patch's frame, boundaries that are held (none: inertia relief, loads balanced by a rigid field of body forces)."""
+    """A piece of a body around one contact."""
 
+    #: The mesh.
     mesh: Mesh
+    #: Nodes of its socket, in the order of the side's socket mesh.
     socket: Index
+    #: Rotation of the patch's frame ``(3, 3)``.
     rotation: Array
+    #: Fixed boundaries; none: inertia relief, loads are balanced by a rigid field of body forces.
     held: tuple[str, ...]
 
 
 def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float, poisson: float) -> Array:
-    """C_fine ``(c, c)`` [m/N]: means over hats of the motion along ``normals`` ``(c, 3)`` under unit forces spread by hats.
+    """Compliance C_fine between the pressure functions of a contact, in a fine piece of its body.
 
-    Raises hifi.linear_algebra.FactorError for a piece that does not hold together.
+    Parameters
+    ----------
+    piece : Piece
+        Piece of the body.
+    patch : PatchMesh
+        Patch in its socket.
+    normals : (c, 3) Array
+        Directions of the contact forces.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (c, c) Array
+        Mean displacement along the normals per unit force [m/N].
+
+    Raises
+    ------
+    FactorError
+        The stiffness of the piece cannot be factored.
     """
-    return piece_compliance(piece, patch, hat_rows(patch, normals), young, poisson)
+    return piece_compliance(piece, patch, pressure_rows(patch, normals), young, poisson)
 
 
 def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Answers ``(m, m)`` [m/N] of a piece with a patch in its socket to loads ``rows`` ``(m, 3 n)`` on the patch.
+    """Response of a piece with a patch in its socket to loads on the patch.
 
-    The patch is not condensed: its inner freedoms and the piece's are solved as one. Raises
-    hifi.linear_algebra.FactorError for a piece that does not hold together.
+    The patch is not condensed: it is solved together with the piece.
+
+    Parameters
+    ----------
+    piece : Piece
+        Piece of the body.
+    patch : PatchMesh
+        Patch of n nodes.
+    rows : (m, 3 n) sparse array
+        Loads on the patch.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (m, m) Array
+        Displacements that do work on the loads [m/N].
+
+    Raises
+    ------
+    FactorError
+        The stiffness of the piece cannot be factored.
     """
     form = elasticity(young, poisson)
     K_patch, K_body = forms.assemble(form, patch.mesh), forms.assemble(form, piece.mesh)
@@ -268,7 +472,31 @@ def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_array, young: 
 
 
 def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: float, poisson: float) -> Array:
-    """G_coarse ``(k, k)``: response of the modes with ``rows`` Q ``(k, 3 nodes)`` in a piece with the condensed patch."""
+    """Compliance G_coarse of the modes of a contact, in a piece that is meshed as the coarse body.
+
+    Parameters
+    ----------
+    piece : Piece
+        Piece of the body.
+    patch : CondensedPatch
+        Condensed patch in its socket.
+    rows : (k, 3 nodes) Array
+        Rows Q of the modes.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (k, k) Array
+        [m/N].
+
+    Raises
+    ------
+    FactorError
+        The stiffness of the piece cannot be factored.
+    """
     socket = Socket(piece.socket, piece.rotation, 0)
     K = assemble(piece.mesh, [socket], {0: patch}, young, poisson)
     free, loads = _supports(piece)
@@ -277,15 +505,33 @@ def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: f
     return _relieved(F, len(rows), Q @ rigid_modes(points_of(piece.mesh)), loads, piece)
 
 
-def own_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
-    """A_own ``(c, c)`` from C_fine, the modes V ``(c, k)`` and G_coarse of meshes whose sizes are scaled by a factor."""
+def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
+    """Local compliance A_own of a contact, beyond the modes that the coarse body keeps.
+
+    Parameters
+    ----------
+    fine : (c, c) Array
+        C_fine [m/N].
+    V : (c, k) Array
+        Modes.
+    coarse : Callable[[float], Array]
+        G_coarse ``(k, k)`` [m/N] of meshes whose sizes are scaled by a factor.
+
+    Returns
+    -------
+    (c, c) Array
+        C_fine - V G_coarse V^T [m/N], over the mean of `REALISATIONS` coarse meshes.
+    """
     G = np.mean([coarse(1.0 + STEP * n) for n in range(REALISATIONS)], axis=0)
-    A = fine - V @ G @ V.T
+    A = fine - V @ G @ V.T  # A_own = C_fine - V G_coarse V^T
     return np.asarray(0.5 * (A + A.T))
 
 
 def _supports(piece: Piece) -> tuple[Index, sp.csr_array]:
-    """Free freedoms of a piece, and rigid fields of body forces ``(6, 3 n)`` that balance loads (none where it is held)."""
+    """Free degrees of freedom of a piece, and the body forces that balance its loads.
+
+    Rigid fields ``(6, 3 n)``; none where the piece is fixed.
+    """
     size = piece.mesh.doflocs.size
     if piece.held:
         return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_array((0, size))
@@ -300,7 +546,10 @@ def _turned_rigid(patch: PatchMesh, piece: Piece) -> Array:
 
 
 def _relieved(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: Piece) -> Array:
-    """F of ``count`` loads, balanced by the rigid fields that follow them; rigid ``(count, 6)``: their work on motions."""
+    """Balance the responses F of ``count`` loads by rigid fields of body forces.
+
+    rigid ``(count, 6)``: work of the loads on rigid motions.
+    """
     if loads.shape[0] == 0:
         return F
     mass = loads @ rigid_modes(points_of(piece.mesh))

@@ -1,12 +1,12 @@
-"""What the place of a contact on its grid does to its approach, and how to take it out.
+"""Effect of a contact's place on its grid on its approach, and the correction that removes it.
 
-The continuous contact does not know where the grid lies. On the grid the approach under a force waves as the edge of
-the contact passes rows of nodes; its slope, by which loads share out, waves several times as much. The wave is periodic
-in the place of the contact, in both directions, with the cells (their nodes carry unlike weights, so that not every
-row of nodes is like the next), so that it is gone in the mean over the places in a cell; and that goes by a smooth law
-of the force (`smooth`). So each contact's gaps are corrected by that law less the approach at its own place, both of
-one contact pressed straight in with all the compliance of its submodels (the wave's phase follows the ellipse, and that
-what the body adds to the gap): a correction that vanishes with the cells.
+The continuous contact does not depend on the grid. On the grid the approach under a force waves as the edge of the
+contact passes rows of nodes; its slope, by which loads are distributed, waves several times as much. The wave is periodic
+in the place of the contact, in both directions, with the cells (their nodes carry unlike weights, so that not every row
+of nodes is like the next), so that it vanishes in the mean over the places in a cell; and the mean follows a smooth law
+of the force (`smooth`). So each contact's gaps are corrected by that law less the approach at its place, both of one
+contact pressed straight in with all the compliance of its submodels (the wave's phase follows the ellipse, and that
+depends on what the body adds to the gap): a correction that vanishes with the cell size.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ Flags = NDArray[np.bool_]
 ACROSS, ALONG, FORCES = 12, 8, 24
 #: Places in a cell across and along over which only a mean is taken.
 MEAN = (8, 8)
-#: Powers of the force in an approach over Hertz's: of second-order cells beside the ellipse, none, of the body around the
-#: contact (as the force), of curvatures that change over the ellipse.
+#: Powers of the force in an approach over Hertz's: of second-order cells at the edge of the ellipse, none, of the body
+#: around the contact (as the force), of curvatures that change over the ellipse.
 POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
 #: Part of its zone that the largest ellipse fills; least short semi-axis over the cell, and over the largest one where that
 #: asks for more.
@@ -43,12 +43,49 @@ FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
 def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
-    """Hertz's contact of a side under 1 N; approach as F^(2/3), semi-axes across and along the groove as F^(1/3)."""
+    """Hertz contact of a side under 1 N, x across the groove and y along it.
+
+    The approach grows as F^(2/3), the semi-axes as F^(1/3).
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    material : Material
+        Material of both bodies.
+
+    Returns
+    -------
+    HertzSolution
+        The contact.
+    """
     return hertz(1.0, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
 
 
 def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
-    """Sizes ``(2,)`` [m] of the cells of a contact's grid across and along the groove. ValueError without a grid."""
+    """Cell sizes of a contact's grid across and along the groove.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Condensed patch.
+
+    Returns
+    -------
+    (2,) Array
+        Sizes [m], with the sign of the grid's direction.
+
+    Raises
+    ------
+    ValueError
+        The patch has no grid.
+    """
     if patch.shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
     _, tangent, forward = directions(m, side)
@@ -58,9 +95,27 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
 
 
 def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
-    """Forces ``(count,)`` [N] over which a patch resolves a contact: from a short semi-axis of one cell to its zone.
+    """Choose forces over which a patch resolves a contact: from a short semi-axis of one cell to the size of its zone.
 
-    On a grid too coarse for that, from a part of the largest ellipse.
+    On a grid too coarse for that, from a part of the largest ellipse on.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Condensed patch.
+    material : Material
+        Material of ball and groove.
+    count : int
+        Number of forces.
+
+    Returns
+    -------
+    (count,) Array
+        Forces [N], ascending.
     """
     unit, cells = unit_hertz(m, side, material), np.abs(cell_sizes(m, side, patch))
     assert patch.shape is not None
@@ -78,15 +133,41 @@ def approaches_at(
     place: tuple[float, float],
     start: Flags | None = None,
 ) -> tuple[Array, Flags]:
-    """Approaches ``(f,)`` [m] under ``loads`` ``(f,)`` [N] of a contact of own compliance ``(c, c)``, pressed straight in
-    along the normal at its place, and its closed pairs ``(f, c)``.
+    """Approaches of a contact with a given place on its grid, pressed straight in along the normal.
 
-    place: of the contact beside the nominal one, across and along, in cells; start: closed pairs of a neighbouring place.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Condensed patch.
+    compliance : (c, c) Array
+        Compliance of the contact [m/N].
+    loads : (f,) Array
+        Forces [N].
+    place : tuple[float, float]
+        Distance from the nominal contact, across and along, in cells.
+    start : Flags | None, default None
+        Closed pairs of a neighbouring place.
+
+    Returns
+    -------
+    approach : (f,) Array
+        Approaches [m].
+    closed : (f, c) Mask
+        Closed pairs.
+
+    Raises
+    ------
+    ValueError
+        As `approaches`.
     """
     W = mean_weights(patch.weights)
     normal, tangent, forward = directions(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
-    # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
+    # the ball's centre moved by t: the gap is least at t times (relative radius / r) from the nominal contact
     scale = m.ball / np.array(m.relative_radii(side, m.beta))
     beside = cell_sizes(m, side, patch) * np.array(place)
     t = scale * beside
@@ -99,11 +180,34 @@ def approaches_at(
 
 
 def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None) -> tuple[Array, Flags]:
-    """Approaches ``(f,)`` [m] of a unilateral contact of symmetric C under ``loads`` [N], and its closed pairs ``(f, c)``:
-    pressures p >= 0, C p + gap - approach close >= 0, and close p the load.
+    """Approaches of a unilateral contact under several loads.
 
-    start: closed pairs to begin with, else those of the load before. Raises ValueError where the active set does not
-    settle.
+    Forces p >= 0, C p + gap - approach close >= 0, complementary, and close . p equal to the load.
+
+    Parameters
+    ----------
+    C : (c, c) Array
+        Compliance, symmetric [m/N].
+    gap : (c,) Array
+        Gaps of the undeformed bodies [m].
+    close : (c,) Array
+        Gap closed per approach.
+    loads : (f,) Array
+        Loads [N].
+    start : Flags | None, default None
+        Closed pairs ``(f, c)`` to start from; None: those of the load before.
+
+    Returns
+    -------
+    approach : (f,) Array
+        Approaches [m].
+    closed : (f, c) Mask
+        Closed pairs.
+
+    Raises
+    ------
+    ValueError
+        The active set does not settle.
     """
     active = gap / close <= np.quantile(gap / close, 0.3)
     columns = np.column_stack([close, gap])
@@ -127,8 +231,28 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | 
 
 
 def smooth(loads: Array, approach: Array) -> Array:
-    """Approaches ``(f,)`` [m] by the law of the force that fits them best: Hertz's F^(2/3) times a sum of ``POWERS`` of F,
-    equal weights of relative errors."""
+    """Fit a smooth law of the force to approaches: Hertz's F^(2/3) times a sum of `POWERS` of F.
+
+    Least squares of relative errors.
+
+    Parameters
+    ----------
+    loads : (f,) Array
+        Forces [N].
+    approach : (f,) Array
+        Approaches [m].
+
+    Returns
+    -------
+    (f,) Array
+        Fitted approaches [m].
+
+    Examples
+    --------
+    >>> force = np.array([1.0, 8.0, 27.0, 64.0, 125.0])
+    >>> bool(np.allclose(smooth(force, 1e-6 * np.cbrt(force) ** 2), 1e-6 * np.cbrt(force) ** 2))
+    True
+    """
     basis = loads[:, None] ** (2.0 / 3.0 + np.array(POWERS)) / approach[:, None]
     return np.asarray(approach * (basis @ np.linalg.lstsq(basis, np.ones(loads.size), rcond=None)[0]))
 
@@ -136,12 +260,32 @@ def smooth(loads: Array, approach: Array) -> Array:
 def periodic_approaches(
     m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array, counts: tuple[int, int]
 ) -> tuple[Array, Array]:
-    """Approaches ``(across, along, f)`` [m] of a contact of compliance ``(c, c)`` [m/N] under ``loads`` ``(f,)`` [N] at
-    even places in a cell, from the middle of the zone on; ``counts`` of places, both even.
+    """Approaches of a contact at evenly spaced places in a cell, without their trend from cell to cell.
 
-    They are without what changes from cell to cell: away from the middle of its zone a contact finds another compliance
-    beneath it, which is physics and no wave. That is the trend ``(2, f)`` [m] by the place across and along, in cells, from
-    places half a cell away on either side, which comes second.
+    Away from the middle of its zone a contact has another compliance beneath it, which is physical and no wave. That is
+    the trend, from places half a cell away on either side.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Condensed patch.
+    C : (c, c) Array
+        Compliance of the contact [m/N].
+    loads : (f,) Array
+        Forces [N].
+    counts : tuple[int, int]
+        Numbers of places across and along, both even.
+
+    Returns
+    -------
+    table : (across, along, f) Array
+        Approaches [m], from the middle of the zone on.
+    trend : (2, f) Array
+        Slope across and along [m per cell].
     """
 
     def at(x: float, y: float, start: Flags | None) -> tuple[Array, Flags]:
@@ -160,26 +304,61 @@ def periodic_approaches(
 
 
 def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array) -> Array:
-    """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over a cell."""
+    """Approaches of a contact in the middle of its zone without the grid's wave: mean over a cell.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Condensed patch.
+    compliance : (c, c) Array
+        Compliance of the contact [m/N].
+    loads : (f,) Array
+        Forces [N].
+
+    Returns
+    -------
+    (f,) Array
+        Approaches [m].
+    """
     return np.asarray(periodic_approaches(m, side, patch, compliance, loads, MEAN)[0].mean(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
 class GridWave:
-    """Correction of the gap of a side's contacts: forces ``(f,)`` [N], table ``(p, q, f)`` [m] at even places in a cell
-    across and along the groove, that of the middle node first; sizes of a cell ``(2,)`` and the middle node ``(3,)`` [m],
-    directions across and along ``(2, 3)``."""
+    """Correction of the gaps of a side's contacts for their place on the grid."""
 
+    #: Tabulated forces ``(f,)`` [N].
     loads: Array
+    #: Corrections ``(p, q, f)`` [m] at evenly spaced places in a cell across and along the groove, from the middle node
+    #: on.
     table: Array
+    #: Cell sizes ``(2,)`` [m].
     cell: Array
+    #: The middle node ``(3,)`` [m].
     middle: Array
+    #: Directions across and along the groove ``(2, 3)``.
     directions: Array
 
     def at(self, loads: Array, centres: Array) -> Array:
-        """Corrections ``(n,)`` [m] for loads ``(n,)`` [N] whose pressures have centres ``(n, 3)`` [m] in the ball's frame.
+        """Corrections for contacts of given loads and places.
 
         Beyond the tabulated forces as at the nearest, in proportion to Hertz's approach. No load, no correction.
+
+        Parameters
+        ----------
+        loads : (n,) Array
+            Loads [N].
+        centres : (n, 3) Array
+            Centres of pressure in the ball's frame [m].
+
+        Returns
+        -------
+        (n,) Array
+            Corrections of the gaps [m].
         """
         place = (centres - self.middle) @ self.directions.T / self.cell
         force = np.clip(loads, self.loads[0], self.loads[-1])
@@ -190,14 +369,33 @@ class GridWave:
 
 
 def _periodic(values: Array, place: Array) -> Array:
-    """Values ``(..., n)`` at places ``(n,)`` of period 1 between even ones ``(p, ..., n)``, each column at its own."""
+    """Interpolate values ``(p, ..., n)`` at even places of a period 1, each of the n columns at its place."""
     grid = np.linspace(0.0, 1.0, len(values) + 1)
     around = CubicSpline(grid, np.concatenate([values, values[:1]]), bc_type="periodic")(np.mod(place, 1.0))
     return np.asarray(np.einsum("n...n->...n", around))
 
 
 def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
-    """Table of the smooth law less the approach at a contact's own place."""
+    """Table of the smooth law less the approach at the place of a contact.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    patch : CondensedPatch
+        Condensed patch.
+    C : (c, c) Array
+        Compliance of the contact [m/N].
+    material : Material
+        Material of ball and groove.
+
+    Returns
+    -------
+    GridWave
+        The correction.
+    """
     loads = resolved_forces(m, side, patch, material, FORCES)
     table = periodic_approaches(m, side, patch, C, loads, (ACROSS, ALONG))[0]
     assert patch.shape is not None

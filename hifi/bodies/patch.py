@@ -2,9 +2,9 @@
 
 27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
 
-With the freedoms of the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each spread
-by a pressure hat (`hifi.elements.forms`): mean displacements over the hats along the normals u_c = A f + H q, reaction
-on the socket r = S q - H^T f.
+With the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by a
+pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H q,
+reaction on the socket r = S q - H^T f.
 """
 
 from __future__ import annotations
@@ -33,29 +33,38 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 
 @dataclass(frozen=True)
 class Lines:
-    """Element boundaries of a patch in its local coordinates: across (gamma), depth, along (azimuth)."""
+    """Cell boundaries of a patch in its local coordinates."""
 
+    #: Across the groove (gamma), from -1 to 1.
     across: Array
+    #: In depth, from 0 to 1.
     depth: Array
+    #: Along the groove (azimuth), from -1 to 1.
     along: Array
 
 
 @dataclass(frozen=True)
 class PatchMesh(Meshed):
-    """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; local coordinates of its nodes ``(n, 3)``;
-    nodes of the contact zone ``(c,)``, the shape
-    of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
-    nodes ``(interface nodes, socket nodes)``; weights W ``(c, c)`` [m2] of pressures' hats (rows) at displacements
-    (columns), see `hifi.elements.forms.contact_weights`; points of the socket's nodes ``(k, 3)`` [m]."""
+    """Mesh of a patch; boundaries "surface", "contact" (the zone on it) and "interface"."""
 
+    #: Hexahedra or tetrahedra.
     mesh: Mesh
+    #: Local coordinates of its nodes ``(n, 3)``.
     xi: Array
+    #: Nodes of the contact zone ``(c,)``.
     contact: Index
+    #: Shape of their grid; None: no grid.
     contact_shape: tuple[int, int] | None
+    #: Which of them are the outermost ``(c,)``.
     rim: Flags
+    #: Nodes of the interface to the body.
     interface: Index
+    #: Interpolation from the socket's nodes ``(interface nodes, socket nodes)``.
     tie: sp.csr_array
+    #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns), by
+    #: `hifi.elements.forms.contact_weights`.
     weights: sp.csr_array
+    #: Points of the socket's nodes ``(k, 3)`` [m].
     socket: Array
 
     @property
@@ -65,39 +74,87 @@ class PatchMesh(Meshed):
 
     @property
     def areas(self) -> Array:
-        """Areas of the pressure hats ``(c,)`` [m2]."""
+        """Areas of the pressure functions ``(c,)`` [m2]."""
         return np.asarray(self.weights.sum(axis=1)).ravel()
 
 
 @dataclass(frozen=True)
 class CondensedPatch:
-    """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c pressure hats, one at each contact node, and k socket nodes;
-    contact points and normals ``(c, 3)``, areas of the hats ``(c,)`` [m2], which nodes are the zone's outermost ``(c,)``,
-    the shape of their grid (None: no grid), weights W ``(c, c)`` of hats (rows) at displacements (columns) [m2]; points of
-    the socket's nodes ``(k, 3)`` [m] in the patch's frame; unknowns."""
+    """A patch condensed to its c contact nodes and the k nodes of its socket."""
 
+    #: Mean displacement per contact force with the socket fixed ``(c, c)`` [m/N].
     A: Array
+    #: Mean displacement by the motion of the socket ``(c, 3 k)``; H^T carries contact forces to the socket.
     H: Array
+    #: Stiffness at the socket ``(3 k, 3 k)`` [N/m].
     S: Array
+    #: Contact nodes ``(c, 3)`` [m].
     points: Array
+    #: Their normals ``(c, 3)``.
     normals: Array
+    #: Areas of the pressure functions ``(c,)`` [m2].
     areas: Array
+    #: Which contact nodes are the outermost ``(c,)``.
     rim: Flags
+    #: Shape of their grid; None: no grid.
     shape: tuple[int, int] | None
+    #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns).
     weights: sp.csr_array
+    #: Points of the socket's nodes ``(k, 3)`` [m], in the patch's frame.
     socket: Array
+    #: Number of degrees of freedom that were condensed.
     unknowns: int
 
 
 def graded(inner: float, step: float, growth: float) -> Array:
-    """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing by about ``growth`` towards the ends."""
+    """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing towards the ends.
+
+    Parameters
+    ----------
+    inner : float
+        Half of the equally divided part.
+    step : float
+        Steps there, about.
+    growth : float
+        Ratio of neighbouring steps beyond, about.
+
+    Returns
+    -------
+    Array
+        Ascending boundaries.
+
+    Examples
+    --------
+    >>> graded(0.5, 0.5, 1.0).tolist()
+    [-1.0, -0.5, 0.0, 0.5, 1.0]
+    """
     cells = max(1, round(2.0 * inner / step))
     beyond = growing(inner, 1.0, 2.0 * inner / cells, growth)[1:]
     return np.concatenate([-beyond[::-1], np.linspace(-inner, inner, cells + 1), beyond])
 
 
 def growing(start: float, end: float, first: float, ratio: float) -> Array:
-    """Boundaries from start to end, the first step about ``first`` times ratio, each next one larger by ``ratio``."""
+    """Boundaries with steps that grow by a constant ratio.
+
+    Parameters
+    ----------
+    start, end : float
+        First and last boundary.
+    first : float
+        Step before the first one, about.
+    ratio : float
+        Ratio of neighbouring steps.
+
+    Returns
+    -------
+    Array
+        Ascending boundaries.
+
+    Examples
+    --------
+    >>> growing(0.0, 7.0, 0.5, 2.0).tolist()
+    [0.0, 1.0, 3.0, 7.0]
+    """
     steps = [first * ratio]
     while sum(steps) < end - start:
         steps.append(steps[-1] * ratio)
@@ -106,10 +163,31 @@ def growing(start: float, end: float, first: float, ratio: float) -> Array:
 
 
 def build_patch(lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
-    """Patch mesh: ``place`` maps local coordinates ``(n, 3)`` to points; ``zone``: half widths of the contact zone.
+    """Mesh a patch with hexahedra.
 
-    The interface nodes are put onto the socket's second-order triangles, so that its rigid motions strain nothing. Raises
-    ValueError where one lies on no triangle.
+    The interface nodes are moved onto the socket's second-order triangles, so that rigid motions of the socket cause no
+    strain.
+
+    Parameters
+    ----------
+    lines : Lines
+        Cell boundaries in local coordinates.
+    zone : tuple[float, float]
+        Half widths of the contact zone in local units.
+    place : Callable[[Array], Array]
+        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+    socket : SocketMesh
+        Mesh of the socket's faces.
+
+    Returns
+    -------
+    PatchMesh
+        The patch.
+
+    Raises
+    ------
+    ValueError
+        An interface node lies on no triangle.
     """
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
     points, interface, tie, nodes = _placed(points_of(grid), place, socket)
@@ -131,10 +209,28 @@ def build_patch(lines: Lines, zone: tuple[float, float], place: Callable[[Array]
 
 
 def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
-    """Patch of first-order tetrahedra from a box meshed in local coordinates, put into its socket as by `build_patch`, but
-    into that of a body of first order, too.
+    """Put a box of first-order tetrahedra into its socket, as `build_patch`, also into that of a first-order body.
 
-    Tributary areas are thirds of the triangles around a node. Raises ValueError where the map turns cells inside out.
+    Tributary areas are thirds of the triangles around a node.
+
+    Parameters
+    ----------
+    local : LocalTets
+        Tetrahedra in local coordinates.
+    place : Callable[[Array], Array]
+        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+    socket : SocketMesh
+        Mesh of the socket's faces.
+
+    Returns
+    -------
+    PatchMesh
+        The patch.
+
+    Raises
+    ------
+    ValueError
+        The map turns cells inside out, or an interface node lies on no triangle.
     """
     points, interface, tie, nodes = _placed(local.xi, place, socket, linear=True)
     volumes = signed_volumes(points, local.tets)
@@ -162,7 +258,7 @@ def _patch(
     tie: sp.csr_array,
     socket: Array,
 ) -> PatchMesh:
-    """The record, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
+    """Record of a patch, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
 
     xi: the nodes in local coordinates ``(n, 3)``.
     """
@@ -176,11 +272,28 @@ def _patch(
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 
-def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
-    """Mean motion along the ``normals`` ``(c, 3)`` over every hat from the patch's freedoms, ``(c, 3 n)``.
+def pressure_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
+    """Rows of the mean displacements along normals over every pressure function, on a patch's degrees of freedom.
 
-    carrier: another patch in the same socket whose freedoms these are; its displacements at the contact nodes count. Raises
-    ValueError for a carrier without a grid.
+    Parameters
+    ----------
+    mesh : PatchMesh
+        The patch.
+    normals : (c, 3) Array
+        Directions.
+    carrier : PatchMesh, optional, default None
+        Another patch in the same socket whose degrees of freedom these are; its displacements at the contact nodes
+        count.
+
+    Returns
+    -------
+    (c, 3 n) sparse array
+        Rows.
+
+    Raises
+    ------
+    ValueError
+        The carrier has no grid.
     """
     c = mesh.contact.size
     if carrier is None:
@@ -221,8 +334,10 @@ def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
 def _placed(
     xi: Array, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
-    """Points of local coordinates, those of the interface on the socket's triangles; the interface, its tie, the socket's
-    nodes."""
+    """Put nodes in their places, those of the interface on the socket's triangles.
+
+    Returns points, interface, its tie, and the socket's nodes.
+    """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
     tie = tie_matrix(xi[interface], socket, linear=linear)
@@ -232,9 +347,26 @@ def _placed(
 
 
 def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
-    """Interpolation of points on the socket's inner faces from its nodes, ``(n, k)``.
+    """Interpolation of points on a socket's inner faces from its nodes.
 
-    On second-order triangles or, linear, on the four first-order ones that the nodes of each make.
+    Parameters
+    ----------
+    xi : (n, 3) Array
+        Local coordinates of the points.
+    socket : SocketMesh
+        Mesh of the faces, with k nodes.
+    linear : bool, default False
+        On the four first-order triangles that the nodes of each make, instead of second-order ones.
+
+    Returns
+    -------
+    (n, k) sparse array
+        Weights.
+
+    Raises
+    ------
+    ValueError
+        A point lies on no triangle.
     """
     rows, columns, values = [], [], []
     done = np.zeros(len(xi), dtype=bool)
@@ -276,8 +408,11 @@ def _linear_shape(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Partition:
-    """Stiffness of the inner freedoms, between them and the socket's, and of the interface; unit contact forces on the
-    inner freedoms, interface from the socket; inner freedoms ``(i,)``."""
+    """Blocks of a patch's stiffness.
+
+    Of the inner degrees of freedom, between them and the socket's, and of the interface; unit contact forces on the inner
+    ones; interface from the socket; inner degrees of freedom ``(i,)``.
+    """
 
     inner_stiffness: sp.csc_array
     coupling: sp.csc_array
@@ -298,17 +433,40 @@ def _partition(
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.tie, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
-    forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
+    forces = pressure_rows(mesh, normals, carrier)[:, inner].T.tocsc()
     return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
 
 
 def condense_patch(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> CondensedPatch:
-    """Condensation of a patch; ``normals`` ``(c, 3)``: directions of the contact forces and displacements.
+    """Condense a patch to its contact and its socket.
 
-    Exact, or with the coarser patch ``carrier`` of the same socket in its stead: H and S, smooth as they are, hardly
-    change, A does. Raises ValueError where the contact zone reaches the patch's rim.
+    Exact, or with a coarser patch of the same socket in its place, which hardly changes H and S, smooth as they are; A
+    changes.
+
+    Parameters
+    ----------
+    mesh : PatchMesh
+        The patch.
+    normals : (c, 3) Array
+        Directions of contact forces and displacements.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    carrier : PatchMesh, optional, default None
+        The coarser patch.
+
+    Returns
+    -------
+    CondensedPatch
+        The condensed patch.
+
+    Raises
+    ------
+    ValueError
+        The contact zone reaches the patch's rim.
     """
     blocks = _partition(mesh, normals, young, poisson, carrier)
     boundary = (blocks.tie.T @ (blocks.outer_stiffness @ blocks.tie)).toarray()
@@ -331,10 +489,25 @@ def condense_patch(
 
 
 def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array) -> Array:
-    """Displacements ``(n, 3)`` [m] of all nodes of a patch, by solving once more.
+    """Displacements of all nodes of a patch, by solving once more.
 
-    normals: as for `condense_patch`; forces ``(c,)`` [N] of the hats; trace: displacements of the socket's nodes ``(3 k,)``
-    [m] in the patch's frame. In the mean over the hats, along the normals, A f + H q.
+    In the mean over the pressure functions, along the normals, they are A f + H q.
+
+    Parameters
+    ----------
+    mesh : PatchMesh
+        Patch of n nodes.
+    normals, young, poisson
+        As for `condense_patch`.
+    forces : (c,) Array
+        Contact forces f [N].
+    trace : (3 k,) Array
+        Displacements q of the socket's nodes in the patch's frame [m].
+
+    Returns
+    -------
+    (n, 3) Array
+        Displacements [m].
     """
     blocks = _partition(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)

@@ -18,7 +18,7 @@ bodies (translations [m], rotations [rad]), column j of N being the gap closed b
 [N, N m], positive where they do work in a closing motion. These are the optimality conditions of the convex problem
 min 1/2 lambda^T C lambda + g0^T lambda over lambda >= 0 with N^T lambda = f, so a solution's forces are unique.
 
-C has three parts: each contact's own, what couples the contacts of a ball, and what couples all of them.
+C has three parts: local to each contact, coupling the contacts of a ball, and coupling all contacts.
 """
 
 from __future__ import annotations
@@ -46,15 +46,16 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class BallBlock:
-    """Compliance D = blkdiag(A_s) + V G V^T [m/N] between the contact pairs of one ball, side after side.
+    """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, side after side.
 
-    local: A_s (n_s, n_s), symmetric positive definite; modes: V_s (n_s, k_s), smooth patterns by which a side feels the
-    ball's other sides; coupling: G (k, k), k = sum k_s, symmetric positive semidefinite. A factor costs sum n_s^3 and not
-    (sum n_s)^3.
+    A factor costs sum n_s^3 and not (sum n_s)^3.
     """
 
+    #: Compliance A_s of each side ``(n_s, n_s)`` [m/N], symmetric positive definite.
     local: tuple[Array, ...]
+    #: Smooth patterns V_s ``(n_s, k_s)`` by which a side is coupled to the ball's other sides.
     modes: tuple[Array, ...]
+    #: G ``(k, k)`` [m/N], k = sum k_s, symmetric positive semidefinite.
     coupling: Array
 
     @cached_property
@@ -68,20 +69,33 @@ class BallBlock:
         return np.asarray(block_diag(*self.modes))
 
     def __len__(self) -> int:
-        """Number of pairs."""
+        """Count the pairs."""
         return sum(len(a) for a in self.local)
 
     def apply(self, forces: Array) -> Array:
-        """D f (n,) [m] of forces f (n,) [N]."""
+        """Gaps D f ``(n,)`` [m] of forces f ``(n,)`` [N]."""
         alone = np.concatenate([a @ forces[pairs] for a, pairs in zip(self.local, self.sides, strict=True)])
         return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
     def dense(self) -> Array:
-        """D (n, n) [m/N]; for the rare problem on which the active set cycles."""
+        """D as a dense matrix ``(n, n)`` [m/N]; for the rare problem on which the active set cycles."""
         return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
-        """Factor of the rows and columns of the ``active`` (n,) pairs; sides that are as in ``known`` are taken over."""
+        """Factor of the rows and columns of active pairs.
+
+        Parameters
+        ----------
+        active : (n,) Mask
+            Active pairs.
+        known : BlockFactor | None, default None
+            Factor of another active set; sides on which both agree are taken from it.
+
+        Returns
+        -------
+        BlockFactor
+            The factor.
+        """
         sides = []
         for s, pairs in enumerate(self.sides):
             pick = active[pairs]
@@ -99,15 +113,42 @@ class BallBlock:
 
 
 def picked_factor(matrix: Array, pick: Indices) -> Array:
-    """Lower Cholesky factor of the picked rows and columns of a symmetric matrix. Raises as `factored`."""
+    """Lower Cholesky factor of picked rows and columns of a symmetric matrix; raises as `factored`.
+
+    Parameters
+    ----------
+    matrix : (n, n) Array
+        Symmetric positive definite matrix.
+    pick : Indices
+        Indices of k rows and columns.
+
+    Returns
+    -------
+    (k, k) Array
+        Lower factor; entries above the diagonal are arbitrary.
+    """
     return factored(matrix[pick[:, None], pick].T)
 
 
 def factored(matrix: Array) -> Array:
-    """Lower Cholesky factor of a matrix in Fortran's order, in its place (above its diagonal: anything).
+    """Lower Cholesky factor of a matrix in Fortran order, in its place (entries above the diagonal are arbitrary).
 
-    Raises numpy.linalg.LinAlgError where it is not positive definite. LAPACK itself: SciPy's checks of small matrices take
-    as long as their factors.
+    Calls LAPACK directly: SciPy's checks of small matrices take as long as their factors.
+
+    Parameters
+    ----------
+    matrix : (k, k) Array
+        Symmetric positive definite matrix in Fortran order; overwritten.
+
+    Returns
+    -------
+    (k, k) Array
+        Lower factor.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        The matrix is not positive definite.
     """
     L, fault = dpotrf(matrix, lower=1, clean=0, overwrite_a=1)
     if fault:
@@ -116,26 +157,42 @@ def factored(matrix: Array) -> Array:
 
 
 class SideFactor(NamedTuple):
-    """Factor of one side of a `BallBlock`: its active pairs, Cholesky factor of A_aa (None: none is active), A_aa^-1 V
-    (active, k_s) and V^T A_aa^-1 V (k_s, k_s)."""
+    """Factor of one side of a `BallBlock`."""
 
+    #: Its active pairs.
     pairs: Indices
+    #: Cholesky factor of A_aa; None where no pair is active.
     cholesky: Array | None
+    #: A_aa^-1 V ``(active, k_s)``.
     inner: Array
+    #: V^T A_aa^-1 V ``(k_s, k_s)``.
     middle: Array
 
 
 @dataclass(frozen=True, eq=False)
 class BlockFactor:
-    """D_aa^-1 on the ``active`` (n,) pairs of a `BallBlock`, by the sides' Cholesky factors and Woodbury's formula for
-    V G V^T; answer (k, k): (I + G V^T A_aa^-1 V)^-1 G."""
+    """Inverse D_aa^-1 on the active pairs of a `BallBlock`, by Cholesky factors and Woodbury's formula for V G V^T."""
 
+    #: Active pairs ``(n,)``.
     active: Flags
+    #: Factors of the sides.
     sides: tuple[SideFactor, ...]
+    #: (I + G V^T A_aa^-1 V)^-1 G ``(k, k)``.
     answer: Array
 
     def solve(self, rhs: Array) -> Array:
-        """D_aa^-1 of the active rows of ``rhs`` (n,) or (n, m), zero on the other rows."""
+        """Apply D_aa^-1 to the active rows.
+
+        Parameters
+        ----------
+        rhs : (n,) or (n, m) Array
+            Right-hand sides.
+
+        Returns
+        -------
+        Array of that shape
+            Solution; zero on inactive rows.
+        """
         out = np.zeros(rhs.shape)
         for side in self.sides:
             if side.cholesky is not None:
@@ -147,20 +204,22 @@ class BlockFactor:
 
 
 def plain(matrix: Array) -> BallBlock:
-    """One dense matrix (n, n) as block."""
+    """One dense matrix ``(n, n)`` as a `BallBlock` without modes."""
     return BallBlock((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """C = blkdiag(D_p) + U G U^T [m/N] without ever forming it, U = blkdiag(U_p).
+    """Compliance C = blkdiag(D_p) + U G U^T of all balls, never formed; U = blkdiag(U_p).
 
-    blocks: D_p of n_p pairs, one for each ball; modes: U_p (n_p, r_p); coupling: G (r, r), symmetric, r = sum r_p. Make it
-    with `uncoupled` or `coupled`, which check the matrices.
+    Make it with `uncoupled` or `coupled`, which check the matrices.
     """
 
+    #: D_p of n_p pairs, one for each ball.
     blocks: tuple[BallBlock, ...]
+    #: U_p ``(n_p, r_p)``.
     modes: tuple[Array, ...]
+    #: G ``(r, r)`` [m/N], symmetric, r = sum r_p.
     coupling: Array
 
     @cached_property
@@ -174,25 +233,57 @@ class Compliance:
         return _slices([modes.shape[1] for modes in self.modes])
 
     def amplitude(self, forces: Array) -> Array:
-        """U^T lambda (r,) of forces lambda (n,) [N]."""
+        """Amplitudes U^T lambda ``(r,)`` of forces lambda ``(n,)`` [N]."""
         return np.concatenate([modes.T @ forces[pairs] for pairs, modes in zip(self.pairs, self.modes, strict=True)])
 
 
 def _slices(counts: Sequence[int]) -> tuple[slice, ...]:
-    """Stretches of so many numbers, one after another."""
+    """Consecutive slices of given lengths."""
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
 
 def uncoupled(block: Array | BallBlock) -> Compliance:
-    """Compliance D (n, n) [m/N] of one ball, or of one dense matrix. Raises ValueError as `coupled`."""
+    """Compliance of one ball, or of one dense matrix.
+
+    Parameters
+    ----------
+    block : BallBlock or (n, n) Array
+        D [m/N].
+
+    Returns
+    -------
+    Compliance
+        The compliance.
+
+    Raises
+    ------
+    ValueError
+        As `coupled`.
+    """
     return coupled([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
 
 
 def coupled(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], coupling: Array) -> Compliance:
-    """Compliance blkdiag(D_p) + U G U^T, see `Compliance`: blocks D_p (n_p, n_p) [m/N], dense or as `BallBlock`, modes U_p
-    (n_p, r_p), coupling G (r, r).
+    """Compliance blkdiag(D_p) + U G U^T, its matrices checked; see `Compliance`.
 
-    Raises ValueError for matrices that are not finite, or not symmetric to 1e-8 of their largest entry.
+    Parameters
+    ----------
+    blocks : BallBlocks or (n_p, n_p) Arrays
+        D_p [m/N].
+    modes : (n_p, r_p) Arrays
+        U_p.
+    coupling : (r, r) Array
+        G [m/N].
+
+    Returns
+    -------
+    Compliance
+        The compliance.
+
+    Raises
+    ------
+    ValueError
+        A matrix is not finite, or not symmetric to 1e-8 of its largest entry.
     """
     made: dict[int, BallBlock] = {}  # congruent balls share one block
     for p, block in enumerate(blocks):
@@ -204,7 +295,7 @@ def coupled(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], couplin
 
 
 def _symmetric(name: str, matrix: Array) -> Array:
-    """The matrix made exactly symmetric."""
+    """Check a matrix, and make it exactly symmetric."""
     if not np.isfinite(matrix).all():
         raise ValueError(f"{name} holds values that are not finite")
     skew = np.abs(matrix - matrix.T).max(initial=0.0)
@@ -216,52 +307,73 @@ def _symmetric(name: str, matrix: Array) -> Array:
 #: Rounds after which the solution over all balls is given up.
 MOST = 60
 
-#: Stiffness [N/m] that holds, far from equilibrium, what contacts do not: a ten thousandth of a contact's.
+#: Stiffness [N/m] that regularises, far from equilibrium, motions without contact: a ten thousandth of a contact's.
 HOLD = 1e4
 
 #: Share of the residual that a step by the factor of an earlier one may leave; where it leaves more, a new one is made.
 KEPT = 0.2
 
-#: Answer of the bodies to a pattern of forces, over the contact's own, that Newton's step leaves out.
+#: Compliance of the bodies under a pattern of forces, over the local compliance, that Newton's step neglects.
 FEEBLE = 1e-4
 
 
 @dataclass(frozen=True)
 class ContactResult:
-    """Solution of (1), or the last state and the reason why it is none.
+    """Solution of (1), or the last state and why it is none."""
 
-    forces: (n,) [N]; gaps: (n,) [m], round-off on closed pairs; motions: (k,) rigid motions y [m, rad]; iterations: of
-    Newton's method; status: "converged", or why not; equilibrium: the largest unbalanced force over the largest force on
-    a ball.
-    """
-
+    #: Contact forces ``(n,)`` [N].
     forces: Array
+    #: Gaps ``(n,)`` [m]; round-off on closed pairs.
     gaps: Array
+    #: Rigid motions y ``(k,)`` [m, rad].
     motions: Array
+    #: Iterations of Newton's method.
     iterations: int
+    #: "converged", or why not.
     status: str
+    #: Largest unbalanced force over the largest force on a ball.
     equilibrium: float
 
     @property
     def converged(self) -> bool:
-        """Whether (1) holds."""
+        """Whether (1) is satisfied."""
         return self.status == "converged"
 
 
 @dataclass
 class Ball:
-    """State of one ball: forces, active pairs and the factor of their compliance."""
+    """State of one ball."""
 
+    #: Contact forces ``(n,)`` [N].
     forces: Array
+    #: Active pairs ``(n,)``.
     active: Flags
+    #: Factor of their compliance.
     factor: BlockFactor | None
+    #: psi of the ball [J].
     energy: float
 
 
 def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> Ball:
-    """min 1/2 l^T D l + g^T l over l >= 0: active set from ``start``, non-negative least squares where it cycles.
+    """Contact of one ball between given grooves: min 1/2 l^T D l + g^T l over l >= 0.
 
-    A state to start from lends its factor: sides whose active pairs stay are not factored again.
+    By an active set; by non-negative least squares where that cycles.
+
+    Parameters
+    ----------
+    block : BallBlock
+        Compliance D.
+    gap : (n,) Array
+        Gaps g without forces [m].
+    start : Ball | Flags
+        Active pairs to start from, or a state, of whose factor the unchanged sides are used.
+    most : int, default 60
+        Largest number of changes of the active set.
+
+    Returns
+    -------
+    Ball
+        State at the minimum.
     """
     known = start.factor if isinstance(start, Ball) else None
     active = (start.active if isinstance(start, Ball) else start).copy()
@@ -288,21 +400,36 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
 
 
 class Factor(NamedTuple):
-    """Newton's equations of all balls, by the amplitudes in which contacts and bodies answer one another.
+    """Newton's equations of all balls, in the amplitudes that couple contacts and bodies."""
 
-    traces: for every ball that touches, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T; starts: where
-    each begins among all; loads: T ``(ranks, motions)`` with U^T D^-1 N = R T; inner: lower Cholesky factor of
-    I + R^T G R; outer: LU factor of what is left for the motions.
-    """
-
+    #: Of every ball in contact, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T.
     traces: list[tuple[slice, Array]]
+    #: Places at which each begins among all.
     starts: list[int]
+    #: T ``(ranks, motions)`` with U^T D^-1 N = R T.
     loads: Array
+    #: Lower Cholesky factor of I + R^T G R.
     inner: Array
+    #: LU factor of the equations of the rigid motions.
     outer: tuple[Array, Indices]
 
     def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
-        """Newton step (dw, dy) by ``back`` = U^T lambda - w, G back, and f - N^T lambda."""
+        """Newton step of amplitudes and rigid motions.
+
+        Parameters
+        ----------
+        back : Array
+            U^T lambda - w.
+        moved : Array
+            G back.
+        balance : Array
+            f - N^T lambda.
+
+        Returns
+        -------
+        dw, dy : Array
+            Steps of w and y.
+        """
         answer = self._solved(np.concatenate([np.zeros(0), *(R.T @ moved[c] for c, R in self.traces)]))
         dy = lu_solve(self.outer, balance + self.loads.T @ answer, check_finite=False)
         amplitude = self._solved(self.loads @ dy) - answer
@@ -312,14 +439,30 @@ class Factor(NamedTuple):
         return dw, dy
 
     def _solved(self, rhs: Array) -> Array:
-        """(I + R^T G R)^-1 rhs."""
+        """Apply (I + R^T G R)^-1."""
         return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
 def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
-    """R ``(n, rank)`` and T ``(rank, k)`` with matrix = R R^T, positive semidefinite, and loads ``(n, k)`` = R T.
+    """Factors R, T with matrix = R R^T and loads = R T.
 
-    By Cholesky's factor with pivots, up to what times ``scale`` ``(n,)``, from both sides, is less than ``FEEBLE``.
+    By Cholesky's factor with pivots, up to a remainder that, scaled from both sides, is less than `FEEBLE`.
+
+    Parameters
+    ----------
+    matrix : (n, n) Array
+        Positive semidefinite.
+    loads : (n, k) Array
+        In the range of the matrix.
+    scale : (n,) Array
+        Scale of rows and columns.
+
+    Returns
+    -------
+    R : (n, rank) Array
+        Root of the matrix.
+    T : (rank, k) Array
+        Loads.
     """
     packed, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
     L, order = np.tril(packed)[:, :rank], order - 1
@@ -331,12 +474,15 @@ def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
 
 @dataclass
 class State:
-    """Where a solution ended, or one may begin: amplitudes w, motions y, and, for the same compliance, its balls and the
-    factor of its last step."""
+    """State at which a solution ended, or one may begin."""
 
+    #: Amplitudes.
     w: Array
+    #: Rigid motions.
     y: Array
+    #: States of the balls, for the same compliance.
     balls: list[Ball] | None = None
+    #: Factor of the last step.
     factor: Factor | None = None
 
 
@@ -354,7 +500,7 @@ class _System:
         self.balls = list(balls or (Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
     def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
-        """Phi, U^T lambda - w, and f - N^T lambda; the balls' states are kept."""
+        """Evaluate Phi, U^T lambda - w, and f - N^T lambda; the balls' states are stored."""
         phi = 0.5 * float(w @ (self.C.coupling @ w)) - float(self.f @ y)
         for i, gap in enumerate(self.between(w, y)):
             self.balls[i] = press(self.C.blocks[i], gap, self.balls[i])
@@ -362,20 +508,20 @@ class _System:
         return phi, *self.left(w)
 
     def between(self, w: Array, y: Array) -> list[Array]:
-        """Gaps ``(n_i,)`` [m] of each ball by the amplitudes of all and the motions, but for its own compliance."""
+        """Gaps of each ball ``(n_i,)`` [m] by all amplitudes and motions, without its local compliance."""
         z = self.C.coupling @ w
         each = zip(self.gaps, self.C.modes, self.C.columns, self.rows, strict=True)
         return [gap + U @ z[c] - n @ y[columns] for gap, U, c, (columns, n) in each]
 
     def left(self, w: Array) -> tuple[Array, Array]:
-        """U^T lambda - w and f - N^T lambda of the balls' forces."""
+        """Residuals U^T lambda - w and f - N^T lambda of the balls' forces."""
         balance = self.f.copy()
         for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
             balance[columns] -= n.T @ ball.forces
         return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
     def in_touch(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
-        """Amplitudes and motions if these pairs of each ball touch, pull where they must, and no other does."""
+        """Amplitudes and motions if exactly these pairs of each ball touch, even where they pull."""
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
             factor = self.C.blocks[i].factor(active)
             self.balls[i] = Ball(factor.solve(-gap), active, factor, 0.0)
@@ -432,11 +578,34 @@ def solve_balls(
     touching: Sequence[Flags] = (),
     tolerance: float = 1e-10,
 ) -> tuple[ContactResult, State]:
-    """Forces, gaps and rigid motions, and the state they belong to; ``start``: of a neighbouring solution;
-    ``touching``: without one, the pairs ``(n_i,)`` of each ball that are expected to touch.
+    """Solve (1): forces, gaps and rigid motions.
 
-    The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. A problem that cannot
-    be held ends with a status that says that it did not converge.
+    The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. A problem without
+    equilibrium ends with a status that says that it did not converge.
+
+    Parameters
+    ----------
+    C : Compliance
+        Compliance of n pairs.
+    gap : (n,) Array
+        Gaps g0 of the undeformed bodies [m].
+    N : (n, k) sparse array
+        Gap closed by a unit of each rigid motion.
+    f : (k,) Array
+        Loads on the rigid motions [N, N m].
+    start : State | None, default None
+        State of a neighbouring solution.
+    touching : sequence of (n_i,) Masks, optional, optional
+        Without a start, pairs of each ball that are expected to touch.
+    tolerance : float, default 1e-10
+        Largest residual.
+
+    Returns
+    -------
+    result : ContactResult
+        The solution, or why there is none.
+    state : State
+        Its state.
     """
     begin = State(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
     system = _System(C, gap, N, f, begin.balls)
@@ -469,7 +638,7 @@ def solve_balls(
         w, y = w + t * dw, y + t * dy
         phi, back, balance = trial
         if not done and kept:
-            before = 0.0  # from here by a factor of its own
+            before = 0.0  # the next step by a new factor
         elif not done:
             status = f"stalled at a relative residual of {residual:.1e}"
             break

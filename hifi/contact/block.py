@@ -1,17 +1,17 @@
-"""Hertz contact on a finite block of elements, with the far field of the half space on its cut.
+"""Hertz contact on a finite block of elements, with the far field of the half-space on its cut faces.
 
-The block holds a quarter of the half space z > 0 (x = 0 and y = 0 are planes of symmetry). Held on its cut faces it is
-too stiff: a block of 5 mm shifts a ball's approach by 1.7-2.5 %. Here the cut moves as it would in the half space, by
-Boussinesq's displacement of each contact force. By superposition, with i the free freedoms, c those of the cut, P the
-unit contact forces and B the displacements of the cut under them,
+The block is a quarter of the half-space z > 0 (x = 0 and y = 0 are planes of symmetry). With its cut faces fixed it is
+too stiff: a block of 5 mm shifts a ball's approach by 1.7-2.5 %. Here the cut moves as it would in the half-space, by
+Boussinesq's displacement of each contact force. By superposition, with i the free degrees of freedom, c those of the cut,
+P the unit contact forces and B the displacements of the cut under them,
 
     u_i = K_ii^-1 (P - K_ic B) lambda,    C = P^T K_ii^-1 P - (K_ci K_ii^-1 P)^T B:
 
-the compliance with the cut held, plus what the motion of the cut adds through the reactions found with it held. It
-needs no more solutions than the held block, and replaces the rest of the half space up to the difference between a
-nodal force and a point force, seen from the cut.
+the compliance with the cut fixed, plus what the motion of the cut adds through the reactions found with it fixed. It
+needs no more solutions than the fixed block, and replaces the rest of the half-space up to the difference between a nodal
+force and a point force, seen from the cut.
 
-Both bodies of a Hertz contact are half spaces of the same material: one is modelled, and its compliance doubled.
+Both bodies of a Hertz contact are half-spaces of the same material: one is modelled, and its compliance doubled.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from rollbench.meshes.fem import freedoms_on, nodes_on
 
 #: Right-hand sides solved at once.
 CHUNK = 128
-#: Edge of the block over the long semi-axis. The far field makes the answer independent of it.
+#: Edge of the block over the long semi-axis. The far field makes the result independent of it.
 SIZE = 3.0
 #: Ratio of neighbouring hexahedra outside the contact, and edge per distance of tetrahedra there, at b/h = 4.
 GROWTH, GRADING = 1.8, 0.5
@@ -44,29 +44,55 @@ SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 
 @dataclass(frozen=True, eq=False)
 class SurfaceCompliance:
-    """Compliance of the quarter half space's surface for normal contact forces.
+    """Compliance of the quarter half-space's surface under normal forces at m nodes."""
 
-    places: (m, 2) x, y [m] of the nodes that carry force; areas: (m,) of the quarter's surface that each
-    carries [m2], so that pressure = force / area; matrix: (m, m) [m/N], displacement into the body; held: the same with
-    the cut held; asymmetry: largest difference of the matrix from its transposed over its largest entry, before the two
-    were averaged; unknowns: free freedoms; seconds: of assembly, factor and solution.
-    """
-
+    #: Coordinates x, y of the nodes ``(m, 2)`` [m].
     places: Array
+    #: Area of the quarter's surface that each node carries ``(m,)`` [m2]; pressure = force / area.
     areas: Array
+    #: Displacement into the body per force ``(m, m)`` [m/N].
     matrix: Array
+    #: The same with the cut fixed ``(m, m)`` [m/N].
     held: Array
+    #: Largest difference of the matrix from its transpose over its largest entry, before the two were averaged.
     asymmetry: float
+    #: Number of free degrees of freedom.
     unknowns: int
+    #: Time of assembly, factor and solution [s].
     seconds: dict[str, float]
 
 
 def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> Array:
-    """Displacements (n, 3, m) [m/N] at points (n, 3) [m] under a unit force along z on the half space z > 0.
+    """Displacements of the half-space z > 0 under unit normal forces on its surface.
 
-    Johnson, Contact Mechanics (1985), 3.18, 3.19: u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))),
-    u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), R the distance from the source. Sources (m, 2) [m] lie on z = 0;
-    the displacement is infinite there.
+    u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), R the
+    distance from the source, r its part along the surface. Infinite at a source.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Points [m].
+    sources : (m, 2) Array
+        Places x, y of the forces, which act along +z at z = 0 [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (n, 3, m) Array
+        Displacements along x, y, z [m/N].
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eqs. (3.18) and (3.19).
+
+    Examples
+    --------
+    >>> below = boussinesq(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 210e9, 0.3)
+    >>> f"{1e9 * below[0, 2, 0]:.4f} nm/N"  # (1 + nu) (3 - 2 nu) / (2 pi E z)
+    '2.3646 nm/N'
     """
     offset = points[:, None, :2] - sources
     z = points[:, 2, None]
@@ -78,10 +104,20 @@ def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> A
 
 
 def carried_areas(mesh: BlockMesh) -> Array:
-    """Area [m2] of the contact plane that each node carries, (n,): its consistent area; zero off the plane.
+    """Area of the contact plane that each node carries: its consistent area.
 
-    A uniform pressure puts nothing on the corners of 6-node triangles and all on their midside nodes: only those may
-    touch. Pressures given at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
+    A uniform pressure loads only the midside nodes of 6-node triangles, not the corners: only midside nodes may touch.
+    Pressures given at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
+
+    Parameters
+    ----------
+    mesh : BlockMesh
+        Quarter block.
+
+    Returns
+    -------
+    (n,) Array
+        Areas [m2]; zero off the plane.
     """
     areas = nodal_areas(mesh.mesh, "contact")
     return np.where(areas > 1e-6 * areas.max(initial=0.0), areas, 0.0)
@@ -90,13 +126,26 @@ def carried_areas(mesh: BlockMesh) -> Array:
 def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float, poisson: float) -> SurfaceCompliance:
     """Compliance of the surface nodes within an ellipse, with and without the far field.
 
-    Args:
-        mesh: quarter block.
-        reach: semi-axes along x, y [m] of the ellipse that may touch.
-        young, poisson: [Pa, -].
+    Parameters
+    ----------
+    mesh : BlockMesh
+        Quarter block.
+    reach : tuple[float, float]
+        Semi-axes along x, y of the ellipse that may touch [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
 
-    Raises:
-        hifi.linear_algebra.FactorError: the mesh does not hold together.
+    Returns
+    -------
+    SurfaceCompliance
+        The compliance.
+
+    Raises
+    ------
+    FactorError
+        The stiffness of the mesh cannot be factored.
     """
     start = perf_counter()
     matrix = sp.csr_array(assemble(elasticity(young, poisson), mesh.mesh))
@@ -140,16 +189,19 @@ def _far_field(mesh: BlockMesh, sources: Array, young: float, poisson: float) ->
 
 @dataclass(frozen=True)
 class HertzJob:
-    """A contact to verify: gap x^2/(2 radius_x) + y^2/(2 radius_y) [m], both bodies of young [Pa], poisson; load [N].
+    """A contact to verify: gap x^2/(2 radius_x) + y^2/(2 radius_y) between two bodies of one material."""
 
-    radius_x >= radius_y, so that the long semi-axis lies along x.
-    """
-
+    #: Name of the contact.
     name: str
+    #: Relative radius along x [m].
     radius_x: float
+    #: Relative radius along y [m], at most ``radius_x``, so that the long semi-axis lies along x.
     radius_y: float
+    #: Young's modulus [Pa].
     young: float = 210e9
+    #: Poisson's ratio.
     poisson: float = 0.28
+    #: Normal force [N].
     load: float = 225.0
 
     @property
@@ -169,55 +221,77 @@ JOBS = {
 
 @dataclass(frozen=True)
 class HertzRun:
-    """A verification run: what the mesh gives, and the closed form.
+    """Result of a verification run on one mesh, and the closed form."""
 
-    element, b_over_h: of the mesh, h the edge of the cells at the contact along the short semi-axis; unknowns: free
-    freedoms; contact_nodes: that may touch; iterations: of Newton's method; seconds: of mesh, assembly, factor, solution
-    and contact; approach [m]; semi_x, semi_y [m]: of the pressure ellipsoid with the load and the second moments of the
-    nodal forces, semi^2 = 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure; pole_pressure [Pa]: force over
-    area of the contact node nearest the pole, divided by that ellipsoid's height there (1 where the node is at the
-    pole, as in all meshes but P2); pole_fitted [Pa]: of the ellipsoid on these semi-axes fitted to all nodal pressures
-    by least squares over the area; exact: the closed form.
-    """
-
+    #: Name of the contact.
     job: str
+    #: P1, P2, Q1 or Q2.
     element: str
+    #: Cells across the short semi-axis.
     b_over_h: float
+    #: Number of free degrees of freedom.
     unknowns: int
+    #: Number of nodes that may touch.
     contact_nodes: int
+    #: Iterations of Newton's method.
     iterations: int
+    #: Time of mesh, assembly, factor, solution and contact [s].
     seconds: dict[str, float]
+    #: Approach [m].
     approach: float
+    #: Semi-axis along x [m] of the pressure ellipsoid with the load and the second moments of the nodal forces, semi^2 =
+    #: 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure.
     semi_x: float
+    #: Semi-axis along y [m], likewise.
     semi_y: float
+    #: Force over area of the contact node nearest the pole [Pa], divided by that ellipsoid's height there (1 where the
+    #: node is at the pole, as in all meshes but P2).
     pole_pressure: float
+    #: Pole pressure of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over the
+    #: area [Pa].
     pole_fitted: float
+    #: The closed form.
     exact: HertzSolution
 
     @property
     def total_seconds(self) -> float:
-        """Seconds from nothing to the answer."""
+        """Time of all stages [s]."""
         return sum(self.seconds.values())
 
 
 def study(
     job: HertzJob, element: str, b_over_h: float, *, size: float = SIZE, far_field: bool = True, aim: float = 1.0
 ) -> HertzRun:
-    """Solve a job on a mesh graded to its contact ellipse.
+    """Solve a contact on a mesh graded to its ellipse.
 
     Meshes of one element with growing b_over_h refine each other everywhere, so that errors can converge.
 
-    Args:
-        job: see `JOBS`.
-        element: "P1", "P2", "Q1" or "Q2". Hexahedra are stretched like the ellipse, a/h cells along x; tetrahedra not.
-        b_over_h: cells across the short semi-axis.
-        size: edge of the block over the long semi-axis.
-        far_field: False to hold the cut instead.
-        aim: semi-axes that the mesh is made for over those of the job, to move the contact's edge against the mesh.
+    Parameters
+    ----------
+    job : HertzJob
+        Contact, see `JOBS`.
+    element : str
+        "P1", "P2", "Q1" or "Q2". Hexahedra are stretched like the ellipse, a/h cells along x; tetrahedra not.
+    b_over_h : float
+        Cells across the short semi-axis.
+    size : float, default SIZE
+        Edge of the block over the long semi-axis.
+    far_field : bool, default True
+        False to fix the cut instead.
+    aim : float, default 1.0
+        Semi-axes that the mesh is made for over those of the contact, to move the contact's edge against the mesh.
 
-    Raises:
-        ValueError: unknown element.
-        ArithmeticError: contact or factor that fails, with the reason.
+    Returns
+    -------
+    HertzRun
+        Result and closed form.
+
+    Raises
+    ------
+    ValueError
+        Unknown element.
+    ArithmeticError
+        Contact or factor fails; the message says why.
     """
     start = perf_counter()
     a, b = aim * job.exact.semi_x, aim * job.exact.semi_y
@@ -236,7 +310,22 @@ def study(
 
 
 def source_study(job: HertzJob) -> HertzRun:
-    """Solve a job on first-order tetrahedra of the source's size, 0.08 mm in a body of influence and 5 mm elsewhere."""
+    """Solve a contact on first-order tetrahedra of the source's size, 0.08 mm in a body of influence and 5 mm elsewhere.
+
+    Parameters
+    ----------
+    job : HertzJob
+        Contact, see `JOBS`.
+
+    Returns
+    -------
+    HertzRun
+        Result and closed form.
+
+    References
+    ----------
+    Lin (2019), section 2.4.1.
+    """
     start = perf_counter()
     radius = SOURCE_RADIUS
     mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
@@ -244,8 +333,31 @@ def source_study(job: HertzJob) -> HertzRun:
 
 
 def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True) -> HertzRun:
-    """Solve a job on a mesh of a quarter block; b_over_h: its cells across the short semi-axis; seconds: it took to make;
-    far_field: as for `study`. Raises ArithmeticError for a contact that fails."""
+    """Solve a contact on a mesh of a quarter block.
+
+    Parameters
+    ----------
+    job : HertzJob
+        Contact.
+    mesh : BlockMesh
+        Quarter block.
+    b_over_h : float
+        Its cells across the short semi-axis.
+    seconds : float, default 0.0
+        Time that the mesh took [s].
+    far_field : bool, default True
+        False to fix the cut instead.
+
+    Returns
+    -------
+    HertzRun
+        Result and closed form.
+
+    Raises
+    ------
+    ArithmeticError
+        The contact fails.
+    """
     margin = 1.0 + 1.5 / (int(mesh.element[1]) * b_over_h)  # the contact may end one node too far
     reach = (margin * job.exact.semi_x, margin * job.exact.semi_y)
     surface = surface_compliance(mesh, reach, job.young, job.poisson)
@@ -276,8 +388,26 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
 
 
 def read_ellipse(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:
-    """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them, of forces ``(n,)`` [N]
-    on areas ``(n,)`` [m2] at places ``(n, 2)`` [m] from the contact's middle."""
+    """Semi-axes and pole pressures of the ellipsoid that nodal forces follow, as `HertzRun` defines them.
+
+    Parameters
+    ----------
+    places : (n, 2) Array
+        Places of the nodes from the contact's centre [m].
+    areas : (n,) Array
+        Areas that they carry [m2].
+    forces : (n,) Array
+        Nodal forces [N].
+
+    Returns
+    -------
+    semi : tuple of 2 floats
+        Semi-axes [m].
+    pole : float
+        Pressure at the pole [Pa].
+    fitted : float
+        Fitted pole pressure [Pa].
+    """
     pressure = forces / areas
     squares = 5.0 * (forces @ places**2) / forces.sum()
     ellipse = (places**2 / squares).sum(axis=1)

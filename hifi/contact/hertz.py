@@ -1,7 +1,7 @@
-"""Hertz's elliptical contact in closed form: what the 3D reference is verified against.
+"""Hertz's elliptical contact in closed form, against which the 3D reference is verified.
 
-Written from Johnson, Contact Mechanics (1985), section 3.3, with the integrals by quadrature, independently of the
-low-order model's own Hertz formulas, so that neither can hide a fault of the other.
+Written from Johnson, Contact Mechanics (1985), section 3.3, with the integrals by quadrature, independently of the Hertz
+formulas of the low-order models, so that neither can hide a fault of the other.
 """
 
 from __future__ import annotations
@@ -19,16 +19,32 @@ THINNEST = 1e-3
 
 @dataclass(frozen=True)
 class HertzSolution:
-    """Hertz contact: approach of distant points [m], semi-axes along x and y [m], pole pressure [Pa], load [N]."""
+    """Hertz contact of two bodies."""
 
+    #: Approach of distant points of the bodies [m].
     approach: float
+    #: Semi-axis of the contact ellipse along x [m].
     semi_x: float
+    #: Semi-axis of the contact ellipse along y [m].
     semi_y: float
+    #: Largest pressure p0 [Pa].
     pole_pressure: float
+    #: Normal force F [N].
     load: float
 
     def pressure(self, x: Array, y: Array) -> Array:
-        """Contact pressure [Pa] at x, y [m], zero outside the ellipse."""
+        """Contact pressure at points of the contact plane [Pa]; zero outside the ellipse.
+
+        Parameters
+        ----------
+        x, y : Array
+            Coordinates from the contact's centre [m].
+
+        Returns
+        -------
+        Array
+            p0 sqrt(1 - (x/a)^2 - (y/b)^2).
+        """
         inside = np.maximum(1.0 - (x / self.semi_x) ** 2 - (y / self.semi_y) ** 2, 0.0)
         return np.asarray(self.pole_pressure * np.sqrt(inside))
 
@@ -36,22 +52,38 @@ class HertzSolution:
 def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: float) -> HertzSolution:
     """Contact of two bodies of the same material whose gap is x^2/(2 radius_x) + y^2/(2 radius_y).
 
-    Johnson 3.3: with m = 1 - b^2/a^2, pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) displaces a surface of contact modulus E*
-    by p0 b / E* (K - D x^2/a^2 - H y^2/a^2), where K, D, H are the integrals of `_integrals`; matching the gap gives
-    the ratio of curvatures D / H, then a^3 = 3 F D / (2 pi E* A) and the approach p0 b K / E*.
+    With m = 1 - b^2/a^2, the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) displaces a surface of contact modulus E* by p0 b /
+    E* (K - D x^2/a^2 - H y^2/a^2), where K, D, H are the integrals of `_integrals`; matching the gap gives the ratio of
+    curvatures D / H, then a^3 = 3 F D / (2 pi E* A), A = 1/(2 radius_x), and the approach p0 b K / E*. Valid for smooth
+    half-spaces, small strain, no friction, and ellipses not thinner than `THINNEST`.
 
-    Args:
-        load: F [N], > 0.
-        radius_x, radius_y: relative radii [m], > 0, in any order.
-        young, poisson: of both bodies [Pa, -]; 1/E* = 2 (1 - nu^2)/E.
+    Parameters
+    ----------
+    load : float
+        Normal force F [N], > 0.
+    radius_x, radius_y : float
+        Relative radii of curvature [m], > 0, in any order.
+    young : float
+        Young's modulus of both bodies [Pa]; 1/E* = 2 (1 - nu^2)/E.
+    poisson : float
+        Poisson's ratio of both bodies.
 
-    Returns:
-        The closed form; valid for smooth half spaces, small strain, no friction, and ellipses not thinner than
-        `THINNEST`.
+    Returns
+    -------
+    HertzSolution
+        The closed form.
 
-    Raises:
-        ValueError: load, radii or modulus that are not positive, or a thinner ellipse.
+    Raises
+    ------
+    ValueError
+        Load, radii or modulus are not positive, or the ellipse is thinner than `THINNEST`.
 
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), section 3.3.
+
+    Examples
+    --------
     >>> sphere = hertz(225.0, 2.778e-3, 2.778e-3, 210e9, 0.28)
     >>> f"{1e6 * sphere.approach:.5f} um, {1e3 * sphere.semi_x:.6f} mm, {1e-6 * sphere.pole_pressure:.2f} MPa"
     '9.24316 um, 0.160242 mm, 4183.80 MPa'
@@ -65,14 +97,14 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
     low = 0.5 / radius_x
     ratio = _axis_ratio(radius_y / radius_x)
     k, d, _ = _integrals(ratio)
-    a = (1.5 * load * d / (np.pi * modulus * low)) ** (1.0 / 3.0)
+    a = (1.5 * load * d / (np.pi * modulus * low)) ** (1.0 / 3.0)  # a^3 = 3 F D / (2 pi E* A)
     b = ratio * a
-    pole = 1.5 * load / (np.pi * a * b)
+    pole = 1.5 * load / (np.pi * a * b)  # p0 of the semi-ellipsoid with the load F
     return HertzSolution(float(pole * b * k / modulus), float(a), float(b), float(pole), load)
 
 
 def _axis_ratio(curvature_ratio: float) -> float:
-    """b/a from the ratio <= 1 of the relative curvatures along a and along b."""
+    """Find b/a from the ratio <= 1 of the relative curvatures along a and along b."""
     if curvature_ratio > 1.0 - 1e-15:
         return 1.0
 

@@ -1,1 +1,1 @@
-"""Finite elements: weak forms, their fast assembly, pressures as hats, rigid motions."""
+"""Finite elements: weak forms, their fast assembly, pressure basis functions, rigid motions."""

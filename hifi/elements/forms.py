@@ -1,17 +1,18 @@
-"""The weak forms of the 3D reference, their fast evaluation, and contact pressures as hats.
+"""Weak forms of the 3D reference, their fast evaluation, and basis functions of the contact pressure.
 
 Displacements u, virtual ones v [m]; small strains; isotropic elasticity of constant Young's modulus and Poisson's ratio.
 
 scikit-fem could evaluate the forms itself, in three to four times the time by six scalar forms, in twenty to forty as the
 form stands (the report's table "reference-assembly" measures both).
 
-A form of the kind int c_ikjl u_i,k v_j,l dV is probed with unit gradients for its tensor c; scikit-fem's Basis gives the
-gradients of the shape functions, one matrix product for each cell their integrals, and these are scattered node by node.
+A form int c_ikjl u_i,k v_j,l dV is probed with unit gradients for its tensor c; scikit-fem's Basis gives the gradients of
+the shape functions, one matrix product for each cell their integrals, and these are scattered node by node.
 `form.assemble(basis)` of the vector space at the points of `rule` is the same matrix, and the test of this module.
 
-The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces make the law of a contact wavy. Pressures that
-are bilinear between all nodes of the contact's grid, hats phat_k on the faces' halves, give nodal forces f = W^T p and
-weighted gaps W g with W_ki = int phat_k N_i dA over the contact zone, N_i the displacements' own traces.
+The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces make the force law of a contact wavy. The
+pressure is therefore bilinear between all nodes of the contact's grid: its nodal basis functions phat_k ("hat functions"
+on the faces' halves) give nodal forces f = W^T p and weighted gaps W g with W_ki = int phat_k N_i dA over the contact
+zone, N_i the traces of the displacement's shape functions.
 """
 
 from __future__ import annotations
@@ -47,7 +48,25 @@ Stress = Callable[[Any], Any]
 
 
 def hooke(young: float, poisson: float) -> Stress:
-    """C: strain to stress [Pa]. Raises ValueError outside E > 0, -1 < nu < 0.5."""
+    """Isotropic elasticity law, from strain to stress.
+
+    Parameters
+    ----------
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    callable
+        Stress tensor [Pa] of a strain tensor, as scikit-fem has them.
+
+    Raises
+    ------
+    ValueError
+        Outside E > 0, -1 < nu < 0.5.
+    """
     if not (young > 0.0 and -1.0 < poisson < 0.5):
         raise ValueError(f"Young's modulus {young}, Poisson's ratio {poisson}: need E > 0 and -1 < nu < 0.5")
     law: Stress = linear_stress(*lame_parameters(young, poisson))
@@ -55,7 +74,25 @@ def hooke(young: float, poisson: float) -> Stress:
 
 
 def elasticity(young: float, poisson: float) -> Any:
-    """int C(eps(u)) : eps(v) dV, young [Pa]."""
+    """Bilinear form of linear elasticity, int C(eps(u)) : eps(v) dV.
+
+    Parameters
+    ----------
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    skfem.BilinearForm
+        The form.
+
+    Raises
+    ------
+    ValueError
+        As `hooke`.
+    """
     C = hooke(young, poisson)
 
     def energy(u: Any, v: Any, _: Any) -> Any:
@@ -65,8 +102,18 @@ def elasticity(young: float, poisson: float) -> Any:
 
 
 def share(axis: int | None = None) -> Any:
-    """int N_i dA, or dV: what each node of a scalar space carries of an area or a volume; with an axis int x_axis N_i, of
-    its first moment."""
+    """Linear form int N_i dA or dV: area or volume of each node of a scalar space.
+
+    Parameters
+    ----------
+    axis : int | None, default None
+        Axis of a first moment int x_axis N_i; None: the area or volume itself.
+
+    Returns
+    -------
+    skfem.LinearForm
+        The form.
+    """
 
     def weight(v: Any, w: Any) -> Any:
         return v if axis is None else w.x[axis] * v
@@ -85,21 +132,20 @@ _FACE_DEGREE = {3: 5, 4: 7}
 
 
 class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
-    """scikit-fem's isoparametric map without Newton's method on faces, and without repetition: an assembly takes a fifth to
-    a third less.
+    """Isoparametric map of scikit-fem without Newton's method on faces, and with caching.
 
-    Where a point of a face lies in its cell is known from their corners. scikit-fem looks for it by Newton's method to an
-    absolute 1e-12, which is below round-off in cells of 10 um 16 mm from the origin. Faces are mapped as parts of their
-    cells. What was last asked for is kept.
+    An assembly takes a fifth to a third less time. The place of a point of a face in its cell is known from their
+    corners; scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off in cells of 10 um 16 mm
+    from the origin. Faces are mapped as parts of their cells. The last results are cached.
     """
 
     def __init__(self, mesh: Mesh) -> None:
-        """Map of a mesh's own element."""
+        """Map of a mesh's element."""
         super().__init__(mesh, mesh.elem(), mesh.bndelem)
         self._kept: dict[str, tuple[Any, Any, Any]] = {}
 
     def _once(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """What ``compute`` gives, or gave for the same points X in the same cells or faces ``entities`` before."""
+        """Compute a result, or return that for the same points X in the same cells or faces ``entities``."""
         known = self._kept.get(name)
         if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
             known = self._kept[name] = (X, entities, compute())
@@ -122,7 +168,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return np.asarray(x.T @ table if table.ndim == 2 else np.einsum("nc,ncq->cq", x, table))
 
     def Fmap(self, i: int, X: Array, tind: Any = None) -> Array:
-        """Component i of the places of X."""
+        """Component i of the points of X."""
         return self._sum(i, self._shapes(X)[0], tind)
 
     def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
@@ -135,7 +181,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return np.asarray(self._once("J", X, tind, compute)[i][j])
 
     def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
-        """Determinants of the Jacobians at X in the cells tind."""
+        """Compute the determinants of the Jacobians at X in the cells tind."""
         return np.asarray(self._once("detDF", X, tind, partial(super().detDF, X, tind, J)))
 
     def invDF(self, X: Array, tind: Any = None) -> Array:
@@ -143,14 +189,19 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return np.asarray(self._once("invDF", X, tind, partial(super().invDF, X, tind)))
 
     def _corners(self, find: Any) -> Array:
-        """Corners of the reference cell that are those of the faces find ``(3, k, f)``, or ``(3, k, 1)`` where all lie
-        alike in their first cells."""
+        """Find the corners of faces in the reference cell.
+
+        ``(3, k, f)``; ``(3, k, 1)`` where they are the same in all first cells.
+        """
         faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
         corner = (cells_ == faces_[:, None]).argmax(axis=1)
         return np.asarray(self.mesh.refdom.p[:, corner[:, :1] if (corner == corner[:, :1]).all() else corner])
 
     def _places(self, X: Array, find: Any) -> Array:
-        """Places ``(3, f, q)``, or ``(3, q)`` where all lie alike, in their cells of points X of the faces find."""
+        """Find the reference coordinates in their cells of points X of faces.
+
+        ``(3, f, q)``; ``(3, q)`` where all are the same.
+        """
 
         def compute() -> Array:
             corners = self._corners(find)
@@ -168,7 +219,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return x
 
     def invF(self, x: Array, tind: Any = None) -> Array:
-        """Places of points x of faces, as they came from `G`, in their first cells tind."""
+        """Find the reference coordinates of points of faces, as they came from `G`, in their first cells tind."""
         known, find, X = self._kept.get("faces", (None, None, None))
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
             raise ValueError("only points of faces have a place in a cell, in the face's first one")
@@ -183,27 +234,70 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
 
 
 def rule(mesh: Mesh) -> tuple[Array, Array]:
-    """Quadrature points ``(3, q)`` and positive weights ``(q,)`` of a stiffness on the mesh's own element.
+    """Quadrature of a stiffness on the mesh's element.
 
     It passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
-    integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has one below 0.)
+    integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has a negative
+    weight.)
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+
+    Returns
+    -------
+    points : (3, q) Array
+        Reference coordinates.
+    weights : (q,) Array
+        Positive weights.
     """
     if mesh.elem is not ElementTetP2:
         points, weights = get_quadrature(mesh.elem.refdom, _DEGREE[mesh.elem])
         return np.asarray(points), np.asarray(weights)
-    near = np.array([0.3281633025163817, 0.1080472498984286])  # barycentric: three alike, and the rest
+    near = np.array([0.3281633025163817, 0.1080472498984286])  # barycentric: three equal ones, and the fourth
     bary = np.repeat(near, 4)[:, None] + np.tile(np.eye(4), (2, 1)) * np.repeat(1.0 - 4.0 * near, 4)[:, None]
     return bary[:, 1:].T.copy(), np.repeat([0.1362178425370874, 0.1137821574629126], 4) / 6.0
 
 
 def cells(mesh: Mesh, **options: Any) -> Basis:
-    """Scalar space on the mesh's own element, at the points of `rule`. options: of `skfem.Basis`."""
+    """Scalar finite-element space on the mesh's element, at the points of `rule`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    **options
+        As of `skfem.Basis`.
+
+    Returns
+    -------
+    Basis
+        The space.
+    """
     defaults = {"quadrature": rule(mesh), "mapping": CurvedMap(mesh), "dofs": mesh.dofs, "disable_doflocs": True}
     return Basis(mesh, mesh.elem(), **{**defaults, **options})
 
 
 def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
-    """A space (scalar on the mesh's own element unless given) on a named boundary. options: of `skfem.FacetBasis`."""
+    """Finite-element space on a named boundary, scalar on the mesh's element unless given.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    name : str
+        Boundary.
+    element : Any, default None
+        Another element.
+    **options
+        As of `skfem.FacetBasis`.
+
+    Returns
+    -------
+    FacetBasis
+        The space.
+    """
     defaults = {"quadrature": get_quadrature(mesh.brefdom, _FACE_DEGREE[len(mesh.facets)]), "disable_doflocs": True}
     defaults |= {"mapping": CurvedMap(mesh)} if "mapping" not in options else {}
     defaults |= {"dofs": mesh.dofs} if element is None else {}
@@ -211,7 +305,18 @@ def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> Face
 
 
 def products(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
-    """int v_i u_j dA of the functions of two scalar spaces on the same faces, (rows i, columns j)."""
+    """Mass matrix int v_i u_j dA of two scalar spaces on the same faces.
+
+    Parameters
+    ----------
+    u, v : FacetBasis
+        The spaces.
+
+    Returns
+    -------
+    (v.N, u.N) sparse array
+        Rows i, columns j.
+    """
     left, right = (np.stack([np.asarray(phi[0]) for phi in space.basis], axis=1) for space in (v, u))  # (face, function, q)
     local = (left * v.dx[:, None]) @ right.transpose(0, 2, 1)
     rows, columns = (space.element_dofs.T.astype(np.int64) for space in (v, u))
@@ -220,15 +325,43 @@ def products(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
 
 
 def nodal_areas(mesh: Mesh, name: str) -> Array:
-    """Consistent nodal areas [m2] of a boundary, ``(n,)``: integrals of the shape functions over its curved faces.
+    """Consistent nodal areas of a boundary: integrals of the shape functions over its curved faces.
 
-    Their sum is the area. Corner areas of flat 6-node triangles vanish: such nodes carry no contact pressure.
+    Their sum is the area. Areas of corners of flat 6-node triangles vanish: such nodes carry no contact pressure.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    name : str
+        Boundary.
+
+    Returns
+    -------
+    (n,) Array
+        Areas of all nodes [m2].
     """
     return np.asarray(share().assemble(faces(mesh, name)))
 
 
 def tensor(form: Any) -> Array:
-    """c[i, k, j, l] of a form c_ikjl u_i,k v_j,l. Raises ValueError for one that depends on more than gradients."""
+    """Coefficients of a form c_ikjl u_i,k v_j,l.
+
+    Parameters
+    ----------
+    form : Any
+        Bilinear form of scikit-fem.
+
+    Returns
+    -------
+    (3, 3, 3, 3) Array
+        c[i, k, j, l].
+
+    Raises
+    ------
+    ValueError
+        The form depends on more than gradients.
+    """
     unknown = np.full((3, 1, 1), np.nan)
     unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
     values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
@@ -238,10 +371,26 @@ def tensor(form: Any) -> Array:
 
 
 def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
-    """Sparse matrix ``(3n, 3n)`` of a form in the gradients alone, of constant coefficients; sorted indices.
+    """Sparse matrix of a form in the gradients only, with constant coefficients.
 
-    mapping: of the cells (None: `CurvedMap`). Freedoms are 3 * node + component of `mesh.doflocs`. Raises ValueError for
-    cells turned inside out at a quadrature point and for other forms.
+    Parameters
+    ----------
+    form : Any
+        Bilinear form of scikit-fem.
+    mesh : Mesh
+        The mesh of n nodes.
+    mapping : Any, default None
+        Map of its cells; None: `CurvedMap`.
+
+    Returns
+    -------
+    (3 n, 3 n) sparse array
+        Matrix with sorted indices; degrees of freedom are 3 * node + component of ``mesh.doflocs``.
+
+    Raises
+    ------
+    ValueError
+        A cell is turned inside out at a quadrature point, or another form.
     """
     c = tensor(form).transpose(0, 2, 1, 3).reshape(9, 9)
     nodes = np.asarray(mesh.dofs.element_dofs.T)
@@ -280,13 +429,16 @@ def _graph(nodes: Index, count: int) -> sp.csr_array:
     return graph
 
 
-class ElementHexHats(ElementHex2):  # type: ignore[misc]
-    """Hats on the eight halves of a hexahedron, one for each node of ElementHex2: trilinear on every half."""
+class ElementHexPressure(ElementHex2):  # type: ignore[misc]
+    """Pressure basis on the eight halves of a hexahedron.
+
+    One function for each node of ElementHex2, trilinear on every half.
+    """
 
     maxdeg = 3
 
     def lbasis(self, X: Array, i: int) -> tuple[Array, Array]:
-        """Value and reference gradient of hat i at X."""
+        """Value and reference gradient of function i at X."""
         away = np.asarray(X) - self.doflocs[i].reshape((3,) + (1,) * (np.ndim(X) - 1))
         value = np.maximum(1.0 - 2.0 * np.abs(away), 0.0)
         slope = np.where(value > 0.0, -2.0 * np.sign(away), 0.0)
@@ -295,28 +447,67 @@ class ElementHexHats(ElementHex2):  # type: ignore[misc]
 
 
 def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
-    """Gauss's rule of that degree on each of the four quarters of the unit square."""
+    """Gauss rule on each of the four quarters of the unit square.
+
+    Parameters
+    ----------
+    refdom : Any
+        Reference square of scikit-fem.
+    degree : int
+        Degree of the rule.
+
+    Returns
+    -------
+    points : (2, q) Array
+        Coordinates.
+    weights : (q,) Array
+        Weights.
+    """
     points, weights = get_quadrature(refdom, degree)
     shifts = [(i, j) for i in (0.0, 0.5) for j in (0.0, 0.5)]
     return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
 
 
 def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
-    """W ``(c, c)`` [m2] on the boundary "contact" of a patch, rows and columns in the order of its nodes ``contact``.
+    """Weights W of the pressure functions at the displacements, on the boundary "contact" of a patch.
 
-    W 1 are the areas of the hats, 1^T W those of the displacements' functions, both over the contact zone. 27-node
-    hexahedra: hats are bilinear on the halves of faces. First-order tetrahedra, which stand for the source's mesh, keep
-    nodal forces: W is diagonal (the hats' consistent mass would make so coarse a contact stiffer still).
+    W 1 are the areas of the pressure functions, 1^T W those of the displacement's shape functions, both over the contact
+    zone. 27-node hexahedra: pressure functions are bilinear on the halves of faces. First-order tetrahedra, which
+    represent the source's mesh, keep nodal forces: W is diagonal (a consistent mass would make so coarse a contact
+    stiffer still).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Mesh of the patch.
+    contact : (c,) Index
+        Nodes of the contact zone, in the order of rows and columns.
+
+    Returns
+    -------
+    (c, c) sparse array
+        W [m2].
     """
     if mesh.elem is not ElementHex2:
         return sp.csr_array(sp.diags_array(share().assemble(faces(mesh, "contact"))[contact]))
     rule = halves(mesh.brefdom, 7)
     u = faces(mesh, "contact", quadrature=rule)
-    p = faces(mesh, "contact", element=ElementHexHats(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
+    p = faces(mesh, "contact", element=ElementHexPressure(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
     W = products(u, p)
     return sp.csr_array(W[contact][:, contact])
 
 
 def mean_weights(weights: sp.csr_array) -> sp.csr_array:
-    """Weights with rows of sum one: means over hats instead of integrals."""
+    """Scale weights to rows of sum one: means over the pressure functions instead of integrals.
+
+    Parameters
+    ----------
+    weights : (c, c) sparse array
+        Weights of c pressure functions (rows).
+
+    Returns
+    -------
+    (c, c) sparse array
+        The same with rows of sum one.
+    """
     return sp.csr_array(sp.diags_array(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)

@@ -1,4 +1,4 @@
-"""Rigid motions of nodes and sections, which strain nothing."""
+"""Rigid motions of nodes and sections, which cause no strain."""
 
 from __future__ import annotations
 
@@ -8,7 +8,25 @@ from rollbench.meshes.arrays import Array
 
 
 def rigid_modes(points: Array, centre: Array | None = None) -> Array:
-    """Three translations and three small rotations about the centre (default: the origin) of points (n, 3), (3n, 6)."""
+    """Displacements of nodes by the six rigid motions about a centre.
+
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Nodes [m].
+    centre : (3,) Array, optional, default None
+        Centre of the rotations [m]; None: the origin.
+
+    Returns
+    -------
+    (3 n, 6) Array
+        Three translations, then three small rotations, as columns.
+
+    Examples
+    --------
+    >>> rigid_modes(np.array([[0.0, 2.0, 0.0]]))[:, 5].tolist()  # a rotation about z moves a point on y along -x
+    [-2.0, 0.0, 0.0]
+    """
     x = np.asarray(points, dtype=float) - (0.0 if centre is None else np.asarray(centre, dtype=float))
     modes = np.zeros((len(x), 3, 6))
     modes[:, :, :3] = np.eye(3)
@@ -18,7 +36,23 @@ def rigid_modes(points: Array, centre: Array | None = None) -> Array:
 
 
 def transport(arm: float) -> Array:
-    """Motion (6, 6) of the point at z + arm when the section at z moves rigidly by (u, rotation)."""
+    """Transport matrix of small motions along the z axis.
+
+    Parameters
+    ----------
+    arm : float
+        Distance along z [m].
+
+    Returns
+    -------
+    (6, 6) Array
+        Motion of the point at z + arm when the section at z moves rigidly by (u, rotation).
+
+    Examples
+    --------
+    >>> (transport(0.5) @ np.array([0.0, 0.0, 0.0, 0.0, 1e-3, 0.0])).tolist()
+    [0.0005, 0.0, 0.0, 0.0, 0.001, 0.0]
+    """
     t = np.eye(6)
     t[0, 4], t[1, 3] = arm, -arm
     return t

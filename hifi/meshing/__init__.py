@@ -1,1 +1,1 @@
-"""Sizes of meshes, from the contacts that are expected, and the meshes of one geometry."""
+"""Mesh sizes from the expected contacts, and the meshes of one geometry."""

@@ -1,6 +1,6 @@
 """Meshes of one geometry: coarse screw, nut and ball with their sockets, and the patches that fit into these.
 
-Here are their sizes too, the contact zone's grid, and the ball's patch on the groove's nodes.
+Also their sizes, the grid of the contact zone, and the ball's patch on the groove's nodes.
 """
 
 from __future__ import annotations
@@ -30,15 +30,32 @@ from rollbench.meshes.tet_patch import build_tets, source_box
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
 
-#: How much smaller cells are at most where there is hardly room for the contact.
+#: Largest reduction of the cell size where the socket is hardly wider than the contact.
 TIGHT = 4.0
 
-#: Points around an ellipse that say how far it reaches.
+#: Points around an ellipse at which its reach is evaluated.
 AROUND = 73
 
 
 def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> tuple[Lines, tuple[float, float]]:
-    """Element boundaries of a patch and its contact zone in local units; half widths and depth of the socket [m]."""
+    """Cell boundaries of a patch and its contact zone.
+
+    Parameters
+    ----------
+    settings : Settings
+        Mesh choices.
+    width : tuple[float, float]
+        Half widths of the socket across and along the groove [m].
+    deep : float
+        Depth of the socket [m].
+
+    Returns
+    -------
+    lines : Lines
+        Cell boundaries in local coordinates.
+    zone : tuple of 2 floats
+        Half widths of the contact zone in local units.
+    """
     a, b = settings.semi
     wide, long = settings.reach  # the long axis lies across the groove, where ball and groove conform
     cell_a, cell_b = a / settings.b_over_h, b / settings.b_over_h
@@ -46,7 +63,7 @@ def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> 
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
     zone = (float(min(zone_a / width[0], ZONE)), float(min(zone_b / width[1], ZONE)))
-    # beside an edge, where the zone hardly reaches beyond the contact, smaller cells keep the outermost nodes out of it
+    # near an edge, where the zone is hardly larger than the contact, smaller cells keep the outermost nodes outside
     cell_a = min(cell_a, max(4.0 * (zone[0] * width[0] - wide), cell_a / TIGHT))
     across = graded(zone[0], cell_a / width[0], settings.growth)
     along = graded(zone[1], cell_b / width[1], settings.growth)
@@ -57,7 +74,33 @@ def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> 
 def socket_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
 ) -> SocketSize:
-    """Socket of all contacts for their expected reach. Raises ValueError where the scene leaves no room for it."""
+    """Socket for the expected reach of all contacts.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+    m : GrooveMap
+        Track.
+    layout : BallLayout
+        Places of the balls.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    dims : Dimensions
+        Dimensions of the solid parts.
+    settings : Settings
+        Mesh choices.
+
+    Returns
+    -------
+    SocketSize
+        Size of the sockets.
+
+    Raises
+    ------
+    ValueError
+        The scene leaves no room for it.
+    """
     nut, position = scene.nut, scene.nut.position
     low, high = dims.ends(scene)
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
@@ -66,14 +109,30 @@ def socket_size(
 
 
 def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
-    """How far contacts reach from their nominal middle along the lines of azimuth of a patch, over the pitch radius [m].
+    """Distance that contact ellipses reach from their nominal middle along the lines of azimuth of a patch.
 
-    angle ``(n,)`` [rad], semi-axes across and along the groove ``(n,)`` [m]. An ellipse lies across its helix, a patch's
-    lines at constant azimuth: by the lead angle the ends of the long axis are ahead and behind.
+    An ellipse lies across its helix, a patch's lines at constant azimuth: by the lead angle the ends of the long axis are
+    ahead and behind.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    angle : (n,) Array
+        Contact angles [rad].
+    across, along : (n,) Array
+        Semi-axes across and along the groove [m].
+
+    Returns
+    -------
+    float
+        Largest distance at the pitch radius [m].
     """
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
     gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
-    r, _, psi = m.unroll(*m.section(side, gamma, np.array(m.radius[side])))
+    r, _, psi = m.unroll(*m.section_point(side, gamma, np.array(m.radius[side])))
     ahead = psi - socket_centre(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
     return float(m.R * np.abs(ahead).max(initial=0.0))
 
@@ -81,8 +140,28 @@ def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Arr
 def ball_place(
     m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallSocket, Callable[[Array], Array]]:
-    """Socket of the ball at a side and the map of local coordinates into it: in the contact zone its rays pass exactly
-    through the groove's nodes."""
+    """Socket of the ball at a side, and the map of local coordinates into it.
+
+    In the contact zone its rays pass exactly through the groove's nodes.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    size : SocketSize
+        Socket of the groove.
+    side : int
+        Flank 0 to 3.
+    zone : tuple[float, float]
+        Half widths of the contact zone in local units.
+
+    Returns
+    -------
+    socket : BallSocket
+        Socket of the ball.
+    place : callable
+        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+    """
     socket = BallSocket(side, size, ball_depth(m, size, side), zone[1])
     return socket, partial(ball_points, m, socket)
 
@@ -90,7 +169,7 @@ def ball_place(
 #: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
 RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 
-#: Cells across the short semi-axis of the patch that is condensed with its socket, over those of the contact's own.
+#: Cells across the short semi-axis of the carrier patch, over those of the contact's patch.
 CARRIER = 0.5
 
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).
@@ -102,28 +181,39 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 @dataclass(frozen=True)
 class Sockets:
-    """What the patches of one side fit: sockets of groove and ball; socket size, contact zone and widths as in `Meshes`."""
+    """Sockets that the patches of one side fit into."""
 
+    #: Faces of the groove's socket.
     groove: SocketMesh
+    #: Faces of the ball's socket.
     ball: SocketMesh
+    #: Size of the groove's socket.
     size: SocketSize
+    #: Half widths of the contact zone in local units.
     zone: tuple[float, float]
+    #: Half widths of the socket across and along the groove [m].
     widths: tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one geometry: coarse screw, nut (None: rigid) and ball, socket size, contact zone of the patches."""
+    """Meshes of one geometry."""
 
+    #: Coarse screw.
     screw: GroovedBody
+    #: Coarse nut.
     nut: GroovedBody
+    #: Coarse ball.
     ball: BallBody
+    #: Size of the grooves' sockets.
     size: SocketSize
+    #: Half widths of the contact zone in local units.
     zone: tuple[float, float]
+    #: Half widths of the sockets across and along the groove [m].
     widths: tuple[float, float]
 
     def sockets(self, side: int) -> Sockets:
-        """Sockets of the patches of a side."""
+        """Sockets that the patches of a side fit into."""
         body = self.screw if side < 2 else self.nut
         return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
 
@@ -137,7 +227,35 @@ def mesh_parts(
     settings: Settings,
     cache: Cache | None = None,
 ) -> Meshes:
-    """Mesh screw, nut and one ball of a scene."""
+    """Mesh screw, nut and one ball of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+    m : GrooveMap
+        Track.
+    layout : BallLayout
+        Places of the balls.
+    dims : Dimensions
+        Dimensions of the solid parts.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    settings : Settings
+        Mesh choices.
+    cache : Cache, optional, default None
+        Cache of meshes; None: mesh everything.
+
+    Returns
+    -------
+    Meshes
+        The meshes.
+
+    Raises
+    ------
+    ValueError
+        A socket finds no room, or gmsh no good mesh.
+    """
     cache = cache or Cache(None)
     recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
     return gather(*(cache.get(*recipe) for recipe in recipes))
@@ -146,7 +264,20 @@ def mesh_parts(
 def mesh_recipes(
     scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings
 ) -> tuple[list[Recipe], Callable[..., Meshes]]:
-    """Recipes of the meshes of screw, nut and one ball of a scene, and what makes one record of the three."""
+    """Recipes of the meshes of screw, nut and one ball of a scene, and what collects them.
+
+    Parameters
+    ----------
+    scene, m, layout, dims, sides, settings
+        As for `mesh_parts`.
+
+    Returns
+    -------
+    recipes : list of Recipe
+        Function, arguments and class of each mesh.
+    gather : callable
+        One record of the three meshes.
+    """
     size = socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     _, zone = patch_lines(settings, widths, size.depth)
@@ -165,31 +296,81 @@ def mesh_recipes(
 
 
 def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
-    """Contacts of all balls on the screw's sides, or on the nut's."""
+    """Contacts of all balls on the screw, or on the nut.
+
+    Parameters
+    ----------
+    layout : BallLayout
+        Places of the balls.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    screw : bool
+        Whether on the screw.
+
+    Returns
+    -------
+    tuple[Place, ...]
+        Azimuth [rad], station [m] and flank of each contact, ball after ball.
+    """
     body_sides = [s for s in sides if (s < 2) == screw]
     return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in body_sides)
 
 
 def rotation(phi: float) -> Array:
-    """Rotation about z."""
+    """Rotation about z by an angle phi [rad].
+
+    Parameters
+    ----------
+    phi : float
+        Angle [rad].
+
+    Returns
+    -------
+    (3, 3) Array
+        Rotation matrix.
+    """
     c, s = np.cos(phi), np.sin(phi)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def placed(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
-    """Sockets of a body with their rotations."""
+    """Sockets of a body with their rotations.
+
+    Parameters
+    ----------
+    mesh : GroovedBody
+        Mesh of the body.
+    places : tuple[Place, ...]
+        Azimuth [rad], station [m] and flank of its contacts, by `sockets_of`.
+
+    Returns
+    -------
+    list[Socket]
+        One socket for each contact.
+    """
     return [Socket(n, rotation(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
 
 
 def body_kind(settings: Settings) -> Literal["P1", "P2"]:
-    """Elements of the coarse bodies: those of the patches' order."""
+    """Elements of the coarse bodies: of the order of the patches."""
     return "P2" if settings.element == "Q2" else "P1"
 
 
 def carrier_mesh(
     meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh | None:
-    """The patch that stands for a finer one of hexahedra where only what it passes on to its body counts."""
+    """Coarser patch of hexahedra, where only the loads count that it passes on to its body; None for tetrahedra.
+
+    Parameters
+    ----------
+    meshes, socket, place, settings
+        As for `patch_mesh`.
+
+    Returns
+    -------
+    PatchMesh | None
+        The patch.
+    """
     coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
     return patch_mesh(meshes, socket, place, coarse) if settings.element == "Q2" else None
 
@@ -197,7 +378,29 @@ def carrier_mesh(
 def patch_mesh(
     meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh:
-    """Mesh of a patch in a socket: graded hexahedra, or the source's tetrahedra."""
+    """Mesh a patch in a socket: graded hexahedra, or the source's tetrahedra.
+
+    Parameters
+    ----------
+    meshes : Meshes | Sockets
+        Size and contact zone.
+    socket : SocketMesh
+        Mesh of the socket's faces.
+    place : Callable[[Array], Array]
+        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+    settings : Settings
+        Mesh choices.
+
+    Returns
+    -------
+    PatchMesh
+        The patch.
+
+    Raises
+    ------
+    ValueError
+        No edge of `RIM_EDGES` gives tetrahedra that are not turned inside out.
+    """
     lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":
         return build_patch(lines, zone, place, socket)
@@ -212,6 +415,19 @@ def patch_mesh(
 
 
 def patch_normals(mesh: PatchMesh, centre: Array) -> Array:
-    """Unit vectors ``(c, 3)`` from the ball's centre to the contact nodes of a patch."""
+    """Compute unit vectors from the ball's centre to the contact nodes of a patch.
+
+    Parameters
+    ----------
+    mesh : PatchMesh
+        The patch.
+    centre : (3,) Array
+        Centre of the ball [m].
+
+    Returns
+    -------
+    (c, 3) Array
+        Unit vectors.
+    """
     arms = mesh.points[mesh.contact] - centre
     return np.asarray(arms / np.linalg.norm(arms, axis=1)[:, None])

@@ -1,13 +1,13 @@
-"""Mesh choices of the 3D reference, and the sizes of contacts that they follow; no finite elements are imported.
+"""Mesh choices of the 3D reference, and the contact sizes that they follow; no finite elements are imported.
 
-What the contacts of a scene will be like is estimated by a rigid nut, a beam and Hertz springs: for the mesh only.
+The contacts of a scene are estimated with rigid nuts, a beam and Hertz springs: for the mesh only.
 
 The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), nuts are
 rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the
 contact angle follows the motion: with the vector d from the groove's to the ball's centre, the approach is
 |d| + r_ball - r_groove. The energy of a convex function of |d| is convex, so that damped Newton steps find its minimum.
 
-This sees forces, moments, oversize, groove errors, and prescribed displacements. It leaves out the bodies' compliance, so
+Forces, moments, oversize, groove errors and prescribed displacements are included. The bodies' compliance is left out, so
 that the largest contact comes out some per cent too large and loads by prescribed displacements more.
 """
 
@@ -41,39 +41,63 @@ ROUNDING = 5e-6
 @keyed
 @dataclass(frozen=True)
 class Settings:
-    """Mesh choices of the 3D reference; lengths in m.
+    """Mesh choices of the 3D reference."""
 
-    b_over_h: cells across the short semi-axis; semi: semi-axes (a, b) of a typical contact; reach: how far contacts reach
-    from their nominal middle across and along the groove; fine, coarse: element sizes of the coarse bodies near and away
-    from sockets; ball_fine, ball_coarse: those of balls; cuts: subdivisions of the sockets' edges across, in depth and
-    along; growth: ratio of neighbouring cells of a patch outside the contact zone; own_cuts, own_sizes, own_ball_sizes:
-    subdivisions and element sizes (near, away) of the submodels of one contact's groove and ball; cell: element size of
-    the shafts that say what a cut does; modes, ball_modes: smooth modes kept per patch of the bodies, of the ball; element:
-    ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on
-    first-order bodies, as the source's mesh, without submodels.
-    """
-
+    #: Cells across the short semi-axis b of a contact.
     b_over_h: float = usual(4.0)
+    #: Semi-axes (a, b) of a typical contact [m].
     semi: tuple[float, float] = usual((0.40e-3, 0.105e-3))
+    #: Distances that contacts reach from their nominal middle across and along the groove [m].
     reach: tuple[float, float] = usual((0.40e-3, 0.105e-3))
+    #: Element size of the coarse bodies at the sockets [m].
     fine: float = usual(1.0e-3)
+    #: Element size of the coarse bodies far from the sockets [m].
     coarse: float = usual(5.0e-3)
+    #: Element size of the balls at the sockets [m].
     ball_fine: float = usual(0.35e-3)
+    #: Element size of the balls far from the sockets [m].
     ball_coarse: float = usual(0.8e-3)
+    #: Subdivisions of the sockets' edges across, in depth and along.
     cuts: tuple[int, int, int] = usual((3, 2, 3))
+    #: Ratio of neighbouring cells of a patch outside the contact zone.
     growth: float = usual(1.6)
+    #: Subdivisions of the sockets' edges in submodels of one contact.
     own_cuts: tuple[int, int, int] = usual((4, 4, 4))
+    #: Element sizes (near, far) of the submodels of grooves [m].
     own_sizes: tuple[float, float] = usual((0.5e-3, 2.5e-3))
+    #: Element sizes (near, far) of the submodels of balls [m].
     own_ball_sizes: tuple[float, float] = usual((0.3e-3, 0.6e-3))
+    #: Element size of the 3D shafts from which the effect of a cut end is found [m].
     cell: float = usual(4.5e-3)
+    #: Smooth modes kept for each patch of screw and nut.
     modes: int = usual(16)
+    #: Smooth modes kept for each patch of a ball.
     ball_modes: int = usual(24)
+    #: ``"Q2"``: patches of 27-node hexahedra on second-order bodies; ``"P1"``: first-order tetrahedra on first-order
+    #: bodies, as the source's mesh, without submodels.
     element: str = usual("Q2")
+    #: Edge of the tetrahedra around each contact, for ``"P1"`` [m].
     tet: float = usual(0.08e-3)
 
 
 def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
-    """Lengths [m] rounded up, so that like scenes share their patches."""
+    """Round lengths [m] up to multiples of `ROUNDING`, so that similar scenes share their patches.
+
+    Parameters
+    ----------
+    lengths : tuple[float, float]
+        Two lengths [m].
+
+    Returns
+    -------
+    tuple[float, float]
+        The lengths, rounded up [m].
+
+    Examples
+    --------
+    >>> rounded((0.4001e-3, 0.105e-3))
+    (0.00040500000000000003, 0.000105)
+    """
     a, b = (max(1.0, float(np.ceil(x / ROUNDING - 1e-9))) * ROUNDING for x in lengths)
     return a, b
 
@@ -81,7 +105,7 @@ def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
 #: Newton steps at most, and the imbalance over the largest force at which they end.
 STEPS, BALANCED = 200, 1e-6
 
-#: Stiffness that keeps open balls and unheld screws in place, and that of supports, over that of a loaded contact.
+#: Stiffness that keeps open balls and unsupported screws in place, and that of supports, over that of a loaded contact.
 SOFT, HELD = 1e-7, 1e4
 
 #: Share of the largest load that the former may carry: more, and nothing else holds the screw.
@@ -96,19 +120,23 @@ NEAR = 0.2
 
 @dataclass(frozen=True)
 class ExpectedContacts:
-    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad] (nominal where open), semi-axes across and along the groove
-    ``(n, 4)`` [m], how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
-    towards the edge, and gaps ``(n, 4)`` [m], negative where ball and groove are pressed together."""
+    """Estimated contacts of n balls on the flanks SL, SR, NL, NR."""
 
+    #: Loads ``(n, 4)`` [N].
     load: Array
+    #: Contact angles ``(n, 4)`` [rad]; nominal where open.
     angle: Array
+    #: Semi-axes across the groove ``(n, 4)`` [m].
     across: Array
+    #: Semi-axes along the groove ``(n, 4)`` [m].
     along: Array
+    #: Distance of a contact's middle from the nominal one along its groove's arc, towards the edge ``(n, 4)`` [m].
     shift: Array
+    #: Gaps ``(n, 4)`` [m]; negative where ball and groove are pressed together.
     gap: Array
 
     def semi(self) -> tuple[float, float]:
-        """Semi-axes (a, b) [m] of a typical contact: the mean over the balls of the larger contact of each."""
+        """Semi-axes (a, b) [m] of a typical contact: mean over the balls of the larger contact of each."""
         largest = self.load.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
         if not ball.size:
@@ -118,30 +146,35 @@ class ExpectedContacts:
         return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
 
     def reach(self) -> tuple[float, float]:
-        """How far contacts reach from their nominal middle across and along the groove [m], the farthest of all."""
+        """Largest distances that contacts reach from their nominal middle across and along the groove [m]."""
         return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
 
     def sides(self) -> tuple[int, ...]:
-        """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
+        """Flanks (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
         return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))
 
 
 @dataclass(frozen=True)
 class _Model:
-    """Stiffness of the shaft's stations, of its housings and of what holds them, loads on them; A: change of all vectors
-    from groove to ball centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which
-    ball and groove touch ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) ``(n, 4)``, zero on sides that cannot touch; a
-    typical stiffness [N/m]; soft springs that K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch
-    radius of rotations)."""
+    """Equations of the estimate, of n balls."""
 
+    #: Stiffness of the shaft's stations, the housings and what fixes them.
     K: sp.csc_array
+    #: Loads on them.
     P: Array
+    #: Change of all vectors from groove to ball centre ``(8 n,)`` by all degrees of freedom.
     A: sp.csr_array
+    #: Their values at rest ``(n, 4, 2)`` [m].
     arms: Array
+    #: Their lengths at which ball and groove touch ``(n, 4)`` [m].
     touch: Array
+    #: Hertz's F / approach^(3/2) ``(n, 4)``; zero on sides that cannot touch.
     constant: Array
+    #: Stiffness of a typical contact [N/m].
     stiffness: float
+    #: Soft springs in K on every degree of freedom [N/m, N m].
     soft: Array
+    #: Their arms: 1, or the pitch radius of rotations.
     arm: Array
 
 
@@ -157,17 +190,47 @@ class _Set:
 
 @lru_cache(maxsize=64)
 def expected_contacts(scene: Scene) -> ExpectedContacts:
-    """Expected contacts of a scene.
+    """Estimate the contacts of a scene.
 
-    Raises ValueError where the model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
+    Parameters
+    ----------
+    scene : Scene
+        Screw or bearing.
+
+    Returns
+    -------
+    ExpectedContacts
+        Contacts of all balls.
+
+    Raises
+    ------
+    ValueError
+        The model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
     return _expected((_Set(scene, _sides(scene, "both")),), Frame.of(scene))[0]
 
 
 @lru_cache(maxsize=64)
 def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
-    """Expected contacts of each set of balls. A preload by force is taken as the shift that closes the set to it, all else
-    rigid. Raises ValueError as `expected_contacts`."""
+    """Estimate the contacts of each set of balls on a shaft.
+
+    A preload by force is replaced by the shift that closes the set to it, everything else rigid.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The shaft with its sets.
+
+    Returns
+    -------
+    tuple[ExpectedContacts, ...]
+        Contacts of each set.
+
+    Raises
+    ------
+    ValueError
+        As `expected_contacts`.
+    """
     frame, sets = Frame.of(assembly), []
     for s in assembly.sets:
         if isinstance(s.parts, Scene):
@@ -178,7 +241,22 @@ def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
 
 
 def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
-    """Contacts of a set that carries nothing, as if those sides that are nearest to its balls carried a ``load`` [N]."""
+    """Contacts of an unloaded set, as if its nearest sides carried a given load.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts of the set.
+    idle : ExpectedContacts
+        Its estimated contacts.
+    load : float
+        Load of each contact [N].
+
+    Returns
+    -------
+    ExpectedContacts
+        The contacts.
+    """
     nearest = int(idle.gap.min(axis=0).argmin())
     on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
     across, along = (
@@ -189,7 +267,20 @@ def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedConta
 
 
 def closing(scene: Scene, force: float) -> float:
-    """Shift [m] of the nut that closes all balls to an axial ``force`` [N], all else rigid."""
+    """Shift of the nut that closes all balls to an axial force, everything else rigid.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+    force : float
+        Axial force [N].
+
+    Returns
+    -------
+    float
+        Shift [m]: (C_1 + C_2) (F / (n sin beta))^(2/3) / sin beta.
+    """
     sin, units = float(np.sin(scene.track.contact_angle)), hertz_units(scene)
     return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
 
@@ -217,7 +308,18 @@ def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, .
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
-    """Hertz's contact under 1 N of each side: x across the groove, y along it, with the normal curvatures of its helix."""
+    """Hertz contacts of the flanks SL, SR, NL, NR under 1 N, x across the groove and y along it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+
+    Returns
+    -------
+    tuple[HertzSolution, ...]
+        With the normal curvatures of the helix.
+    """
     m, units = GrooveMap.of(scene), []
     for side, part in ((0, scene.screw), (2, scene.nut)):
         units += [hertz(1.0, *m.relative_radii(side, m.beta), 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
@@ -304,7 +406,7 @@ def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array
 
 
 def _equilibrium(model: _Model) -> tuple[Array, Array]:
-    """Loads ``(n, 4)`` [N] and vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy."""
+    """Find the loads ``(n, 4)`` [N] and the vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy."""
     x = np.zeros(model.P.size)
     energy, load, slope, vectors, length = _contact(model, x)
     for step in range(STEPS):

@@ -1,8 +1,8 @@
-"""Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces of balls that touch.
+"""Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces between balls in touch.
 
-Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact forces,
-which are given here (`hifi.rolling.scenes`); the other four fix its speed along the track and its rotation. Forces
-across the track that friction adds to the given ones are in the result.
+Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact forces, which
+are given here (`hifi.rolling.scenes`); the other four fix its speed along the track and its rotation. Forces across the
+track that friction adds to the given ones are in the result.
 
 Balls that begin to roll from rest, in time: elastic displacements carried along by the material, gaps that close.
 
@@ -32,7 +32,7 @@ from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.hifi.rolling.patch import Patch, Regular, hertz_patch, seen_radii
 from rollbench.meshes.arrays import Array
 
-#: Compliance along tangents that stands for rigid bodies where grids are compared, over the true one.
+#: Tangential compliance over the true one that represents rigid bodies where grids are compared.
 NEARLY_RIGID = 0.01
 
 #: Contact forces below this share of a ball's largest are none.
@@ -44,59 +44,80 @@ FIRST, POINTS = 40, 300
 
 @dataclass(frozen=True)
 class Choices:
-    """Numerical choices: cells of every contact's grid along and across the groove; share of the tangential compliance
-    (1, or `NEARLY_RIGID`); curved: contacts on the surface that ball and groove share, not on its tangent plane; bodies:
-    meshes of finite ones (None: half spaces)."""
+    """Numerical choices."""
 
+    #: Cells of every contact's grid along and across the groove.
     shape: tuple[int, int] = (24, 24)
+    #: Share of the tangential compliance: 1, or `NEARLY_RIGID`.
     elastic: float = 1.0
+    #: Contacts on the surface that ball and groove share, not on its tangent plane.
     curved: bool = True
+    #: Meshes of finite bodies; None: half-spaces.
     bodies: Sizes | None = None
 
 
 @dataclass(frozen=True)
 class ContactOut:
-    """A solved contact: which ball and touch; centres ``(n, 2)`` [m], normal and tangential forces on the ball ``(n,)``,
-    ``(n, 2)`` [N], slips ``(n, 2)`` [m/s], which cells stick, local axes ``(3, 3)``; loss [W], and power [W] that the
-    differences along the flow lose."""
+    """A solved contact of n cells."""
 
+    #: Index of the ball.
     ball: int
+    #: Index of its contact.
     touch: int
+    #: Centres of the cells ``(n, 2)`` [m].
     at: Array
+    #: Size of a cell ``(2,)`` [m].
     size: Array
+    #: Normal forces ``(n,)`` [N].
     normal: Array
+    #: Tangential forces on the ball ``(n, 2)`` [N].
     tangential: Array
+    #: Slips ``(n, 2)`` [m/s].
     slip: Array
+    #: Which cells stick ``(n,)``.
     stick: NDArray[np.bool_]
+    #: Local axes ``(3, 3)``.
     axes: Array
+    #: Power of friction [W].
     loss: float
+    #: Power that the differences along the flow dissipate [W].
     upwind: float
 
 
 @dataclass(frozen=True)
 class RollingResult:
-    """Steady rolling: speeds of the balls along the track ``(N,)``, rotations about their own axes ``(N, 3)`` [rad/s],
-    forces of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves,
-    force of its neighbours on it ``(N, 3)`` [N], both in its own axes, power [W] put in by the bodies, the contacts,
-    solver's state and seconds of processor time."""
+    """Steady rolling of N balls."""
 
+    #: Speeds of the balls along the track ``(N,)``.
     speed: Array
+    #: Rotations about their axes ``(N, 3)`` [rad/s].
     rotation: Array
+    #: Forces between balls in touch [N].
     force: Array
+    #: Losses between balls in touch [W].
     ball_loss: Array
+    #: Wrench of friction at the grooves on every ball ``(N, 6)`` [N, N m], in its axes.
     wrench: Array
+    #: Force of its neighbours on every ball ``(N, 3)`` [N], in its axes.
     between: Array
+    #: Power put in by the bodies [W].
     power: float
+    #: The solved contacts.
     contacts: tuple[ContactOut, ...]
+    #: "converged", or why not.
     status: str
+    #: Residual of the friction solver.
     residual: float
+    #: Newton steps.
     steps: int
+    #: Processor time [s].
     seconds: float
+    #: Solution of the friction solver.
     friction: Friction
 
     @property
     def converged(self) -> bool:
-        """Whether the equations hold."""
+        """Whether the equations are satisfied."""
         return self.status == "converged"
 
     @property
@@ -111,13 +132,16 @@ class RollingResult:
 
     @property
     def upwind(self) -> float:
-        """Power that the differences along the flow lose [W]."""
+        """Power that the differences along the flow dissipate [W]."""
         return sum(c.upwind for c in self.contacts)
 
 
 @lru_cache(maxsize=16)
 def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Contact under 1 N, its transport computed; every force has the same one, lengths growing by its cube root."""
+    """Contact under 1 N between half-spaces, its `Patch.transport` computed.
+
+    Every force has a similar one, lengths growing by its cube root.
+    """
     patch = hertz_patch(1.0, radii, young, poisson, shape)
     assert patch.transport.size
     return patch
@@ -132,7 +156,7 @@ def finite_patch(
 
 
 def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
-    """The contact's patch under its force. Raises ValueError as `kernel_of`."""
+    """Compute a contact's patch under its force. Raises ValueError as `kernel_of`."""
     kernel = kernel_of(scene, touch, choices.bodies)
     if kernel is None:
         unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
@@ -141,7 +165,27 @@ def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choice
 
 
 def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
-    """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError as `place_of`."""
+    """Compute the kernel of finite bodies at a contact, in its axes.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    touch : kinematics.Touch
+        The contact.
+    bodies : Sizes | None
+        Meshes of finite bodies; None: half-spaces.
+
+    Returns
+    -------
+    Regular | None
+        The kernel; None for half-spaces.
+
+    Raises
+    ------
+    ValueError
+        As `place_of` and `hifi.rolling.bodies.contact_kernel`.
+    """
     if bodies is None:
         return None
     at, bottom = place_of(scene, touch)
@@ -151,7 +195,22 @@ def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes 
 
 
 def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
-    """Make bodies of scenes of one material as `hifi.rolling.bodies.make_kernels`; raises as `kernel_of`."""
+    """Compute the kernels of scenes of one material in several processes; see `hifi.rolling.bodies.make_kernels`.
+
+    Parameters
+    ----------
+    scenes : Sequence[kinematics.Rolling]
+        Scenes.
+    bodies : Sizes | None
+        Meshes of finite bodies; None: half-spaces, for which nothing is computed.
+    processes : int
+        Number of processes.
+
+    Returns
+    -------
+    float
+        Processor time [s].
+    """
     if bodies is None:
         return 0.0
     contacts = [(place_of(s, t)[0], _largest(s)) for s in scenes for _, _, t in touching(s)]
@@ -164,7 +223,22 @@ def _largest(scene: kinematics.Rolling) -> float:
 
 
 def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
-    """Where a ball touches its groove, and the direction to its bottom. Raises ValueError where that is unknown."""
+    """Place of a contact on its groove, and the direction to the bottom. Raises ValueError where that is unknown.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    touch : kinematics.Touch
+        The contact.
+
+    Returns
+    -------
+    place : Place
+        The contact as the kernels need it.
+    bottom : (3,) Array
+        Unit vector from the ball's centre to the bottom of the groove.
+    """
     if touch.bottom is None:
         raise ValueError("a finite groove needs the direction of its bottom")
     angle = float(np.arccos(touch.normal @ touch.bottom))
@@ -172,7 +246,18 @@ def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place,
 
 
 def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
-    """Ball, number and record of every touch that carries load."""
+    """Contacts that carry load: index of the ball, index of its contact, and the contact.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+
+    Returns
+    -------
+    list[tuple[int, int, kinematics.Touch]]
+        Contacts with more than `NEGLIGIBLE` of the ball's largest force.
+    """
     out = []
     for b, ball in enumerate(scene.balls):
         least = NEGLIGIBLE * max((t.load for t in ball.touches), default=0.0)
@@ -181,7 +266,20 @@ def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch
 
 
 def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
-    """Every loaded contact as friction needs it."""
+    """Prepare the loaded contacts for the friction solver.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    choices : Choices
+        Numerical choices.
+
+    Returns
+    -------
+    list[Contact]
+        Contacts in the order of `touching`.
+    """
     curved, elastic = choices.curved, choices.elastic
     return [
         kinematics.ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
@@ -190,26 +288,56 @@ def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
 
 
 def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.Together:
-    """Meetings of the balls as the solver takes them."""
+    """Balance of the balls, as the friction solver needs it.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    contacts : Sequence[Contact]
+        Their loaded contacts.
+
+    Returns
+    -------
+    kinematics.Together
+        Forces on the motions and complementarity of the balls in touch.
+    """
     bound = max(float(c.bound.sum()) for c in contacts)
     return kinematics.Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
 
 
 def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
-    """Of the unknowns: speeds of balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N]."""
+    """Split the unknowns.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    y : Array
+        The unknowns.
+
+    Returns
+    -------
+    speed : (N,) Array
+        Speeds of the balls along the track.
+    rotation : (N, 3) Array
+        Rotations [rad/s].
+    force : (M,) Array
+        Forces between balls in touch [N].
+    """
     count = kinematics.MOTIONS * len(scene.balls)
     motions = y[:count].reshape(-1, kinematics.MOTIONS)
     return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, y[count:].copy()
 
 
 def meeting_losses(scene: kinematics.Rolling, y: Array) -> Array:
-    """Losses of sliding friction at every meeting [W]."""
+    """Losses of sliding friction between balls in touch ``(M,)`` [W]."""
     pairs = zip(moving(scene, y)[2], scene.meetings, strict=True)
     return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
 def start_of(scene: kinematics.Rolling) -> Array:
-    """Motions near rolling: each ball at its nominal speed, turning so that its contacts slide least."""
+    """Motions near rolling: each ball at its nominal speed, rotating so that its contacts slide least."""
     y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
         y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
@@ -232,8 +360,29 @@ def solve_rolling(
     near: RollingResult | None = None,
     path: tuple[float, ...] = PATH,
 ) -> RollingResult:
-    """Steady rolling; near: a solution on the same grid to start from; path: creeping speeds that lead to one from none
-    (`hifi.rolling.friction.solve_friction`). Raises ValueError for a ball without a contact."""
+    """Solve steady rolling.
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls and their contact forces.
+    choices : Choices | None, default None
+        Numerical choices.
+    near : RollingResult | None, default None
+        Solution on the same grid to start from.
+    path : tuple[float, ...], default PATH
+        Creeping speeds, as for `hifi.rolling.friction.solve_friction`.
+
+    Returns
+    -------
+    RollingResult
+        The solution.
+
+    Raises
+    ------
+    ValueError
+        A ball has no loaded contact.
+    """
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError("a ball without a loaded contact has no steady motion")
@@ -271,36 +420,54 @@ def _result(
 
 
 def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
-    """The same balls out of each other's reach."""
+    """Copy of a scene whose balls cannot touch each other."""
     return replace(scene, meetings=())
 
 
 def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
-    """Semi-axes [m] along and across the groove."""
+    """Semi-axes of a contact along and across the groove [m].
+
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls.
+    touch : kinematics.Touch
+        The contact.
+
+    Returns
+    -------
+    tuple[float, float]
+        Semi-axes [m].
+    """
     ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
 
 
-# --- the rigid limit: grooves that do not yield along tangents, Coulomb friction under Hertz's pressure by fine quadrature
+# --- the rigid limit: no tangential compliance, Coulomb friction under Hertz's pressure by fine quadrature
 #
-# The limit that grids of elastic contacts are differenced against: what a grid's cells, its staircase edge and a spin
-# pole within a cell do to an answer they do to nearly rigid bodies too, so that
+# The effect of a grid's cells, its staircase edge and a spin
+# pole within a cell on a solution is nearly the same for nearly rigid bodies, so that
 #
-#     answer = grid(elastic) - grid(nearly rigid) + limit
+#     result = grid(elastic) - grid(nearly rigid) + limit
 #
 # keeps of them only what they do to the effect of elasticity.
 
 
 @dataclass(frozen=True)
 class RigidResult:
-    """Speeds of the balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N], losses at
-    every loaded contact and meeting [W]; what the smoothing of the path leaves, over the largest slip."""
+    """Steady rolling of N rigid balls."""
 
+    #: Speeds of the balls along the track ``(N,)``.
     speed: Array
+    #: Rotations ``(N, 3)`` [rad/s].
     rotation: Array
+    #: Forces between balls in touch [N].
     force: Array
+    #: Losses at every loaded contact [W].
     contact_loss: Array
+    #: Losses between balls in touch [W].
     ball_loss: Array
+    #: What smoothing leaves, over the largest slip.
     remainder: float
 
     @property
@@ -310,7 +477,25 @@ class RigidResult:
 
 
 def quadrature(points: int) -> tuple[Array, Array]:
-    """Places ``(points^2, 2)`` in the unit disk and weights ``(points^2,)``; midpoints in angles that end at the edge."""
+    """Quadrature of the unit disk; midpoints in angles that end at its edge.
+
+    Parameters
+    ----------
+    points : int
+        Points along each axis.
+
+    Returns
+    -------
+    at : (points^2, 2) Array
+        Places.
+    weights : (points^2,) Array
+        Weights.
+
+    Examples
+    --------
+    >>> f"{quadrature(40)[1].sum():.3f}"  # pi
+    '3.142'
+    """
     t = (np.arange(points) + 0.5) / points * np.pi
     u, w = np.cos(t), np.sin(t) * np.pi / points
     x, v = np.meshgrid(u, u, indexing="ij")
@@ -321,9 +506,29 @@ def quadrature(points: int) -> tuple[Array, Array]:
 def solve_rigid_rolling(
     scene: kinematics.Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
 ) -> RigidResult:
-    """Steady rolling of rigid bodies under Hertz's pressures. Raises ValueError where no balance is found.
+    """Solve steady rolling of rigid bodies under Hertz's pressures.
 
-    bodies: finite ones, by the half spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None: half spaces.
+    Parameters
+    ----------
+    scene : kinematics.Rolling
+        The balls and their contact forces.
+    points : int, default POINTS
+        Points of the quadrature along each axis of an ellipse.
+    curved : bool, default True
+        As for `Choices`.
+    bodies : Sizes | None, default None
+        Finite bodies, replaced by the half-spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None:
+        half-spaces.
+
+    Returns
+    -------
+    RigidResult
+        The solution.
+
+    Raises
+    ------
+    ValueError
+        No balance is found.
     """
     y = start_of(scene)
     for count in (FIRST, points):
@@ -353,21 +558,27 @@ REACH = 1.2
 
 @dataclass(frozen=True)
 class TransientResult:
-    """Steps of a run: ends of the steps ``(T,)`` [s], speeds of the balls along the track ``(T, N)``, rotations ``(T,
-    N, 3)`` [rad/s], forces ``(T, M)`` [N] and gaps ``(T, M)`` [m] of the meetings, losses ``(T,)`` [W] of friction and of
-    closing balls in the step in which they meet, power put in ``(T,)`` [W] and the rest of it that elastic displacements
-    store or lose in their steps ``(T,)`` [W]; seconds of processor time; "converged", or the first step that did not and
-    why."""
+    """Run in time of N balls with M ball-to-ball contacts, T steps."""
 
+    #: Ends of the steps ``(T,)`` [s].
     time: Array
+    #: Speeds of the balls along the track ``(T, N)``.
     speed: Array
+    #: Rotations ``(T, N, 3)`` [rad/s].
     rotation: Array
+    #: Forces between balls ``(T, M)`` [N].
     force: Array
+    #: Gaps between balls ``(T, M)`` [m].
     gap: Array
+    #: Losses of friction, and of closing balls in the step in which they meet ``(T,)`` [W].
     loss: Array
+    #: Power put in ``(T,)`` [W].
     power: Array
+    #: The part of it that elastic displacements store, or lose by the steps ``(T,)`` [W].
     stored: Array
+    #: Processor time [s].
     seconds: float
+    #: "converged", or the first step that did not and why.
     status: str
 
     @property
@@ -378,24 +589,48 @@ class TransientResult:
 
 @dataclass(frozen=True)
 class _Carried:
-    """A contact without its history, its displacements now and where the material was, per force, over the step."""
+    """A contact without its history.
+
+    Displacements per force over the step: now (``present``), and where the material was before (``before``).
+    """
 
     contact: Contact
     present: Array
     before: Array
 
     def at(self, forces: Array) -> Contact:
-        """The contact with the history of ``forces`` (2 n,) [N]."""
+        """Add the history of ``forces`` (2 n,) [N] to the contact."""
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
 def run_from_rest(
     scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
 ) -> TransientResult:
-    """Equal steps of ``duration`` [s] from rest, all neighbours ``gap`` [m] apart at first.
+    """Run balls from rest in equal steps.
 
-    Raises ValueError for a duration, steps or gap that make no sense, and for finite bodies in steps that carry material
-    from beyond their contact zone.
+    Parameters
+    ----------
+    scene : Rolling
+        The balls and their contact forces.
+    duration : float
+        Duration of the run [s].
+    steps : int
+        Number of steps.
+    gap : float, default 0.0
+        Gaps between neighbours at first [m].
+    choices : Choices | None, default None
+        Numerical choices.
+
+    Returns
+    -------
+    TransientResult
+        Histories.
+
+    Raises
+    ------
+    ValueError
+        Duration or steps are not positive, the gap is negative, or steps carry material from beyond the contact zone
+        of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError("need a duration > 0, at least one step and no negative gap")

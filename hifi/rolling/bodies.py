@@ -1,16 +1,17 @@
 """Kernels of finite bodies (`hifi.rolling.patch`) from finite elements: ball and groove.
 
-On rings and helices both are patches of the static reference in pieces of their bodies; on
-straight tracks, which it has none of, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A body's answers to
-smooth tractions on its contact zone, in all three directions, less those of a half space whose zone has the same
-nodes: what the grid does to the singular part is in both.
+On rings and helices both are patches of the static reference in pieces of their bodies; on straight tracks, which it does
+not have, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A kernel is the response of a body to smooth
+tractions on its contact zone, in all three directions, less that of a half-space whose zone has the same nodes: the
+effect of the grid on the singular part is in both.
 
 Such a patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
-ring, nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one (`hifi.bodies.coarse.piece_compliance`).
-Cells of the contact zone are those of the other bodies of rolling (`hifi.rolling.contact_bodies.Zone`).
+ring, nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one
+(`hifi.bodies.coarse.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
+(`hifi.rolling.contact_bodies.Zone`).
 
-A body whose answers are sought is free, its loads balanced by a rigid field of body forces, or held at its boundary "held";
-the cut of a half space's block moves as Boussinesq's and Cerruti's point forces move it.
+A body is free, its loads balanced by a rigid field of body forces, or fixed at its boundary "held"; the cut of a
+half-space's block moves by Boussinesq's and Cerruti's point forces.
 """
 
 from __future__ import annotations
@@ -49,14 +50,14 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
 from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
 
-#: Left flanks of screw or inner ring, and of nut or outer ring; right ones are these turned.
+#: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
 INNER, OUTER = 0, 2
 
 #: Land beyond the pitch circle, wall behind the groove at most and solid core of a screw, over the ball's radius, the
 #: ball's radius and the pitch radius.
 LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
 
-#: Where the pieces of grooved bodies are held.
+#: Fixed boundaries of the pieces of grooved bodies.
 ENDS = ("low end", "high end")
 
 #: Subdivisions of the sockets' edges; element sizes near and away from the socket over the ball's radius, of grooves and of
@@ -66,32 +67,57 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 @dataclass(frozen=True)
 class Curve:
-    """Path of the balls' centres: radius [m] of its cylinder, and rise per angle [m/rad] (0: ring; < 0: left-hand)."""
+    """Path of the balls' centres."""
 
+    #: Radius of its cylinder [m].
     radius: float
+    #: Rise per angle [m/rad]; 0: ring, < 0: left-hand.
     rise: float
 
 
 @dataclass(frozen=True)
 class Cut:
-    """A patch in a piece of its body; ball's centre ``(3,)`` [m] in the patch's frame; rows ``(3, 3)``: along the track,
-    across it towards the bottom of the groove, into the body; boundaries of the patch's cells [m] in their order;
-    places of the contact's nodes in the zone's grid along the first two ``(c, 2)``."""
+    """A patch in a piece of its body."""
 
+    #: The patch.
     patch: PatchMesh
+    #: The piece.
     piece: Piece
+    #: Centre of the ball in the patch's frame ``(3,)`` [m].
     centre: Array
+    #: Rows along the track, across it towards the bottom of the groove, and into the body ``(3, 3)``.
     axes: Array
+    #: Boundaries of the patch's cells in that order [m].
     cells: tuple[Array, Array, Array]
+    #: Indices of the contact nodes in the zone's grid along the first two axes ``(c, 2)``.
     number: Index
 
 
 def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool) -> tuple[Cut, Cut]:
-    """Groove and ball at one contact.
+    """Cut groove and ball out around one contact.
 
-    ball, groove: radii [m]; angle: from the groove's bottom to the contact [rad]; zone: half lengths along and across the
-    track [m]; outer: whether the groove is the nut's or outer ring's. Raises ValueError where a socket
-    has no room, or a mesh cannot be built.
+    Parameters
+    ----------
+    curve : Curve
+        Path of the balls' centres.
+    ball, groove : float
+        Radii [m].
+    angle : float
+        Angle from the groove's bottom to the contact [rad].
+    zone : Zone
+        Contact zone.
+    outer : bool
+        Whether the groove is that of the nut or outer ring.
+
+    Returns
+    -------
+    groove, ball : Cut
+        The pieces.
+
+    Raises
+    ------
+    ValueError
+        A socket has no room, or a mesh cannot be built.
     """
     side = OUTER if outer else INNER
     m = groove_map(curve, ball, groove, angle)
@@ -125,7 +151,22 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
 
 
 def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
-    """The static reference's map of a track whose grooves are all alike."""
+    """Map the geometry of a track whose grooves are all alike, as the static reference has it.
+
+    Parameters
+    ----------
+    curve : Curve
+        Path of the balls' centres.
+    ball, groove : float
+        Radii [m].
+    angle : float
+        Contact angle [rad].
+
+    Returns
+    -------
+    GrooveMap
+        Map of the track.
+    """
     signs = np.array(SIDE_SIGNS)
     to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
     lead_angle = float(np.arctan2(curve.rise, curve.radius))
@@ -144,8 +185,10 @@ def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Lines
 
 
 def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
-    """Normal from ball to groove; rows along the groove where it is touched, and across it towards its bottom, right-handed
-    with the normal."""
+    """Compute the normal from ball to groove, and rows along the groove and across it towards its bottom.
+
+    Right-handed with the normal, at the contact point.
+    """
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
     normal = sx * np.cos(m.beta) * radial + sz * np.sin(m.beta) * binormal
@@ -169,9 +212,33 @@ def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
 
 
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
-    """Displacements ``(n, 3, m)`` [m/N] at points ``(n, 3)`` [m] under a unit force along x on the half space z > 0.
+    """Displacements of the half-space z > 0 under unit forces along x on its surface; infinite at a force.
 
-    Johnson, Contact Mechanics (1985), (3.75); sources ``(m, 2)`` [m] lie on z = 0. The displacement is infinite there.
+    Parameters
+    ----------
+    points : (n, 3) Array
+        Points [m].
+    sources : (m, 2) Array
+        Places x, y of the forces at z = 0 [m].
+    shear : float
+        Shear modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (n, 3, m) Array
+        Displacements along x, y, z [m/N].
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eq. (3.75).
+
+    Examples
+    --------
+    >>> on_axis = cerruti(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 80e9, 0.25)
+    >>> f"{1e9 * on_axis[0, 0, 0]:.4f} nm/N"  # (1 + (1 - 2 nu) / 2) / (4 pi G z)
+    '1.2434 nm/N'
     """
     x, y = np.moveaxis(points[:, None, :2] - sources, 2, 0)
     z = points[:, 2, None]
@@ -187,10 +254,11 @@ def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Arra
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a body's mesh has the contact's axes: a point of the normal through the contact's middle ``(3,)`` [m], and rows
-    along x, y and into the body ``(3, 3)``."""
+    """Contact axes in the mesh of a body."""
 
+    #: Point on the normal through the contact's centre ``(3,)`` [m].
     centre: Array = field(default_factory=lambda: np.zeros(3))
+    #: Rows along x, y and into the body ``(3, 3)``.
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
@@ -202,11 +270,27 @@ def in_frame(body: ContactBody, frame: Frame) -> Array:
 def tractions(
     body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: Frame | None = None
 ) -> sp.csr_array:
-    """Loads ``(3 k, 3 n)``: nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
+    """Compute nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
-    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area. bends:
-    curvatures [1/m] along x and y of the surface that ball and groove share, positive towards the ball; frame: of the
-    mesh, the contact's own unless given.
+    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area.
+
+    Parameters
+    ----------
+    body : ContactBody
+        The body, with n nodes.
+    zone : Zone
+        Contact zone.
+    degree : int
+        Degree of the monomials, k of them.
+    bends : tuple[float, float]
+        Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
+    frame : Frame | None, default None
+        Contact axes in the mesh; None: the same.
+
+    Returns
+    -------
+    (3 k, 3 n) sparse array
+        Loads, directions slowest.
     """
     frame = frame or Frame()
     at = in_frame(body, frame)
@@ -226,8 +310,25 @@ def tractions(
     return sp.csr_array(sp.csr_array(nodal) @ spread)
 
 
-def free_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Answers ``(m, m)`` [m/N] of a free body, loads and motions freed of what moves it as a whole."""
+def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Response of a free body, loads balanced and motions without rigid parts.
+
+    Parameters
+    ----------
+    body : ContactBody
+        The body.
+    rows : (m, 3 n) sparse array
+        Loads.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (m, m) Array
+        [m/N].
+    """
     K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
     F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
@@ -236,19 +337,26 @@ def free_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: fl
 
 
 def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
-    """Answers ``(m, m)`` [m/N] of a body whose freedoms ``held`` stand."""
+    """Response ``(m, m)`` [m/N] of a body with the degrees of freedom ``held`` fixed."""
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     return compliance(K[free][:, free], rows.tocsr()[:, free])
 
 
-def held_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Answers ``(m, m)`` [m/N] of a body held at its boundary "held"."""
+def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as of the free body's."""
     return _held(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
-def half_space_answer(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut
-    (`hifi.contact.block`)."""
+def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Response of a block of a half-space, its cut faces in the motion of the half-space.
+
+    As in `hifi.contact.block`; arguments as of the free body's.
+
+    Returns
+    -------
+    (m, m) Array
+        [m/N].
+    """
     K, cut = forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
     by_cut = sp.csr_array(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
     F, m = _held(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
@@ -270,7 +378,7 @@ def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: flo
     return out
 
 
-def beside(
+def matched_half_space(
     body: ContactBody,
     zone: Zone,
     size: float,
@@ -280,11 +388,34 @@ def beside(
     frame: Frame | None = None,
     near: tuple[Array, Array, Array] | None = None,
 ) -> Array:
-    """Answers ``(3 k, 3 k)`` [m/N] of a half space whose zone has its nodes where the body's are, seen along the normal.
+    """Response of a half-space whose zone has its nodes where the body's are, seen along the normal.
 
-    A zone that is wider by a share e answers a linear traction by 2 e to 3 e less: what its shape does is then in both
-    answers, as far as the half space has it.
-    near: cells as in `hifi.rolling.contact_bodies.half_space`.
+    A zone that is wider by a share e responds to a linear traction by 2 e to 3 e less: the effect of its shape is then in
+    both responses, as far as the half-space has it.
+
+    Parameters
+    ----------
+    body : ContactBody
+        The body.
+    zone : Zone
+        Contact zone.
+    size : float
+        Distance of the cut faces from the contact's centre [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    degree : int
+        Degree of the monomials, k of them.
+    frame : Frame | None, default None
+        Contact axes in the body's mesh.
+    near : tuple[Array, Array, Array] | None, default None
+        Cell boundaries, as for `hifi.rolling.contact_bodies.half_space`.
+
+    Returns
+    -------
+    (3 k, 3 k) Array
+        [m/N].
     """
     block = half_space(size, zone, near)
     cells = np.array(zone.cells)
@@ -293,22 +424,27 @@ def beside(
     points = points_of(block.mesh).copy()
     points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
     block = replace(block, mesh=moved(block.mesh, points))
-    return half_space_answer(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
+    return half_space_response(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
 @keyed
 @dataclass(frozen=True)
 class Sizes:
-    """Numerical choices: cells of the contact zone along and across, ratio of cells beyond it, zone over the contact's
-    semi-axes, degree of the kernel; of bars: size over the ball's radius, half of the grooves' opening [rad]; whether rings
-    and helices are patches of the static reference, or bent bars too."""
+    """Numerical choices of the kernels."""
 
+    #: Cells of the contact zone along and across.
     cells: tuple[int, int] = usual((4, 4))
+    #: Ratio of neighbouring cells outside it.
     growth: float = usual(2.5)
+    #: Zone over the contact's semi-axes.
     margin: float = usual(1.1)
+    #: Degree of the kernel.
     degree: int = usual(4)
+    #: Size of bars over the ball's radius.
     bar: float = usual(5.0)
+    #: Half of the opening angle of the grooves of bars [rad].
     opening: float = usual(1.4)
+    #: Whether rings and helices are patches of the static reference, or bent bars.
     patches: bool = usual(True)
 
 
@@ -316,14 +452,14 @@ P = ParamSpec("P")
 
 T = TypeVar("T")
 
-#: What bodies answered, by function and arguments, made here or by other processes; most that are kept.
+#: Cached kernels by function and arguments, computed here or by other processes; and the largest number of them.
 _KEPT: dict[tuple[object, ...], Any] = {}
 
 MOST = 32
 
 
 def kept(make: Callable[P, T]) -> Callable[P, T]:
-    """Make the same but once; arguments are hashed."""
+    """Decorate a function to compute the same result only once; arguments are hashed."""
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:
@@ -350,20 +486,20 @@ def _keep(key: tuple[object, ...], value: Any) -> None:
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
-    """What a whole ball of ``radius`` [m] adds to a half space."""
+    """Compute the kernel that a whole ball of ``radius`` [m] adds to a half-space."""
     body = whole_ball(radius, zone)
-    answer = free_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return Regular(answer - beside(body, zone, radius, young, poisson, degree), zone.half, degree)
+    answer = free_response(body, tractions(body, zone, degree, bends), young, poisson)
+    return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
 @kept
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
-    """What a grooved bar of ``size`` [m] adds to a half space, as it counts in the motion of a ball past it."""
+    """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past it."""
     body = grooved_bar(groove, size, zone)
-    answer = held_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return of_groove(answer - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    answer = fixed_response(body, tractions(body, zone, degree, bends), young, poisson)
+    return of_groove(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @kept
@@ -379,19 +515,60 @@ def patch_kernels(
     *,
     outer: bool,
 ) -> tuple[Regular, Regular]:
-    """What the static reference's patches of groove and ball (radii [m]: ball, groove) add to a half space, each."""
+    """Compute the kernels that the static reference's patches of groove and ball add to a half-space.
+
+    Parameters
+    ----------
+    curve : Curve
+        Path of the balls' centres.
+    radii : tuple[float, float]
+        Radii of ball and groove [m].
+    angle : float
+        Angle from the groove's bottom to the contact [rad].
+    zone : Zone
+        Contact zone.
+    bends : tuple[float, float]
+        Curvatures of the shared surface [1/m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    degree : int
+        Degree of the kernel.
+    outer : bool
+        Whether the groove is that of the nut or outer ring.
+
+    Returns
+    -------
+    groove, ball : Regular
+        The kernels.
+    """
     kernels = []
     for cut, sense in zip(cuts_of(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = Frame(cut.centre, cut.axes)
         matrix = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
-        kernels.append(matrix - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
+        kernels.append(matrix - matched_half_space(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
     return of_groove(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
 
 
 def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
-    """Kernel of a groove's own answers ``(3 k, 3 k)`` [m/N]: forces on it and its motion count the other way along
-    tangents."""
+    """Kernel of a groove: forces on it and its motion along tangents count with the opposite sign.
+
+    Parameters
+    ----------
+    added : (3 k, 3 k) Array
+        Response of the groove less that of the half-space [m/N].
+    zone : Zone
+        Contact zone.
+    degree : int
+        Degree of the kernel.
+
+    Returns
+    -------
+    Regular
+        The kernel.
+    """
     signs = np.repeat([-1.0, -1.0, 1.0], len(added) // 3)
     return Regular(added * np.outer(signs, signs), zone.half, degree)
 
@@ -403,12 +580,15 @@ STEP = 0.1
 
 @dataclass(frozen=True)
 class Place:
-    """Where a ball touches a groove: the ball's radius [m], relative radii along and across the groove [m], angle from the
-    groove's bottom [rad], radius and rise of the path (None: straight, see `hifi.rolling.kinematics.Track.curve`)."""
+    """Contact of a ball with a groove."""
 
+    #: Radius of the ball [m].
     ball: float
+    #: Relative radii along and across the groove [m].
     radii: tuple[float, float]
+    #: Angle from the groove's bottom to the contact [rad].
     angle: float
+    #: Radius and rise of the path; None: straight (`hifi.rolling.kinematics.Track.curve`).
     curve: tuple[float, float] | None
 
     @property
@@ -418,7 +598,7 @@ class Place:
 
     @property
     def bend(self) -> float:
-        """Curvature of the groove along the track [1/m], positive: concave."""
+        """Curvature of the groove along the track [1/m]; positive: concave."""
         return 1.0 / self.ball - 1.0 / self.radii[0]
 
     @property
@@ -428,13 +608,30 @@ class Place:
         return one, two
 
     def zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> Zone:
-        """Contact zone under a load [N]."""
+        """Contact zone under a load.
+
+        Parameters
+        ----------
+        load : float
+            Contact load [N].
+        young : float
+            Young's modulus [Pa].
+        poisson : float
+            Poisson's ratio.
+        sizes : Sizes
+            Numerical choices.
+
+        Returns
+        -------
+        Zone
+            The zone.
+        """
         ellipse = hertz(load, *self.radii, young, poisson)
         return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
 def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
-    """Calls for the kernels whose sum is a contact's: ball and bar, or both patches at once."""
+    """List the calls for the kernels whose sum is a contact's: ball and bar, or both patches at once."""
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
         curve, radii = Curve(*at.curve), (at.ball, at.arc)
@@ -457,10 +654,33 @@ def _shared(at: Place, load: float) -> tuple[Place, float]:
 
 
 def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    """What ball and groove add to half spaces; y towards the bottom of the groove, x right-handed with it and the normal.
+    """Compute the kernel that ball and groove of a contact add to half-spaces.
 
-    load: the largest of the contacts that share it [N]. Other contacts of the ball are not felt. Raises ValueError where
-    groove, ring or nut have no room for the zone, the bar or a socket.
+    y towards the bottom of the groove, x right-handed with it and the normal. Other contacts of the ball are not
+    included.
+
+    Parameters
+    ----------
+    at : Place
+        The contact.
+    load : float
+        Largest load of the contacts that share the kernel [N].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    sizes : Sizes
+        Numerical choices.
+
+    Returns
+    -------
+    Regular
+        The kernel.
+
+    Raises
+    ------
+    ValueError
+        Groove, ring or nut have no room for the zone, the bar or a socket.
     """
     return _kernel(*_shared(at, load), young, poisson, sizes)
 
@@ -468,9 +688,32 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
 def make_kernels(
     contacts: Iterable[tuple[Place, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
-    """Make what the kernels of contacts (places, loads) need in so many processes at once; their processor time [s].
+    """Compute the kernels of contacts in several processes.
 
-    By one process, or of one part, nothing is made before it is needed. Raises as `contact_kernel`.
+    With one process, or one missing kernel, nothing is computed before it is needed.
+
+    Parameters
+    ----------
+    contacts : Iterable[tuple[Place, float]]
+        Contacts and their largest loads [N].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    sizes : Sizes
+        Numerical choices.
+    processes : int
+        Number of processes.
+
+    Returns
+    -------
+    float
+        Their processor time [s].
+
+    Raises
+    ------
+    ValueError
+        As `contact_kernel`.
     """
     calls = [call for at, load in contacts for call in _parts(*_shared(at, load), young, poisson, sizes)]
     missing = {key: call for call in calls if (key := _key(call)) not in _KEPT}
@@ -484,12 +727,12 @@ def make_kernels(
 
 
 def _anew(call: partial[Any]) -> tuple[Any, float]:
-    """Result of a call, not kept by the process that makes it, and its processor time [s]."""
+    """Run a call whose result this process does not cache; returns it and the processor time [s]."""
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
 def forget_kernels() -> None:
-    """Let the next contact mesh its bodies again."""
+    """Clear the cache of kernels."""
     _kernel.cache_clear()
     _KEPT.clear()

@@ -1,7 +1,8 @@
-"""Bodies around one contact as tensor grids of hexahedra: a whole ball, a grooved bar, and a block of a half space.
+"""Bodies around one contact as tensor grids of hexahedra: a whole ball, a grooved bar, and a block of a half-space.
 
-Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's middle is the origin.
-The cells of the contact zone are alike in all three, so that what a grid does to a contact's own answer cancels.
+Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's centre is the
+origin. The cells of the contact zone are the same in all three, so that the effect of the grid on a contact's local
+response cancels.
 """
 
 from __future__ import annotations
@@ -17,15 +18,35 @@ from rollbench.meshes.fem import moved, named, points_of, tensor_grid
 
 @dataclass(frozen=True)
 class Zone:
-    """Contact zone: half lengths along x and y ``(2,)`` [m], cells along each axis, ratio of neighbouring cells beyond."""
+    """Contact zone."""
 
+    #: Half lengths along x and y [m].
     half: tuple[float, float]
+    #: Cells along x and y.
     cells: tuple[int, int]
+    #: Ratio of neighbouring cells outside.
     growth: float
 
     def lines(self, axis: int, low: float, high: float) -> Array:
-        """Boundaries of cells along x (0) or y (1) from ``low`` < 0 to ``high`` > 0 [m]. Raises ValueError where the zone
-        does not fit between them."""
+        """Cell boundaries along x or y.
+
+        Parameters
+        ----------
+        axis : int
+            0 for x, 1 for y.
+        low, high : float
+            Ends [m], low < 0 < high.
+
+        Returns
+        -------
+        Array
+            Ascending boundaries [m].
+
+        Raises
+        ------
+        ValueError
+            The zone does not fit between them.
+        """
         half = self.half[axis]
         if not (low < -half and half < high):
             raise ValueError(f"a contact zone of {half:.3g} m does not fit between {low:.3g} and {high:.3g} m")
@@ -34,12 +55,12 @@ class Zone:
         return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
 
     def number(self, at: Array) -> Index:
-        """Places in the grid of the zone's nodes ``(n, 2)``, from zero, that are nearest to points ``(n, 2)`` [m]."""
+        """Grid indices of the zone's nodes that are nearest to points ``(n, 2)`` [m], from zero ``(n, 2)``."""
         cells = np.array(self.cells)
         return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
     def depths(self, deep: float) -> Array:
-        """Boundaries of cells from the surface to ``deep`` [m], the first as large as the zone's smaller ones."""
+        """Cell boundaries from the surface to a depth [m], the first as large as the zone's smaller ones."""
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
         return np.concatenate([[0.0, first], _beyond(first, deep, first, self.growth)])
 
@@ -55,20 +76,22 @@ def _beyond(start: float, end: float, step: float, growth: float) -> Array:
 
 @dataclass(frozen=True)
 class ContactBody:
-    """Mesh with boundaries "contact" (the zone) and "held" (where a body is held or cut off; a ball has none); nodes of the
-    zone ``(c,)``; sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove; places of the nodes in
-    the zone's grid along x and y ``(c, 2)``, from zero."""
+    """Mesh of a body; boundaries "contact" (the zone) and "held" (where it is fixed or cut off; a ball has none)."""
 
+    #: The mesh.
     mesh: Mesh
+    #: Nodes of the zone ``(c,)``.
     contact: Index
+    #: Sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove.
     sense: int
+    #: Indices of the nodes in the zone's grid along x and y ``(c, 2)``, from zero.
     number: Index
 
 
 def _body(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
-    """A tensor grid with its nodes moved to ``points``; held: (axis, value) of the grid's faces."""
+    """Move the nodes of a tensor grid to ``points``; held: (axis, value) of the grid's faces that are fixed."""
     flat = tensor_grid(x, y, z, "Q2")
     xi = points_of(flat)
     mesh = moved(flat, points)
@@ -87,7 +110,20 @@ def _body(
 
 
 def whole_ball(radius: float, zone: Zone) -> ContactBody:
-    """A ball of ``radius`` [m], free: a cube whose faces are mapped onto the sphere."""
+    """Mesh a free ball of ``radius`` [m]: a cube whose faces are mapped onto the sphere.
+
+    Parameters
+    ----------
+    radius : float
+        Radius [m].
+    zone : Zone
+        Contact zone.
+
+    Returns
+    -------
+    ContactBody
+        The ball.
+    """
     root = np.sqrt(0.5)
     x, y = (zone.lines(k, -root * radius, root * radius) for k in (0, 1))
     half = zone.depths(radius)
@@ -105,13 +141,17 @@ def whole_ball(radius: float, zone: Zone) -> ContactBody:
 
 @dataclass(frozen=True)
 class Groove:
-    """A groove of two arcs: radii of ball and arcs [m], contact angle [rad] from the bottom of the groove, half of its
-    opening [rad], curvature of its surface along the track at the contact [1/m] (positive: concave, 0: straight)."""
+    """A groove of two arcs."""
 
+    #: Radius of the ball [m].
     ball: float
+    #: Radius of the arcs [m].
     arc: float
+    #: Contact angle from the bottom of the groove [rad].
     angle: float
+    #: Half of the opening angle [rad].
     opening: float
+    #: Curvature of the surface along the track at the contact [1/m]; positive: concave, 0: straight.
     bend: float
 
     def surface(self, theta: Array) -> Array:
@@ -122,11 +162,29 @@ class Groove:
 
 
 def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
-    """A bar around a groove: round outside at ``size`` [m] from the ball's centre, where it is held, as long to both sides
-    of the contact; lands beside the groove, its other flank and its ends are free.
+    """Mesh a bar around a groove, straight or bent into a ring.
 
-    Bent into a ring where the groove is. Raises ValueError where the groove's opening leaves no room for the zone, or a
-    ring has none for the bar.
+    Round outside, where it is fixed, and as long to both sides of the contact; lands beside the groove, its other flank
+    and its ends are free.
+
+    Parameters
+    ----------
+    groove : Groove
+        The groove.
+    size : float
+        Radius of the outside, from the ball's centre [m].
+    zone : Zone
+        Contact zone.
+
+    Returns
+    -------
+    ContactBody
+        The bar.
+
+    Raises
+    ------
+    ValueError
+        The groove's opening leaves no room for the zone, or a ring none for the bar.
     """
     R = groove.ball
     low, high = groove.angle - groove.opening, groove.angle + groove.opening
@@ -142,7 +200,7 @@ def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
 
 
 def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
-    """Points of the section y, z carried by x [m] along the track: straight, or round the axis of its ring."""
+    """Carry points of the section y, z by x [m] along the track: straight, or around the axis of its ring."""
     if groove.bend == 0.0:
         return np.column_stack([x, y, z])
     down = np.array([np.sin(groove.angle), np.cos(groove.angle)])  # to the bottom of the groove, in the section
@@ -159,9 +217,21 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
 
 
 def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
-    """A block of a half space, cut off at ``size`` [m] from the contact's middle.
+    """Mesh a block of a half-space.
 
-    near: boundaries [m] of its cells along x, y and z around the contact, to go on from (None: as the zone has them).
+    Parameters
+    ----------
+    size : float
+        Distance of its cut faces from the contact's centre [m].
+    zone : Zone
+        Contact zone.
+    near : tuple[Array, Array, Array] | None, default None
+        Cell boundaries along x, y and z around the contact, to be continued [m]; None: those of the zone.
+
+    Returns
+    -------
+    ContactBody
+        The block.
     """
     if near is None:
         x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)

@@ -1,14 +1,14 @@
 """Coulomb friction in contacts on grids, with rigid motions that balance their forces: Newton's method to round-off.
 
 In every cell of a contact the slip s = M q + J y + w [m/s] comes from the elastic displacement by the tangential forces q
-[N], the motions y and what is given; and
+[N], the motions y and the prescribed part w; and
 
     |q| <= g,   s = -c q with c >= 0,   c (g - |q|) = 0,                                          (1)
     sum J^T q + f(y) = 0,                                                                          (2)
 
-g: coefficient of friction times normal force. (1) is the root of q - P(q - r s), P the projection onto the disk of
-radius g, for any r > 0; Newton's method on that root (Alart and Curnier 1991) solves both without smoothing. A smoothed
-law, q = -g s/sqrt(s^2 + eps^2), only leads there: first without elasticity, and where that start is too poor with it.
+g: coefficient of friction times normal force. (1) is the root of q - P(q - r s), P the projection onto the disk of radius
+g, for any r > 0; Newton's method on that root (Alart and Curnier 1991) solves both without smoothing. A smoothed law, q =
+-g s/sqrt(s^2 + eps^2), only leads there: first without elasticity, and where that start is too poor with it.
 """
 
 from __future__ import annotations
@@ -41,13 +41,17 @@ LOST = 1e4
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact as friction needs it: bound g ``(n,)`` [N]; M ``(2 n, 2 n)`` [m/s/N]; J ``(2 n, m)`` of the motions
-    ``columns`` ``(m,)`` of y; w ``(2 n,)`` [m/s]."""
+    """A contact of n cells as the friction solver needs it."""
 
+    #: Largest tangential force g ``(n,)`` [N].
     bound: Array
+    #: Slip by tangential forces M ``(2 n, 2 n)`` [m/s/N].
     elastic: Array
+    #: Slip by the motions J ``(2 n, m)``.
     motion: Array
+    #: Which of all motions y these are ``(m,)``.
     columns: Index
+    #: Prescribed slip w ``(2 n,)`` [m/s].
     given: Array
 
     def slip(self, q: Array, y: Array) -> Array:
@@ -55,32 +59,37 @@ class Contact:
         return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
 
     def rigid_slip(self, y: Array) -> Array:
-        """Slip of the bodies without their elasticity."""
+        """Slip ``(2 n,)`` [m/s] of the bodies without their elasticity."""
         return np.asarray(self.motion @ y[self.columns] + self.given)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Solution: tangential forces q and slips s of every contact, each ``(2 n,)``, motions y; Newton's steps; status
-    "converged" or why not; residual: largest violation of (1) and (2), over the largest bound or slip; stick: which
-    cells."""
+    """Solution of (1) and (2)."""
 
+    #: Tangential forces q of every contact ``(2 n,)`` [N].
     forces: list[Array]
+    #: Slips s of every contact ``(2 n,)`` [m/s].
     slips: list[Array]
+    #: Motions y.
     motions: Array
+    #: Newton steps.
     steps: int
+    #: "converged", or why not.
     status: str
+    #: Largest violation of (1) and (2), over the largest bound or slip.
     residual: float
+    #: Which cells of every contact stick ``(n,)``.
     stick: list[Flags]
 
     @property
     def converged(self) -> bool:
-        """Whether (1) and (2) hold."""
+        """Whether (1) and (2) are satisfied."""
         return self.status == "converged"
 
 
 def no_balance(y: Array) -> tuple[Array, Array]:
-    """f of given motions, which are no unknowns: nothing."""
+    """Balance f of prescribed motions, which are no unknowns: zero."""
     return np.zeros(y.size), np.eye(y.size)
 
 
@@ -94,7 +103,27 @@ def _flat(v: Array) -> Array:
 
 
 def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
-    """Forces ``(2 n,)`` [N] against the slip ``(2 n,)``; none where nothing slips."""
+    """Friction forces against a slip, smoothed by a creeping speed.
+
+    Parameters
+    ----------
+    bound : (n,) Array
+        Largest tangential forces [N].
+    slip : (2 n,) Array
+        Slip [m/s], all x first.
+    eps : float, default 0.0
+        Creeping speed [m/s]; 0: Coulomb's law.
+
+    Returns
+    -------
+    (2 n,) Array
+        Forces -g s / sqrt(s^2 + eps^2) [N]; zero where nothing slips.
+
+    Examples
+    --------
+    >>> full_slip(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
+    [-1.2, -1.6]
+    """
     s = _pair(slip)
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
     return _flat(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
@@ -126,7 +155,7 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     """Residual, and dq for (1); one unknown for each slipping cell, two for each that sticks; grip ``(n,)``: r."""
     n = c.bound.size
     s = c.slip(q, y)
-    pull = _pair(q) - grip[:, None] * _pair(s)
+    pull = _pair(q) - grip[:, None] * _pair(s)  # q - r s; (1) is q = P(q - r s)
     size = np.linalg.norm(pull, axis=1)
     stick = size <= c.bound
     slip = np.flatnonzero(~stick)
@@ -177,7 +206,7 @@ class _System:
         return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced(self, q: list[Array], y: Array) -> Array:
-        """Left side of (2)."""
+        """Evaluate the left side of (2)."""
         f = self.balance(y)[0].copy()
         for c, force in zip(self.contacts, q, strict=True):
             f[c.columns] += c.motion.T @ force
@@ -216,7 +245,7 @@ def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Arra
 
 
 def _settle(system: _System, q: list[Array], y: Array) -> Friction:
-    """Newton's method on (1) and (2) as they stand."""
+    """Newton's method on (1) and (2) without smoothing."""
     grips = [_grip(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
@@ -231,7 +260,7 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
         best = min(best, residual)
         try:
             dq, dy = system.step(parts, q, y)
-        except np.linalg.LinAlgError:  # cells that slip may leave a motion free on the way
+        except np.linalg.LinAlgError:  # an iterate with slipping cells may leave a motion unconstrained
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
@@ -243,7 +272,7 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
 
 
 def _grip(c: Contact) -> Array:
-    """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
+    """Parameter r of each cell ``(n,)`` [N s/m]: a share of its stiffness."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
@@ -251,8 +280,30 @@ def _grip(c: Contact) -> Array:
 def solve_rigid(
     contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
-    """Motions of bodies that do not yield at all, from motions ``y``, and what smoothing leaves: their change by the
-    last ten times in creeping speed, over the largest slip. Raises ValueError where the search ends out of balance.
+    """Find the motions of rigid bodies that balance friction.
+
+    Parameters
+    ----------
+    contacts : Sequence[Contact]
+        The contacts.
+    balance : Balance
+        f(y) and its derivative.
+    y : Array
+        Motions to start from.
+    path : tuple[float, ...], default PATH
+        Creeping speeds over the largest slip, descending.
+
+    Returns
+    -------
+    y : Array
+        Motions.
+    remainder : float
+        Change of slip by the last ten times in creeping speed, over the largest slip: what smoothing leaves.
+
+    Raises
+    ------
+    ValueError
+        The search ends out of balance.
     """
     system = _System(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
@@ -274,11 +325,28 @@ def solve_friction(
     q: list[Array] | None = None,
     path: tuple[float, ...] = PATH,
 ) -> Friction:
-    """Tangential forces, slips and motions of contacts by (1) and (2); y, q: a neighbouring solution.
+    """Solve (1) and (2): tangential forces, slips and motions of contacts.
 
-    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not converge
-    from the start, the smoothed one leads there with creeping speeds ``path`` over the largest slip. Failure is data: see
+    Where the exact law does not converge from the start, the smoothed one leads there. Failure is data: see
     `Friction.status`.
+
+    Parameters
+    ----------
+    contacts : Sequence[Contact]
+        The contacts.
+    balance : Balance, default no_balance
+        f(y) and its derivative; by default the motions are prescribed.
+    y : Array | None, default None
+        Motions to start from; None: no motions.
+    q : list[Array] | None, default None
+        Tangential forces of a neighbouring solution.
+    path : tuple[float, ...], default PATH
+        Creeping speeds over the largest slip, descending.
+
+    Returns
+    -------
+    Friction
+        The solution.
     """
     system = _System(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()

@@ -1,9 +1,9 @@
-"""Balls that roll between bodies which all move along one screw motion: a straight track, a ring or a helix.
+"""Kinematics of balls that roll between bodies which all move along one screw motion: a straight track, a ring or a helix.
 
-Each body moves with the field H(r) = forward + axis x r times its own speed, seen from the centre of a ball in the
-ball's own axes: a carriage (axis 0, forward a unit vector, speeds in m/s), a ring (axis its axis of rotation, forward =
-R_p along the path, speeds in rad/s) or a nut and a screw (forward along the helix, its length the path per angle). All
-of them are unchanged by that motion, so that a contact seen from its ball's centre stays where it is.
+Each body moves with the field H(r) = forward + axis x r times its speed, seen from the centre of a ball in the ball's
+axes: a carriage (axis 0, forward a unit vector, speeds in m/s), a ring (axis its axis of rotation, forward = R_p along
+the path, speeds in rad/s) or a nut and a screw (forward along the helix, its length the path per angle). All of them are
+unchanged by that motion, so that a contact seen from its ball's centre stays where it is.
 """
 
 from __future__ import annotations
@@ -16,15 +16,17 @@ from rollbench.hifi.rolling.friction import Contact
 from rollbench.hifi.rolling.patch import Patch
 from rollbench.meshes.arrays import Array, Index
 
-#: Motions of a ball: along the track, and about its own three axes; all as speeds [m/s].
+#: Number of motions of a ball: along the track, and about its three axes; all as speeds [m/s].
 MOTIONS = 4
 
 
 @dataclass(frozen=True)
 class Track:
-    """Screw motion seen from a ball: axis ``(3,)`` of rotation (zero or of unit length), forward ``(3,)`` [m]."""
+    """Screw motion seen from a ball."""
 
+    #: Axis of rotation ``(3,)``, zero or of unit length.
     axis: Array
+    #: Velocity of the ball's centre per unit of speed ``(3,)`` [m].
     forward: Array
 
     @property
@@ -41,12 +43,27 @@ class Track:
         return float(np.sqrt(self.length**2 - rise**2)), rise
 
     def field(self, at: Array) -> Array:
-        """H ``(..., 3)`` at points ``(..., 3)`` [m] from the ball's centre."""
+        """Velocity field H ``(..., 3)`` at points ``(..., 3)`` [m] from the ball's centre."""
         return np.asarray(self.forward + np.cross(self.axis, at))
 
 
 def motion_rows(track: Track, radius: float, at: Array) -> Array:
-    """Velocity ``(n, 3, 4)`` of the ball's material at points ``(n, 3)`` per motion of the ball (`MOTIONS`)."""
+    """Velocity of the ball's material at points, per motion of the ball (`MOTIONS`).
+
+    Parameters
+    ----------
+    track : Track
+        Track.
+    radius : float
+        Radius of the ball [m].
+    at : (n, 3) Array
+        Points from the ball's centre [m].
+
+    Returns
+    -------
+    (n, 3, 4) Array
+        Velocities.
+    """
     rows = np.empty((*at.shape, MOTIONS))
     rows[..., 0] = track.field(at) / track.length
     for k in range(3):
@@ -56,68 +73,117 @@ def motion_rows(track: Track, radius: float, at: Array) -> Array:
 
 @dataclass(frozen=True)
 class Touch:
-    """Where a ball touches a groove: direction ``(3,)`` from its centre, contact force [N], relative radii [m] along and
-    across the groove, speed of the groove's body along the track; bottom: direction ``(3,)`` from the ball's centre to the
-    bottom of the groove (None: unknown, which half spaces do not need)."""
+    """Contact of a ball with a groove."""
 
+    #: Direction from the ball's centre ``(3,)``.
     normal: Array
+    #: Contact force [N].
     load: float
+    #: Relative radii along and across the groove [m].
     radii: tuple[float, float]
+    #: Speed of the groove's body along the track.
     ride: float
+    #: Direction from the ball's centre to the bottom of the groove ``(3,)``; None: unknown, which half-spaces do not
+    #: need.
     bottom: Array | None = None
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Balls ``one`` and ``two`` (indices) in touch: rows ``(3, 8)`` of closing speed and sliding of ball one past ball
-    two per their motions; directions ``(3, 3)`` of these in common axes; speed [m/s] at which they may close without
-    touching."""
+    """Contact of two balls."""
 
+    #: Index of the first ball.
     one: int
+    #: Index of the second ball.
     two: int
+    #: Closing speed and sliding of ball one past ball two, per motions of both ``(3, 8)``.
     rows: Array
+    #: Directions of these, in common axes ``(3, 3)``.
     axes: Array
+    #: Speed at which they may close without touching [m/s].
     apart: float
 
     def forces(self, force: float, mu: float, slide: Array) -> Array:
-        """Force ``(3,)`` on ball one in common axes at a sliding ``(2,)``; the other's is its opposite."""
+        """Force on ball one, in common axes; the other's is its opposite.
+
+        Parameters
+        ----------
+        force : float
+            Normal force [N].
+        mu : float
+            Coefficient of friction.
+        slide : (2,) Array
+            Sliding speed [m/s].
+
+        Returns
+        -------
+        (3,) Array
+            [N].
+        """
         size = float(np.linalg.norm(slide))
         rub = mu * force / size * slide if size > 0.0 else np.zeros(2)
         return np.asarray(-force * self.axes[0] - rub @ self.axes[1:])
 
     @property
     def columns(self) -> Index:
-        """Motions of both balls."""
+        """Indices of the motions of both balls."""
         return np.concatenate([MOTIONS * k + np.arange(MOTIONS) for k in (self.one, self.two)])
 
 
 @dataclass(frozen=True)
 class Ball:
-    """A ball: its own axes as rows in common ones ``(3, 3)``, and where it touches grooves."""
+    """A ball."""
 
+    #: Its axes as rows in common ones ``(3, 3)``.
     frame: Array
+    #: Its contacts with grooves.
     touches: tuple[Touch, ...]
 
 
 @dataclass(frozen=True)
 class Rolling:
-    """Balls of radius [m] on a track, of one material (Young's modulus [Pa], Poisson's ratio) with their grooves;
-    coefficients of friction at the grooves and between balls; orbit: nominal speed of the balls; which balls touch."""
+    """Balls on a track, of one material with their grooves."""
 
+    #: Screw motion.
     track: Track
+    #: Radius of the balls [m].
     radius: float
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
+    #: Coefficient of friction at the grooves.
     mu: float
+    #: Coefficient of friction between balls.
     mu_balls: float
+    #: Nominal speed of the balls along the track.
     orbit: float
+    #: The balls.
     balls: tuple[Ball, ...]
+    #: Which balls touch.
     meetings: tuple[Meeting, ...] = ()
 
 
 def axes_of(touch: Touch, scene: Rolling) -> Array:
-    """Rows: local x (against the flow of material), y, and the normal, ``(3, 3)``. Raises ValueError where the groove's
-    body moves as the ball does: nothing rolls."""
+    """Local axes of a contact: x against the flow of material, y, and the normal.
+
+    Parameters
+    ----------
+    touch : Touch
+        The contact.
+    scene : Rolling
+        Its balls.
+
+    Returns
+    -------
+    (3, 3) Array
+        Axes as rows.
+
+    Raises
+    ------
+    ValueError
+        The groove's body moves as the ball does: nothing rolls.
+    """
     ride, track = touch.ride - scene.orbit, scene.track
     flow = ride * track.field(scene.radius * touch.normal)
     flow = flow - (flow @ touch.normal) * touch.normal
@@ -129,10 +195,27 @@ def axes_of(touch: Touch, scene: Rolling) -> Array:
 
 
 def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
-    """Points ``(n, 3)`` [m] from the ball's centre and tangents ``(n, 2, 3)`` at local x, y ``(n, 2)``.
+    """Points and tangents of a contact's surface.
 
-    curved: on the surface that ball and groove share, its curvature the mean of both; otherwise on the tangent plane.
-    sunk: depth [m] of its middle inside the undeformed ball.
+    Parameters
+    ----------
+    touch : Touch
+        The contact.
+    scene : Rolling
+        Its balls.
+    local : (n, 2) Array
+        Local x, y [m].
+    curved : bool
+        On the surface that ball and groove share, its curvature the mean of both; otherwise on the tangent plane.
+    sunk : float, default 0.0
+        Depth of the contact's centre inside the undeformed ball [m].
+
+    Returns
+    -------
+    points : (n, 3) Array
+        Points from the ball's centre [m].
+    tangents : (n, 2, 3) Array
+        Unit tangents.
     """
     axes = axes_of(touch, scene)
     bend = (1.0 / scene.radius - 0.5 / np.array(touch.radii)) * (1.0 if curved else 0.0)
@@ -143,15 +226,48 @@ def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: f
 
 
 def rolling_speed(touch: Touch, scene: Rolling) -> float:
-    """Speed [m/s] at which material passes through the contact."""
+    """Speed [m/s] at which material passes through the contact.
+
+    Parameters
+    ----------
+    touch : Touch
+        The contact.
+    scene : Rolling
+        Its balls.
+
+    Returns
+    -------
+    float
+        [m/s].
+    """
     return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.field(scene.radius * touch.normal)))
 
 
 def rigid_contact(
     touch: Touch, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> Contact:
-    """Contact of a ball with its groove under normal forces ``(n,)`` [N] at local x, y ``(n, 2)`` [m], as rigid bodies have
-    it; curved, sunk: as in `surface`."""
+    """Contact of a ball with its groove as rigid bodies have it.
+
+    Parameters
+    ----------
+    touch : Touch
+        The contact.
+    scene : Rolling
+        Its balls.
+    ball : int
+        Index of the ball.
+    normal : (n,) Array
+        Normal forces [N].
+    local : (n, 2) Array
+        Their places, local x, y [m].
+    curved, sunk : bool
+        As for `surface`.
+
+    Returns
+    -------
+    Contact
+        The contact, for the friction solver.
+    """
     points, tangents = surface(touch, scene, local, curved=curved, sunk=sunk)
     rows = np.einsum("nck,nkm->cnm", tangents, motion_rows(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
     given = -touch.ride * np.einsum("nck,nk->cn", tangents, scene.track.field(points)).ravel()
@@ -159,7 +275,28 @@ def rigid_contact(
 
 
 def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0) -> Contact:
-    """The same on the grid of a patch; elastic: share of the bodies' compliance along tangents."""
+    """Contact of a ball with its groove on the grid of a patch.
+
+    Parameters
+    ----------
+    touch : Touch
+        The contact.
+    scene : Rolling
+        Its balls.
+    ball : int
+        Index of the ball.
+    patch : Patch
+        The patch.
+    curved : bool
+        As for `surface`.
+    elastic : float, default 1.0
+        Share of the bodies' tangential compliance.
+
+    Returns
+    -------
+    Contact
+        The contact, for the friction solver.
+    """
     rigid = rigid_contact(touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.sunk)
     speed = elastic * rolling_speed(touch, scene)
     return replace(rigid, elastic=speed * patch.transport, given=rigid.given + speed * patch.strain)
@@ -167,20 +304,41 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
 
 # --- balls that touch: force and closing speed not negative and complementary, sliding friction at the point of contact
 #
-# Two balls of a track turn the same way, so that where they touch they rub at about the full speed of their surfaces: the
-# whole contact, some hundredths of a radius wide, slides one way, and a point stands for it.
+# Two balls of a track rotate in the same sense, so that where they touch they slide at about the full speed of their
+# surfaces: the whole contact, some hundredths of a radius wide, slides in one direction, and is represented by a point.
 
 
 def meeting(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
 ) -> Meeting:
-    """Two balls whose own axes are the rows of ``frames`` ``(3, 3)``, the second along ``line`` ``(3,)`` from the first."""
+    """Contact of two balls.
+
+    Parameters
+    ----------
+    one, two : int
+        Indices of the balls.
+    frames : tuple[Array, Array]
+        Axes of both as rows ``(3, 3)``.
+    line : (3,) Array
+        Unit vector from the first to the second.
+    track : Track
+        Track.
+    radius : float
+        Radius of the balls [m].
+    apart : float, default 0.0
+        Speed at which they may close without touching [m/s].
+
+    Returns
+    -------
+    Meeting
+        The contact.
+    """
     side = np.cross(line, np.eye(3)[int(np.argmin(np.abs(line)))])
     side /= np.linalg.norm(side)
     axes = np.stack([line, side, np.cross(line, side)])
     parts = []
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
-        local = axes @ frame.T  # the three directions in the ball's own axes
+        local = axes @ frame.T  # the three directions in the ball's axes
         at = sign * radius * local[0]
         rows = local @ motion_rows(track, radius, at[None])[0]
         parts.append(sign * rows)
@@ -189,14 +347,18 @@ def meeting(
 
 @dataclass(frozen=True)
 class Together:
-    """f of (2) in `hifi.rolling.friction` for the balls of a scene: motions of all, then the force of each meeting [N];
-    weight: of closing speeds beside forces [N s/m]."""
+    """Balance f of (2) in `hifi.rolling.friction` for the balls of a scene.
 
+    Unknowns: motions of all balls, then the force of each ball-to-ball contact [N].
+    """
+
+    #: The balls.
     scene: Rolling
+    #: Weight of closing speeds against forces [N s/m].
     weight: float
 
     def __call__(self, y: Array) -> tuple[Array, Array]:
-        """Forces on the motions and the complementarity of every meeting, with their derivative."""
+        """Evaluate forces on the motions and the complementarity of every ball-to-ball contact, with their derivative."""
         mu, m = self.scene.mu_balls, MOTIONS * len(self.scene.balls)
         f, S = np.zeros(y.size), np.zeros((y.size, y.size))
         for k, pair in enumerate(self.scene.meetings):

@@ -1,16 +1,16 @@
-"""One contact on a grid of rectangles: where it lies, its normal forces, and how tangential forces displace it.
+"""One contact on a grid of rectangles: its place, normal forces, and displacements under tangential forces.
 
-Local axes: x against the flow of material through the contact (the leading edge lies at largest x), y across, and the
-normal from body 1 (the ball) into body 2 (the groove). Freedoms of a patch of n cells: (n, 2) values along x and y, as
-vectors of length 2 n with all x first. Forces are those on body 1.
+Local axes: x against the flow of material through the contact (the leading edge is at largest x), y across, and the
+normal from body 1 (the ball) into body 2 (the groove). A patch of n cells has tangential unknowns (n, 2) along x and y,
+as vectors of length 2 n with all x first. Forces are those on body 1.
 
-What finite bodies add is a smooth kernel in polynomials. The displacement at x by a force at x' on a finite body is the
-half space's, singular where they meet, plus a part that varies slowly over a contact,
+The contribution of finite bodies is a smooth kernel in polynomials. The displacement at x by a force at x' on a finite
+body is the half-space's, singular where they meet, plus a part that varies slowly over a contact,
 
     G(x, x') = G_half(x, x') + Phi(x) M Phi(x')^T,
 
-Phi the monomials of x and y for each of the three directions. Rows: displacement of the ball past the groove along x and y,
-and the parting along the normal; columns: forces on the ball along x and y, and normal force, as in
+Phi the monomials of x and y for each of the three directions. Rows: displacement of the ball past the groove along x and
+y, and the separation along the normal; columns: forces on the ball along x and y, and normal force, as in
 `hifi.rolling.patch.influence`.
 """
 
@@ -26,40 +26,74 @@ from rollbench.meshes.arrays import Array, Index
 
 
 def exponents(degree: int) -> Array:
-    """Powers of x and y ``(k, 2)`` of all monomials up to a degree."""
+    """Powers of x and y of all monomials up to a degree.
+
+    Parameters
+    ----------
+    degree : int
+        Largest degree.
+
+    Returns
+    -------
+    (k, 2) Array
+        Powers.
+
+    Examples
+    --------
+    >>> exponents(1).tolist()
+    [[0, 0], [1, 0], [0, 1]]
+    """
     return np.array([(i, n - i) for n in range(degree + 1) for i in range(n, -1, -1)])
 
 
 def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
-    """Values ``(n, k)`` at ``(n, 2)`` [m], coordinates over ``scale`` [m]."""
+    """Values of all monomials up to a degree.
+
+    Parameters
+    ----------
+    at : (n, 2) Array
+        Places [m].
+    scale : tuple[float, float]
+        Lengths by which the coordinates are divided [m].
+    degree : int
+        Largest degree.
+
+    Returns
+    -------
+    (n, k) Array
+        Values.
+    """
     unit = at / np.array(scale)
     return np.asarray(np.prod(unit[:, None] ** exponents(degree), axis=2))
 
 
 @dataclass(frozen=True, eq=False)
 class Regular:
-    """M ``(3 k, 3 k)`` [m/N], directions slowest; scale [m] and degree of the monomials."""
+    """Smooth kernel that finite bodies add to half-spaces."""
 
+    #: Coefficients ``(3 k, 3 k)`` [m/N], directions slowest.
     M: Array
+    #: Lengths that scale the monomials [m].
     scale: tuple[float, float]
+    #: Degree of the monomials.
     degree: int
 
     def __add__(self, other: Regular) -> Regular:
-        """The sum of two bodies. Raises ValueError for other monomials."""
+        """Sum of two bodies. Raises ValueError for other monomials."""
         if (self.scale, self.degree) != (other.scale, other.degree):
             raise ValueError("kernels of two bodies need the same monomials")
         return replace(self, M=self.M + other.M)
 
     @cached_property
     def turned(self) -> Regular:
-        """The same seen from axes turned by 180 degrees about the normal."""
+        """Kernel in axes turned by 180 degrees about the normal."""
         odd = (-1.0) ** exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
     def even(self) -> Regular:
-        """The mean with its mirror image in x: for bodies that are given no sense of rolling."""
+        """Mean of kernel and its mirror image in x: for bodies without a sense of rolling."""
         odd = (-1.0) ** exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
@@ -69,8 +103,22 @@ class Regular:
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
     def block(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
-        """Displacements ``(r n, c n)`` [m/N] at ``at + (shift, 0)`` by unit forces at ``at`` ``(n, 2)`` [m]; rows, columns:
-        directions, slowest."""
+        """Displacements by unit forces.
+
+        Parameters
+        ----------
+        at : (n, 2) Array
+            Places of the forces [m].
+        rows, columns : slice
+            Directions of displacements and of forces (`TANGENTS`, `NORMAL`).
+        shift : float, default 0.0
+            Distance along x of the places of the displacements from those of the forces [m].
+
+        Returns
+        -------
+        (r n, c n) Array
+            [m/N], directions slowest.
+        """
         to = monomials(at + np.array([shift, 0.0]), self.scale, self.degree)
         by = monomials(at, self.scale, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
@@ -78,7 +126,7 @@ class Regular:
         return np.asarray(left @ self._part(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Derivative of `block` along x [1/N]."""
+        """Differentiate `block` along x [1/N]."""
         powers = exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.scale)
@@ -109,8 +157,10 @@ MOST = 100
 
 
 def _over_rectangle(corner: Array) -> Array:
-    """Double integral from a double antiderivative's values (2, 2, ...) at the corners; summed so that places on opposite
-    sides have the same to the last digit."""
+    """Double integral over a rectangle from a double antiderivative's values (2, 2, ...) at its corners.
+
+    Summed so that places on opposite sides have the same value to the last digit.
+    """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
 
@@ -123,19 +173,43 @@ def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
 
 
 def _log_sum(x: Array, y: Array) -> Array:
-    """x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
+    """Antiderivative x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
 
 def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
-    """Relative displacement ``(..., 3, 3)`` [m/Pa] of the surfaces of two like bodies at x, y [m] by unit tractions on a
-    rectangle; Young's modulus in Pa.
+    """Relative displacement of the surfaces of two like bodies by unit tractions on a rectangle.
 
-    The rectangle dx by dy lies about the origin. Rows: displacement of body 1 past body 2 along x, y, and the parting along
-    the normal; columns: traction on body 1 along x, y, and pressure. Boussinesq's and Cerruti's point forces (Johnson,
-    Contact Mechanics, 1985, (3.22), (3.75) and (3.77)), integrated exactly. Bodies of one material: normal tractions part
-    the surfaces along the normal only, and tangential ones along tangents only.
+    Boussinesq's and Cerruti's point forces, integrated exactly. Bodies of one material: normal tractions separate the
+    surfaces along the normal only, and tangential ones displace them along tangents only.
+
+    Parameters
+    ----------
+    x, y : Array
+        Places [m]; the rectangle lies about the origin.
+    dx, dy : float
+        Sides of the rectangle [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    (..., 3, 3) Array
+        [m/Pa]; rows: displacement of body 1 past body 2 along x, y, and the separation along the normal; columns:
+        traction on body 1 along x, y, and pressure.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eqs. (3.22), (3.75) and (3.77).
+
+    Examples
+    --------
+    >>> square = influence(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
+    >>> f"{square * 210e9 / (2.0 * (1.0 - 0.3**2)) / 1e-4:.4f}"  # 8 ln(1 + sqrt 2) / pi
+    '2.2444'
     """
     X, Y = _corners(x, y, dx, dy)
     R = np.hypot(X, Y)
@@ -144,16 +218,18 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
     upright, aslant = (1.0 - poisson) / (np.pi * shear), poisson / (np.pi * shear)
     inverse = over(along_x) + over(along_y)
     out = np.zeros((*np.shape(x), 3, 3))
-    out[..., 0, 0] = upright * inverse + aslant * over(along_x)
+    out[..., 0, 0] = upright * inverse + aslant * over(along_x)  # Cerruti, (3.75)
     out[..., 1, 1] = upright * inverse + aslant * over(along_y)
     out[..., 0, 1] = out[..., 1, 0] = aslant * over(-R)
-    out[..., 2, 2] = upright * inverse
+    out[..., 2, 2] = upright * inverse  # Boussinesq, (3.22)
     return out
 
 
 def _table(cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0) -> Array:
-    """Displacements ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions`` by a cell's unit forces along them, each spread
-    evenly over the cell, at all offsets of a grid of w by h cells, ``shift`` [m] upstream."""
+    """Displacements by a cell's unit forces at all offsets of a grid of w by h cells, ``shift`` [m] upstream.
+
+    ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; each force is spread evenly over its cell.
+    """
     span = np.ptp(cells, axis=0)
     dx, dy = size
     x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
@@ -174,11 +250,34 @@ def _matrix(cells: Index, table: Array) -> Array:
 def press(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
-    """Normal contact on a grid: forces ``(n,)`` [N] >= 0 of sum ``load`` and the approach [m] that closes the ``gap``
-    ``(n,)`` [m] where they act; material: Young's modulus [Pa] and Poisson's ratio.
+    """Solve normal contact on a grid by a primal-dual active set; open cells carry exactly nothing.
 
-    extra ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing.
-    Raises ValueError where the set does not settle.
+    Parameters
+    ----------
+    cells : (n, 2) Index
+        Columns and rows of the cells.
+    size : (2,) Array
+        Size of a cell [m].
+    gap : (n,) Array
+        Gap of the undeformed bodies [m].
+    load : float
+        Normal load [N].
+    material : tuple[float, float]
+        Young's modulus [Pa] and Poisson's ratio of both bodies.
+    extra : (n, n) Array, optional, default None
+        Compliance beyond that of half-spaces [m/N].
+
+    Returns
+    -------
+    forces : (n,) Array
+        Normal forces [N], >= 0, of sum ``load``.
+    approach : float
+        Approach that closes the gap where they act [m].
+
+    Raises
+    ------
+    ValueError
+        The active set does not settle.
     """
     C = _matrix(cells, _table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
@@ -202,16 +301,21 @@ def press(
 
 @dataclass(frozen=True)
 class Patch:
-    """A contact of n cells: columns and rows of the cells ``(n, 2)`` on a grid, centres x, y ``(n, 2)`` [m], size of a cell
-    ``(2,)`` [m], normal forces ``(n,)`` [N], Young's modulus [Pa] and Poisson's ratio of both bodies, the approach [m];
-    what finite bodies add to half spaces (None: half spaces)."""
+    """A contact of n cells."""
 
+    #: Columns and rows of the cells on a grid ``(n, 2)``.
     cells: Index
+    #: Their centres x, y ``(n, 2)`` [m].
     at: Array
+    #: Size of a cell ``(2,)`` [m].
     size: Array
+    #: Normal forces ``(n,)`` [N].
     normal: Array
+    #: Young's modulus [Pa] and Poisson's ratio of both bodies.
     material: tuple[float, float]
+    #: Approach [m].
     approach: float
+    #: Contribution of finite bodies; None: half-spaces.
     regular: Regular | None = None
 
     @property
@@ -223,35 +327,45 @@ class Patch:
         return _table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
-        """Compliance ``(2 n, 2 n)`` [m/N]: displacement of body 1 past body 2 at the cells' centres, ``shift`` [m]
-        upstream.
+        """Compliance under tangential forces, each uniform over its cell.
 
-        Of unit tangential forces, each uniform over its cell.
+        Parameters
+        ----------
+        shift : float, default 0.0
+            Distance upstream of the cells' centres at which displacements are taken [m].
+
+        Returns
+        -------
+        (2 n, 2 n) Array
+            Displacement of body 1 past body 2 [m/N].
         """
         half_space = _matrix(self.cells, self._table(shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
 
     @property
     def strain(self) -> Array:
-        """Rate ``(2 n,)`` of tangential displacement, per length of rolling, by the normal forces: like half spaces have
-        none."""
+        """Rate ``(2 n,)`` of tangential displacement by the normal forces, per length of rolling.
+
+        Zero for half-spaces of the same material.
+        """
         if self.regular is None:
             return np.zeros(2 * len(self.at))
         return np.asarray(-self.regular.slope(self.at, TANGENTS, NORMAL) @ self.normal)
 
     @property
     def sunk(self) -> float:
-        """How far the contact's middle lies inside the undeformed ball [m]: half of the approach; with half spaces, whose
-        radius of rolling is the ball's own, nothing."""
+        """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
+
+        0 with half-spaces, whose radius of rolling is the ball's.
+        """
         return 0.0 if self.regular is None else 0.5 * self.approach
 
     @cached_property
     def transport(self) -> Array:
-        """D ``(2 n, 2 n)`` [1/N]: rate of the elastic displacement, per length of rolling, of material at the cells'
-        centres.
+        """Rate D ``(2 n, 2 n)`` [1/N] of the elastic displacement of material at the cells' centres, per length of rolling.
 
-        Backward differences of second order, upstream by `STEP` cells: displacements are known everywhere, so that nothing
-        is interpolated. The symmetric part of D is positive: forces do work on it that the differences lose.
+        Backward differences of second order, upstream by `STEP` cells: displacements are known everywhere, so that
+        nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
         """
         step = STEP * float(self.size[0])
         half_space = _matrix(self.cells, _backward([self._table(k * step) for k in range(3)], step))
@@ -260,7 +374,20 @@ class Patch:
         return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
 
     def scaled(self, length: float, force: float) -> Patch:
-        """The patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies."""
+        """Patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies.
+
+        Parameters
+        ----------
+        length : float
+            Factor on lengths.
+        force : float
+            Factor on forces; ``length ** 3`` of a similar contact.
+
+        Returns
+        -------
+        Patch
+            The patch.
+        """
         if self.regular is not None:
             raise ValueError("contacts of finite bodies are not similar")
         square = length * length
@@ -273,13 +400,33 @@ class Patch:
 
 
 def _backward(values: list[Array], step: float) -> Array:
-    """Difference of second order, per length, of values now and one and two steps [m] upstream."""
+    """Second-order backward difference per length of values here and one and two steps [m] upstream."""
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
 def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
-    """Cells ``(n, 2)`` and centres ``(n, 2)`` [m] of a grid about the origin."""
+    """Cells of a grid about the origin.
+
+    Parameters
+    ----------
+    shape : tuple[int, int]
+        Numbers of cells along x and y.
+    size : (2,) Array
+        Size of a cell [m].
+
+    Returns
+    -------
+    cells : (n, 2) Index
+        Columns and rows.
+    at : (n, 2) Array
+        Centres [m].
+
+    Examples
+    --------
+    >>> grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
+    [[-0.5, 0.0], [0.5, 0.0]]
+    """
     i, j = np.meshgrid(np.arange(shape[0]), np.arange(shape[1]), indexing="ij")
     cells = np.stack([i.ravel(), j.ravel()], axis=1)
     return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
@@ -288,8 +435,28 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 def seen_radii(
     load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
 ) -> tuple[float, float]:
-    """Relative radii [m] along x and y of half spaces that touch as finite bodies do: by the curvatures of the displacement
-    that these add under Hertz's pressure. Those of the bodies themselves without a kernel."""
+    """Relative radii of half-spaces that touch as finite bodies do.
+
+    By the curvatures of the displacement that finite bodies add under Hertz's pressure.
+
+    Parameters
+    ----------
+    load : float
+        Normal load [N].
+    radii : tuple[float, float]
+        Relative radii of the bodies along x and y [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    regular : Regular | None
+        Contribution of finite bodies; None: half-spaces.
+
+    Returns
+    -------
+    tuple[float, float]
+        Radii along x and y [m].
+    """
     if regular is None:
         return radii
     ellipse = hertz(load, *radii, young, poisson)
@@ -314,13 +481,36 @@ def hertz_patch(
     regular: Regular | None = None,
     margin: float = MARGIN,
 ) -> Patch:
-    """Contact of two bodies of one material with relative radii [m] along x and y under ``load`` [N] on a grid.
+    """Contact of two bodies of one material on a grid.
 
-    regular: what finite bodies add to half spaces; of their pressure, what tangential forces do to it is left out. margin:
-    width of the grid over that of Hertz's ellipse.
+    The pressure solves the contact on the grid: cells outside its edge are dropped.
 
-    The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
-    formulas refuse, and where the active set does not settle.
+    Parameters
+    ----------
+    load : float
+        Normal load [N].
+    radii : tuple[float, float]
+        Relative radii along x and y [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    shape : tuple[int, int]
+        Numbers of cells along x and y.
+    regular : Regular | None, default None
+        Contribution of finite bodies; the tangential displacement by their pressure is in `Patch.strain` only.
+    margin : float, default MARGIN
+        Width of the grid over that of Hertz's ellipse.
+
+    Returns
+    -------
+    Patch
+        The contact.
+
+    Raises
+    ------
+    ValueError
+        As `hifi.contact.hertz.hertz`, or the active set does not settle.
     """
     ellipse = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)

@@ -1,16 +1,16 @@
-"""Balls of a linear bearing, a ball screw and a ring as `hifi.rolling.balls` takes them, and their contact forces.
+"""Scenes of a linear bearing, a ball screw and a ring for `hifi.rolling.balls`, and their contact forces.
 
-Order of a ball's grooves and senses of their directions are the caller's: contact angles and directions come in, loads are
-solved here or given.
+The order of a ball's grooves and the senses of their directions are the caller's: contact angles and directions are
+given, loads are solved here or given.
 
-Contact forces between two rigid bodies with Hertz contacts, with rolling or without: each ball moves in the section of its
-track, the inner body (screw, inner ring, carriage) by its free motions u, the outer one stands. The arc of groove i has its
-centre at d_i from the ball's: with the ball displaced by p and the inner body by u,
+Contact forces between two rigid bodies with Hertz contacts, with rolling or without: each ball moves in the section of
+its track, the inner body (screw, inner ring, carriage) by its free motions u, the outer one is fixed. The arc of groove i
+has its centre at d_i from the ball's: with the ball displaced by p and the inner body by u,
 
     d_i = reach n_i + p - (rows u on the inner body's grooves),   approach_i = |d_i| - reach + interference_i,
 
-and the forces C_i^(-3/2) approach_i^(3/2) along d_i balance the given ones where the energy
-sum 2/5 C_i^(-3/2) approach_i^(5/2) - pull u - push p is least. Angles follow the loads.
+and the forces C_i^(-3/2) approach_i^(3/2) along d_i balance the given ones where the energy sum 2/5 C_i^(-3/2)
+approach_i^(5/2) - pull u - push p is least. Angles follow the loads.
 """
 
 from __future__ import annotations
@@ -30,33 +30,61 @@ from rollbench.meshes.numerics import brentq
 
 @dataclass(frozen=True)
 class Layout:
-    """Where balls and grooves are: track seen from every ball, frames ``(N, 3, 3)``, plane of the section in a ball's axes
-    ``(2, 3)``, ball and groove radius [m], relative radii [m] along and across every groove ``(k, 2)``, speeds of the
-    grooves' bodies ``(k,)`` and nominal speed of the balls, meetings of neighbours."""
+    """Places of N balls and their k grooves each."""
 
+    #: Track, seen from every ball.
     track: Track
+    #: Axes of the balls as rows ``(N, 3, 3)``.
     frames: Array
+    #: Plane of the section in a ball's axes ``(2, 3)``.
     section: Array
+    #: Ball radius [m].
     radius: float
+    #: Groove radius [m].
     groove_radius: float
+    #: Relative radii along and across every groove ``(k, 2)`` [m].
     radii: Array
+    #: Speeds of the grooves' bodies ``(k,)``.
     ride: Array
+    #: Nominal speed of the balls.
     orbit: float
+    #: Neighbours in touch.
     meetings: tuple[Meeting, ...]
 
 
 @dataclass(frozen=True)
 class Material:
-    """Young's modulus [Pa], Poisson's ratio, coefficients of friction at grooves and between balls."""
+    """Elastic material and coefficients of friction."""
 
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
+    #: Coefficient of friction at the grooves.
     mu: float
+    #: Coefficient of friction between balls.
     mu_balls: float
 
 
 def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -> Rolling:
-    """Scene of contact directions in the section ``(N, k, 2)`` and loads ``(N, k)`` [N]."""
+    """Scene of given contact directions and loads.
+
+    Parameters
+    ----------
+    layout : Layout
+        Places of balls and grooves.
+    material : Material
+        Elastic material and friction.
+    normals : (N, k, 2) Array
+        Contact directions in the section.
+    loads : (N, k) Array
+        Contact loads [N].
+
+    Returns
+    -------
+    Rolling
+        The scene.
+    """
     balls = []
     for frame, n, force in zip(layout.frames, normals, loads, strict=True):
         touches = [
@@ -83,7 +111,20 @@ def _bottom(normals: Array, ride: Array, k: int) -> Array:
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:
-    """C ``(k,)`` [m/N^(2/3)] of every groove."""
+    """Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
+
+    Parameters
+    ----------
+    layout : Layout
+        Relative radii of the k grooves.
+    material : Material
+        Elastic material.
+
+    Returns
+    -------
+    (k,) Array
+        Constants [m/N^(2/3)].
+    """
     return np.array([hertz(1.0, a, b, material.young, material.poisson).approach for a, b in layout.radii])
 
 
@@ -93,8 +134,26 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
 def linear_layout(
     radius: float, groove_radius: float, count: int, moving: ArrayLike, speed: float, touch: ArrayLike
 ) -> Layout:
-    """``count`` balls of a straight track along z, sections in x and y; moving ``(k,)``: whether a groove moves at
-    ``speed`` [m/s]; touch ``(count - 1,)``: which neighbours are in reach."""
+    """Balls of a straight track along z, sections in x and y.
+
+    Parameters
+    ----------
+    radius, groove_radius : float
+        Radii of balls and grooves [m].
+    count : int
+        Number of balls.
+    moving : (k,) array
+        Which grooves move.
+    speed : float
+        Their speed [m/s].
+    touch : (count - 1,) array
+        Which neighbours are in touch.
+
+    Returns
+    -------
+    Layout
+        The layout.
+    """
     track = Track(np.zeros(3), np.array([0.0, 0.0, 1.0]))
     frames = np.repeat(np.eye(3)[None], count, axis=0)
     along = np.array([0.0, 0.0, 1.0])
@@ -109,7 +168,29 @@ def linear_layout(
 
 
 def along_radius(radius: float, pitch_radius: float, lead_angle: float, outward: float) -> float:
-    """Relative radius [m] of ball and groove along a helix or ring; outward: radial part of the contact's direction."""
+    """Relative radius of ball and groove along a helix or ring.
+
+    Parameters
+    ----------
+    radius : float
+        Ball radius [m].
+    pitch_radius : float
+        Pitch radius [m].
+    lead_angle : float
+        Lead angle [rad].
+    outward : float
+        Radial component of the contact's direction; negative on the screw.
+
+    Returns
+    -------
+    float
+        [m].
+
+    Examples
+    --------
+    >>> round(1e3 * along_radius(2.778e-3, 16.5e-3, 0.19057395, -np.cos(np.pi / 4)), 3)  # mm, screw of Lin's case 1
+    2.458
+    """
     return float(1.0 / (1.0 / radius - outward * np.cos(lead_angle) ** 2 / (pitch_radius + outward * radius)))
 
 
@@ -123,9 +204,27 @@ def screw_layout(
     ride: Array,
     count: int,
 ) -> Layout:
-    """``count`` balls in touch along a helix (lead [m], negative: left-hand), in axes x3, y3, z3 of Lin 3.4.1.
+    """Balls in touch along a helix, in the axes x3, y3, z3 of Lin (2019), section 3.4.1.
 
-    outward ``(k,)``: -1 for the screw's grooves, 1 for the nut's; ride ``(k,)``: speeds [rad/s] of their bodies.
+    Parameters
+    ----------
+    radius, groove_radius, pitch_radius : float
+        Radii [m].
+    lead : float
+        Lead [m]; negative: left-hand.
+    contact_angle : float
+        Contact angle [rad].
+    outward : (k,) Array
+        -1 for the screw's grooves, 1 for the nut's.
+    ride : (k,) Array
+        Speeds of their bodies [rad/s].
+    count : int
+        Number of balls.
+
+    Returns
+    -------
+    Layout
+        The layout.
     """
     rise = lead / (2.0 * np.pi)
     length, angle = float(np.hypot(pitch_radius, rise)), float(np.arctan2(rise, pitch_radius))
@@ -152,7 +251,7 @@ def screw_layout(
 
 
 def _frame(azimuth: float, angle: float) -> Array:
-    """Rows x3, y3, z3 in fixed axes (Lin 3.62)."""
+    """Rows x3, y3, z3 in fixed axes (Lin 2019, eq. (3.62))."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(angle), np.sin(angle)
     return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
 
@@ -160,7 +259,24 @@ def _frame(azimuth: float, angle: float) -> Array:
 def ring_layout(
     radius: float, groove_radius: float, pitch_radius: float, contact_angle: float, outward: Array, ride: Array
 ) -> Layout:
-    """One ball of a ring bearing: x along its axis, y radially outward, z along the path (Lin 3.2.1)."""
+    """One ball of a ring bearing: x along its axis, y radially outward, z along the path (Lin 2019, section 3.2.1).
+
+    Parameters
+    ----------
+    radius, groove_radius, pitch_radius : float
+        Radii [m].
+    contact_angle : float
+        Contact angle [rad].
+    outward : (k,) Array
+        -1 for the inner ring's grooves, 1 for the outer ring's.
+    ride : (k,) Array
+        Speeds of their bodies [rad/s].
+
+    Returns
+    -------
+    Layout
+        The layout.
+    """
     track = Track(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
     radii = np.array([[along_radius(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in outward])
@@ -175,31 +291,41 @@ POLISH, BALANCED = 30, 1e-9
 
 @dataclass(frozen=True)
 class Cell:
-    """N balls with k grooves each: directions ``(N, k, 2)`` of the unloaded contacts in the section, reach [m] (groove
-    radius less ball radius), interference ``(N, k)`` [m], Hertz constants C ``(N, k)`` [m/N^(2/3)], which grooves are
-    the inner body's ``(k,)``, its motion in the section ``(N, 2, m)`` per free motion, displacement given to it ``(N,
-    2)`` [m], forces on it ``(m,)`` and on the balls ``(N, 2)`` [N]."""
+    """Static problem of N balls with k grooves each, and an inner body with m free motions."""
 
+    #: Directions of the unloaded contacts in the section ``(N, k, 2)``.
     normals: Array
+    #: Groove radius less ball radius [m].
     reach: float
+    #: Interference ``(N, k)`` [m].
     interference: Array
+    #: Hertz constants ``(N, k)`` [m/N^(2/3)].
     C: Array
+    #: Which grooves are the inner body's ``(k,)``.
     inner: NDArray[np.bool_]
+    #: Motion of the inner body in the section per free motion ``(N, 2, m)``.
     rows: Array
+    #: Prescribed displacement of the inner body ``(N, 2)`` [m].
     offset: Array
+    #: Forces on the inner body ``(m,)`` [N].
     pull: Array
+    #: Forces on the balls ``(N, 2)`` [N].
     push: Array
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Contact forces ``(N, k)`` [N], their directions from the ball ``(N, k, 2)``, places of balls ``(N, 2)`` and inner
-    body ``(m,)`` [m]; force out of balance over the sum of the contact forces, and whether that is balance."""
+    """Static equilibrium of a cell."""
 
+    #: Contact forces ``(N, k)`` [N].
     force: Array
+    #: Their directions from the ball ``(N, k, 2)``.
     normal: Array
+    #: Displacements of the balls ``(N, 2)`` [m].
     ball: Array
+    #: Free motions of the inner body ``(m,)`` [m].
     body: Array
+    #: Unbalanced force over the sum of the contact forces.
     left: float
 
     @property
@@ -209,7 +335,18 @@ class Loads:
 
 
 def cell_loads(cell: Cell) -> Loads:
-    """Loads of a cell; a cell that cannot be held does not converge, and says so."""
+    """Solve the static equilibrium of a cell; one without equilibrium does not converge.
+
+    Parameters
+    ----------
+    cell : Cell
+        The cell.
+
+    Returns
+    -------
+    Loads
+        Contact forces.
+    """
     N, m = cell.normals.shape[0], cell.pull.size
     size = float(np.abs(cell.pull).sum() + np.abs(cell.push).sum())
     stiff = cell.C.mean()
@@ -242,14 +379,14 @@ def cell_loads(cell: Cell) -> Loads:
 
 
 def _contacts(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
-    """Forces [N], directions, and lengths of d [m] at places x."""
+    """Compute forces [N], directions, and lengths of d [m] at places x."""
     N = cell.normals.shape[0]
     p, u = x[: 2 * N].reshape(N, 2), x[2 * N :]
     body = cell.rows @ u + cell.offset if u.size else cell.offset
     d = cell.reach * cell.normals + p[:, None] - cell.inner[None, :, None] * body[:, None]
     length = np.linalg.norm(d, axis=2)
     approach = np.maximum(length - cell.reach + cell.interference, 0.0)
-    return (approach / cell.C) ** 1.5, d / length[:, :, None], length
+    return (approach / cell.C) ** 1.5, d / length[:, :, None], length  # F = (approach / C)^(3/2) along d
 
 
 def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
@@ -263,12 +400,13 @@ def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
     stiff = np.divide(1.5 * force, approach, out=np.zeros_like(force), where=approach > 0.0)
     for i in range(N):
         for k in range(cell.inner.size):
-            T = np.zeros((2, x.size))
+            T = np.zeros((2, x.size))  # derivative of d by ball and inner body
             T[:, 2 * i : 2 * i + 2] = np.eye(2)
             if m and cell.inner[k]:
                 T[:, 2 * N :] = -cell.rows[i]
             nn = np.outer(n[i, k], n[i, k])
             g += force[i, k] * (T.T @ n[i, k])
+            # stiffness along the normal, and that of the force as d turns
             H += T.T @ (stiff[i, k] * nn + force[i, k] / length[i, k] * (np.eye(2) - nn)) @ T
     return e, g, H
 
@@ -287,16 +425,49 @@ COARSE = (10, 10)
 
 
 def hold(cell: Cell, loads: Loads) -> Cell:
-    """The cell with its inner body held where it settled."""
+    """Copy of a cell with its inner body fixed at its equilibrium.
+
+    Parameters
+    ----------
+    cell : Cell
+        The static problem.
+    loads : Loads
+        Its equilibrium.
+
+    Returns
+    -------
+    Cell
+        The cell, its inner body without free motions.
+    """
     moved = cell.rows @ loads.body if cell.pull.size else 0.0
     return replace(cell, offset=cell.offset + moved, rows=np.zeros((*cell.rows.shape[:2], 0)), pull=np.zeros(0))
 
 
 def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool) -> tuple[Loads, bool]:
-    """Loads of a cell whose balls are moved by friction too while the inner body stays where it settled, and whether loads
-    and friction agree (`AGREED`) and both are solved.
+    """Solve contact loads and rolling together, friction moving the balls across the track.
 
-    The force that friction exerts across the track is found by Anderson's acceleration, first on a coarse grid.
+    The inner body stays at its equilibrium without friction. The force of friction across the track is found by
+    Anderson's acceleration, first on a coarse grid.
+
+    Parameters
+    ----------
+    layout : Layout
+        Places of balls and grooves.
+    material : Material
+        Elastic material and friction.
+    cell : Cell
+        The static problem.
+    choices : Choices
+        Numerical choices of rolling.
+    meet : bool
+        Whether balls touch each other.
+
+    Returns
+    -------
+    loads : Loads
+        Contact forces.
+    converged : bool
+        Whether loads and friction agree (`AGREED`) and both converged.
     """
     loads = cell_loads(cell)
     held = hold(cell, loads)
@@ -324,7 +495,7 @@ def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choice
 def _roll(
     layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
 ) -> RollingResult:
-    """Rolling under the loads, from the last solution if the same contacts are loaded."""
+    """Solve rolling under the loads, starting from the last solution if the same contacts are loaded."""
     scene = scene_of(layout, material, loads.normal, loads.force)
     loaded = [(b, k) for b, k, _ in touching(scene)]
     alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded

@@ -1,4 +1,4 @@
-"""Rolling and sliding contacts with known answers, solved on grids: what the method is verified against.
+"""Rolling and sliding contacts with known solutions, solved on grids: verification of the method.
 
 The static reference's pressure, Carter's cylinder and Cattaneo and Mindlin's sphere in closed form, balls that touch as a
 point, Kalker's linear theory, full slip under Hertz's pressure by fine quadrature, and any contact under given creepages.
@@ -23,7 +23,7 @@ from rollbench.hifi.rolling.bodies import (
     ball_kernel,
     contact_kernel,
     cuts_of,
-    half_space_answer,
+    half_space_response,
     of_groove,
     tractions,
 )
@@ -33,7 +33,7 @@ from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, motion_rows
 from rollbench.hifi.rolling.patch import Patch, Regular, grid, hertz_patch, influence, press, seen_radii
 from rollbench.meshes.arrays import Array
 
-#: Length over half width of the strip that stands for a cylinder.
+#: Length over half width of the strip that represents a cylinder.
 LONG = 1e4
 #: Points along each axis of a mean.
 MEANS = 200
@@ -41,44 +41,111 @@ MEANS = 200
 
 @dataclass(frozen=True)
 class Creep:
-    """Creepages along and across the rolling direction, and spin over the rolling speed [1/m]."""
+    """Creepages: rigid slip over the rolling speed."""
 
+    #: Along the rolling direction.
     along: float
+    #: Across it.
     across: float
+    #: Spin over the rolling speed [1/m].
     spin: float
 
     def slip(self, at: Array) -> Array:
-        """Rigid slip over the rolling speed ``(2 n,)`` at ``(n, 2)`` [m]."""
+        """Rigid slip over the rolling speed ``(2 n,)`` at ``(n, 2)`` [m].
+
+        Examples
+        --------
+        >>> Creep(0.001, 0.0, 2.0).slip(np.array([[0.0, 1e-3]])).tolist()
+        [-0.001, 0.0]
+        """
         return np.concatenate([self.along - self.spin * at[:, 1], self.across + self.spin * at[:, 0]])
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Force along and across [N] and moment about the normal [N m] on body 1, of a contact that rolls at 1 m/s; the
-    patch, its solution, power of friction [W], and power lost by differences along the flow [W]."""
+    """A contact that rolls at 1 m/s."""
 
+    #: Force on body 1 along and across ``(2,)`` [N].
     force: Array
+    #: Moment on body 1 about the normal [N m].
     moment: float
+    #: The patch.
     patch: Patch
+    #: Its solution.
     friction: Friction
+    #: Power of friction [W].
     loss: float
+    #: Power that the differences along the flow dissipate [W].
     upwind: float
 
 
 def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
-    """A contact whose bodies' rigid slip ``(2 n,)`` [m/s] is given."""
+    """Solve a contact whose bodies' rigid slip is given.
+
+    Parameters
+    ----------
+    patch : Patch
+        The contact, of n cells.
+    elastic : (2 n, 2 n) Array
+        Slip by tangential forces [m/s/N].
+    slip : (2 n,) Array
+        Rigid slip [m/s].
+    mu : float
+        Coefficient of friction.
+
+    Returns
+    -------
+    contact : Contact
+        Input of the friction solver.
+    solution : Friction
+        Its solution.
+    """
     contact = Contact(mu * patch.normal, elastic, np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64), slip)
     return contact, solve_friction([contact])
 
 
 def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answer:
-    """Steady rolling at 1 m/s under given creepages; elastic: share of the tangential compliance."""
+    """Solve steady rolling at 1 m/s under given creepages.
+
+    Parameters
+    ----------
+    patch : Patch
+        The contact.
+    creep : Creep
+        The creepages.
+    mu : float
+        Coefficient of friction.
+    elastic : float, default 1.0
+        Share of the tangential compliance.
+
+    Returns
+    -------
+    Answer
+        Force, moment and loss.
+    """
     return _rolled(patch, elastic * patch.transport, creep.slip(patch.at), mu)
 
 
 def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
-    """The same discretised as by CONTACT: differences of first order over a whole cell, the spin's slip seen a sixth of a
-    cell upstream (its `set_tang_rhs`, `influe_cv_csv`)."""
+    """Solve steady rolling at 1 m/s, discretised as in Kalker's CONTACT.
+
+    First-order differences over a whole cell, the spin's slip taken a sixth of a cell upstream (its `set_tang_rhs`,
+    `influe_cv_csv`). Arguments as of `steady`.
+
+    Parameters
+    ----------
+    patch : Patch
+        The contact.
+    creep : Creep
+        The creepages.
+    mu : float
+        Coefficient of friction.
+
+    Returns
+    -------
+    Answer
+        Force, moment and loss.
+    """
     step = float(patch.size[0])
     transport = (patch.tangential() - patch.tangential(step)) / step
     return _rolled(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
@@ -93,18 +160,41 @@ def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
 
 @dataclass(frozen=True)
 class Onset:
-    """A moment of a contact that begins to roll: shift along x [m] before it rolls, then creepage; cells that stick; power
-    of friction at 1 m/s [W] (of the push, its work [J])."""
+    """One moment of a contact that begins to roll."""
 
+    #: Shift along x before it rolls [m], then creepage.
     motion: float
+    #: Number of cells that stick.
     sticking: int
+    #: Power of friction at 1 m/s [W]; of the push its work [J].
     loss: float
 
 
 def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
-    """A contact pushed along x by ``share`` of mu P, which then rolls under that force: from Cattaneo's state to Carter's.
+    """Push a contact along x and then roll it under that force: from Cattaneo's state to Carter's.
 
-    After the push, in steps of one cell, as CONTACT's example takes them. Raises ValueError where one does not converge.
+    After the push, in steps of one cell, as CONTACT's example takes them.
+
+    Parameters
+    ----------
+    patch : Patch
+        The contact.
+    mu : float
+        Coefficient of friction.
+    share : float
+        Tangential force over mu P.
+    steps : int
+        Number of steps.
+
+    Returns
+    -------
+    list[Onset]
+        The push, and every step.
+
+    Raises
+    ------
+    ValueError
+        A step does not converge.
     """
     n, size = len(patch.at), float(patch.size[0])
     motion, bound = np.repeat([1.0, 0.0], n)[:, None], mu * patch.normal
@@ -127,10 +217,24 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
 
 
 def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
-    """Standard deviations ``(2,)`` [m] along x and y of what forces ``(2 n,)`` [N] leave of their bound ``(n,)`` [N].
+    """Compute the standard deviations along x and y of the distribution bound - abs(force).
 
-    Nothing is left where cells slip, and tractions are uniform over a cell: the zone that sticks is measured without
+    It is zero where cells slip, and tractions are uniform over a cell: so the zone that sticks is measured without
     counting its cells. Its error falls in second order to a scatter of 0.1 % on 20 to 40 cells, that of a count in first.
+
+    Parameters
+    ----------
+    patch : Patch
+        The contact.
+    bound : (n,) Array
+        Largest tangential forces [N].
+    tangential : (2 n,) Array
+        Tangential forces [N].
+
+    Returns
+    -------
+    (2,) Array
+        [m].
     """
     left = bound - np.linalg.norm(tangential.reshape(2, -1), axis=0)
     share = left / left.sum()
@@ -142,24 +246,63 @@ def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
 
 @dataclass(frozen=True)
 class Pressed:
-    """A contact at rest: approach [m], semi-axes along and across the groove [m], fitted peak pressure [Pa]."""
+    """A contact at rest."""
 
+    #: Approach [m].
     approach: float
+    #: Semi-axes along and across the groove [m].
     semi: tuple[float, float]
+    #: Fitted peak pressure [Pa].
     peak: float
 
 
 def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes) -> Pressed:
-    """A contact of finite bodies as rolling has it under ``load`` [N], without motion."""
+    """Solve the normal contact of finite bodies as the rolling model has it.
+
+    Parameters
+    ----------
+    at : Place
+        The contact.
+    load : float
+        Contact load [N].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    shape : tuple[int, int]
+        Cells of the grid along and across the groove.
+    sizes : Sizes
+        Numerical choices of the kernel.
+
+    Returns
+    -------
+    Pressed
+        Approach, semi-axes and pressure.
+    """
     patch = hertz_patch(load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes))
     semi, _, peak = read_ellipse(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
     return Pressed(patch.approach, semi, peak)
 
 
 def static_reference(at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]) -> Pressed:
-    """The same by the static reference: hats of pressure on its patches of groove and ball, on the exact gap.
+    """Solve the normal contact as the static reference has it: finite-element patches of groove and ball, on the exact gap.
 
-    cells: of the contact zone along and across the groove. Raises ValueError for a straight track.
+    Parameters
+    ----------
+    at, load, young, poisson
+        As for `at_rest`.
+    cells : tuple[int, int]
+        Cells of the contact zone along and across the groove.
+
+    Returns
+    -------
+    Pressed
+        Approach, semi-axes and pressure.
+
+    Raises
+    ------
+    ValueError
+        The track is straight.
     """
     if at.curve is None:
         raise ValueError("the static reference has no straight tracks")
@@ -183,11 +326,29 @@ def static_reference(at: Place, load: float, young: float, poisson: float, cells
 
 
 def carter(cells: int, share: float) -> tuple[Array, Array]:
-    """Two like cylinders that roll, transmitting ``share`` of the largest tangential force by Carter's formula.
+    """Compare two like cylinders that roll under a tangential force with Carter's formula.
 
-    Johnson (1985) (8.26): creep mu a/R (1 - sqrt(1 - Q/(mu P))), stick over a strip of half width a sqrt(1 - Q/(mu P))
-    at the leading edge. Returns, computed and in closed form: Q/(mu P), half width of stick over a. nu: 0.3; plane strain.
-    The width is that of the half ellipse which mu p - q is over the strip: twice its standard deviation.
+    Creep mu a/R (1 - sqrt(1 - Q/(mu P))), stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading edge. nu =
+    0.3; plane strain. The width is that of the half ellipse which mu p - q is over the strip: twice its standard
+    deviation.
+
+    Parameters
+    ----------
+    cells : int
+        Cells across the contact.
+    share : float
+        Q/(mu P).
+
+    Returns
+    -------
+    computed : (2,) Array
+        Q/(mu P) at Carter's creep, half width of the stick zone over a.
+    exact : (2,) Array
+        The same in closed form.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eq. (8.26).
     """
     shear, nu, radius, mu, load = 80e9, 0.3, 10e-3, 0.1, 2e5
     modulus = shear / (1.0 - nu)
@@ -209,13 +370,32 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
 
 
 def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
-    """A sphere pressed onto a like one and then pushed sideways by ``share`` of mu P, without rolling.
+    """Compare a sphere that is pressed onto a like one and pushed sideways with Cattaneo's and Mindlin's solution.
 
-    Johnson (1985) (7.38), (7.39): stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G
-    (1 - (1 - Q/(mu P))^(2/3)), with nu = 0: exact, as no traction across the push is left out. balls: finite ones, whose
-    shift is that of half spaces and what Q shifts the bodies by besides. Returns, computed at the exact shift and in
-    closed form: Q/(mu P), stick radius over a. The radius is that of the half ellipsoid which mu p - |q| is over the
-    circle: sqrt(5) times its standard deviation along an axis.
+    Stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with nu = 0:
+    exact, as no traction across the push is left out. The radius is that of the half ellipsoid which mu p - abs(q) is
+    over the circle: sqrt(5) times its standard deviation along an axis.
+
+    Parameters
+    ----------
+    cells : int
+        Cells across the contact.
+    share : float
+        Q/(mu P).
+    balls : Sizes | None, default None
+        Numerical choices of finite balls, whose shift is that of half-spaces plus that of the bodies by Q; None:
+        half-spaces.
+
+    Returns
+    -------
+    computed : (2,) Array
+        Q/(mu P) at the exact shift, stick radius over a.
+    exact : (2,) Array
+        The same in closed form.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eqs. (7.38) and (7.39).
     """
     shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
     young, poisson = 2.0 * shear, 0.0
@@ -237,7 +417,7 @@ def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array
 
 
 def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    """What two like balls of ``radius`` [m] that touch over a circle of ``semi`` [m] add to half spaces."""
+    """Compute the kernel that two like balls of ``radius`` [m] add to half-spaces; ``semi``: radius of the contact [m]."""
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
     return ball + of_groove(ball.M, zone, sizes.degree)
@@ -249,10 +429,29 @@ def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: S
 def rubbing(
     scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
-    """Friction between two balls over the circle in which they touch, as a share of that at a point: force and loss.
+    """Compare the friction between two balls over their contact with that at a point: force and loss.
 
-    Hertz's circle by a quadrature, or the patch of two finite balls (``bodies``) on a grid, both of ``points`` along each
-    axis. All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
+    All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
+
+    Parameters
+    ----------
+    scene : Rolling
+        The balls.
+    result : RollingResult
+        Their steady rolling.
+    meeting : int
+        Index of the ball-to-ball contact.
+    points : int, default 60
+        Points or cells along each axis.
+    bodies : Sizes | None, default None
+        Numerical choices of finite balls, on a grid; None: Hertz's circle, by quadrature.
+
+    Returns
+    -------
+    force : float
+        Force over that at a point.
+    loss : float
+        Loss over that at a point.
     """
     m, force = scene.meetings[meeting], float(result.force[meeting])
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
@@ -282,13 +481,28 @@ def rubbing(
 
 
 def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
-    """Mean displacements ``(3,)`` [m/N] over a zone of a half space by uniform tractions on it along x, y and inward.
+    """Compare mean displacements over a zone of a half-space by uniform tractions with the closed form.
 
-    By a block of ``size`` [m] as kernels have it beside a body (`hifi.rolling.bodies.half_space_answer`), and in closed
-    form.
+    Parameters
+    ----------
+    zone : Zone
+        Contact zone.
+    size : float
+        Size of the block of elements [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    computed : (3,) Array
+        By tractions along x, y and inward [m/N].
+    exact : (3,) Array
+        In closed form [m/N].
     """
     block = half_space(size, zone)
-    computed = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    computed = half_space_response(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
     sides = 2.0 * np.array(zone.half)
     _, at = grid((MEANS, MEANS), sides / MEANS)
     both = influence(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal() / sides.prod()
@@ -301,8 +515,7 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
 def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
     """Cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear moduli 1 Pa.
 
-    The cells are stretched so that their area is the ellipse's: what its staircase edge does to the contact's size is taken
-    out.
+    The cells are stretched so that their area is the ellipse's, which corrects the contact's size for its staircase edge.
     """
     semi = np.array([np.sqrt(ratio), 1.0 / np.sqrt(ratio)])
     size = 2.0 * semi / np.array(shape)
@@ -314,10 +527,29 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
 
 
 def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
-    """C11, C22, C23, C33 of Kalker's linear theory for semi-axes along over across, where all of the contact sticks.
+    """Coefficients of Kalker's linear theory, in which all of the contact sticks.
 
-    Solved on the cells with y > 0: longitudinal creep makes tractions along x that are even in y and tractions across that
-    are odd, lateral creep and spin the opposite. Raises ValueError for an odd number of cells across.
+    Solved on the cells with y > 0: longitudinal creep makes tractions along x that are even in y and tractions across
+    that are odd, lateral creep and spin the opposite.
+
+    Parameters
+    ----------
+    ratio : float
+        Semi-axis along over semi-axis across.
+    poisson : float
+        Poisson's ratio.
+    shape : tuple[int, int]
+        Cells along and across.
+
+    Returns
+    -------
+    (4,) Array
+        C11, C22, C23, C33.
+
+    Raises
+    ------
+    ValueError
+        The number of cells across is odd.
     """
     if shape[1] % 2:
         raise ValueError("need an even number of cells across")
@@ -341,7 +573,32 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
 def slip_everywhere(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
-    """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would."""
+    """Force and moment under Hertz's pressure if all of the contact slips as rigid bodies would.
+
+    Parameters
+    ----------
+    load : float
+        Normal load [N].
+    radii : tuple[float, float]
+        Relative radii along and across [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    creep : Creep
+        The creepages.
+    mu : float
+        Coefficient of friction.
+    points : int, default 400
+        Points of the quadrature along each axis.
+
+    Returns
+    -------
+    force : (2,) Array
+        [N].
+    moment : float
+        [N m].
+    """
     ellipse = hertz(load, *radii, young, poisson)
     unit, weight = quadrature(points)
     at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
@@ -350,8 +607,26 @@ def slip_everywhere(
 
 
 def slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
-    """The same under a grid's pressures, by 20 midpoints along each axis of every cell: the turn of the slip about its
-    pole is resolved, the staircase edge is left."""
+    """Compute the force and moment of full slip under a grid's pressures, by 20 midpoints along each axis of every cell.
+
+    The rotation of the slip about its pole is resolved, only the staircase edge remains.
+
+    Parameters
+    ----------
+    patch : Patch
+        The contact.
+    creep : Creep
+        The creepages.
+    mu : float
+        Coefficient of friction.
+
+    Returns
+    -------
+    force : (2,) Array
+        [N].
+    moment : float
+        [N m].
+    """
     points = 20
     unit = (np.arange(points) + 0.5) / points - 0.5
     inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.size

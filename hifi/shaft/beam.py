@@ -1,4 +1,4 @@
-"""The shaft beyond the 3D stretch: a Timoshenko beam, independent of the low-order model's; what holds and loads it."""
+"""The shaft beyond the 3D stretch: a Timoshenko beam, independent of the low-order model's; its supports and loads."""
 
 from __future__ import annotations
 
@@ -14,22 +14,53 @@ from rollbench.meshes.parts import FREEDOMS, Load, Material, Scene, Support
 
 @dataclass(frozen=True)
 class ShaftSection:
-    """EA [N], EI [N m2], GJ [N m2], kappa G A [N]."""
+    """Stiffnesses of a beam's cross-section."""
 
+    #: Axial stiffness [N].
     EA: float
+    #: Bending stiffness [N m2].
     EI: float
+    #: Torsional stiffness [N m2].
     GJ: float
+    #: Shear stiffness kappa G A [N].
     kGA: float
 
     @property
     def per_length(self) -> Array:
-        """Flexibility ``(6, 6)`` of a metre."""
+        """Flexibility of a metre ``(6, 6)``: strains and curvatures by force and moment."""
         yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
         return np.asarray(np.diag(1.0 / np.array(yielding)))
 
 
 def round_section(radius: float, young: float, poisson: float, bore: float = 0.0) -> ShaftSection:
-    """Circular section of a radius [m], with a bore [m] or solid; shear coefficient of Cowper 1966 for either."""
+    """Stiffnesses of a circular section.
+
+    Parameters
+    ----------
+    radius : float
+        Outer radius [m].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+    bore : float, default 0.0
+        Radius of the bore [m]; 0: solid.
+
+    Returns
+    -------
+    ShaftSection
+        The section.
+
+    References
+    ----------
+    Shear coefficient: Cowper (1966), J. Appl. Mech. 33, 335.
+
+    Examples
+    --------
+    >>> shaft = round_section(16e-3, 210e9, 0.28)
+    >>> round(shaft.EA / 1e6, 2), round(shaft.EI)  # MN, N m2
+    (168.89, 10809)
+    """
     area, inertia = np.pi * (radius**2 - bore**2), np.pi * (radius**4 - bore**4) / 4.0
     shear, squares = young / (2.0 * (1.0 + poisson)), (bore / radius) ** 2
     ring = (20.0 + 12.0 * poisson) * squares / (1.0 + squares) ** 2
@@ -38,37 +69,100 @@ def round_section(radius: float, young: float, poisson: float, bore: float = 0.0
 
 
 def tube(radius: float, bore: float, material: Material) -> ShaftSection:
-    """Round section of these radii [m], with a hole unless that has none."""
+    """Stiffnesses of a circular section of a material; radii [m], bore 0: solid.
+
+    Parameters
+    ----------
+    radius : float
+        Outer radius [m].
+    bore : float
+        Radius of the bore [m]; 0: solid.
+    material : Material
+        Elastic material.
+
+    Returns
+    -------
+    ShaftSection
+        The section.
+    """
     return round_section(radius, material.youngs_modulus, material.poissons_ratio, bore)
 
 
 def uniform_cantilever(length: float, per_length: Array) -> Array:
-    """Flexibility ``(6, 6)`` of the end of a cantilever along z from that of a metre ``(6, 6)``."""
+    """Flexibility of the end of a uniform cantilever along z.
+
+    Parameters
+    ----------
+    length : float
+        Length [m].
+    per_length : (6, 6) Array
+        Flexibility of a metre.
+
+    Returns
+    -------
+    (6, 6) Array
+        Motion of the end by force and moment there [m/N, 1/N, 1/(N m)].
+
+    Examples
+    --------
+    >>> section = round_section(16e-3, 210e9, 0.28)
+    >>> F = uniform_cantilever(0.4, section.per_length)
+    >>> bool(np.isclose(F[0, 0], 0.4**3 / (3.0 * section.EI) + 0.4 / section.kGA))
+    True
+    """
     t = transport(1.0) - np.eye(6)
     first = t @ per_length
     return np.asarray(length * per_length + length**2 / 2.0 * (first + first.T) + length**3 / 3.0 * first @ t.T)
 
 
 def beam_stiffness(length: float, section: ShaftSection) -> Array:
-    """Stiffness ``(12, 12)`` of a uniform shaft along z from the flexibility of its cantilever (equilibrium transport)."""
+    """Stiffness of a uniform beam element along z, from the flexibility of its cantilever.
+
+    Parameters
+    ----------
+    length : float
+        Length [m].
+    section : ShaftSection
+        Stiffnesses of the section.
+
+    Returns
+    -------
+    (12, 12) Array
+        Forces and moments by the motions of both ends.
+    """
     end, T = np.linalg.inv(uniform_cantilever(length, section.per_length)), transport(length)
     return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Supports of a shaft and loads on it, the housings that can move, the springs between housings; arm [m]: makes lengths
-    of rotations."""
+    """Supports and loads of a shaft, housings that can move, and springs between them."""
 
+    #: Supports of the shaft.
     supports: tuple[Support, ...]
+    #: Loads on the shaft.
     loads: tuple[Load, ...]
+    #: Length that makes lengths of rotations [m].
     arm: float
+    #: Housings that can move.
     housings: tuple[Housing, ...] = ()
+    #: Springs between housings.
     joints: tuple[Joint, ...] = ()
 
     @staticmethod
     def of(described: Scene | Assembly) -> Frame:
-        """That of one set whose nut is held, or of several sets."""
+        """Frame of one set whose nut is fixed, or of several sets.
+
+        Parameters
+        ----------
+        described : Scene | Assembly
+            Scene of one set, or shaft with its sets.
+
+        Returns
+        -------
+        Frame
+            Its frame.
+        """
         if isinstance(described, Scene):
             return Frame(described.supports, described.loads, described.track.pitch_radius)
         arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))
@@ -76,32 +170,50 @@ class Frame:
         return Frame(described.supports, described.loads, arm, moving, described.joints)
 
     def number(self, housing: str | None) -> int | None:
-        """Number of a housing by its name; None for one that stands, and for none."""
+        """Find the number of a housing by its name; None for one that is fixed, and for none."""
         return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
 
     @property
     def stations(self) -> set[float]:
-        """Stations [m] of supports and loads."""
+        """Stations of supports and loads [m]."""
         return {x.at for x in self.supports} | {x.at for x in self.loads}
 
     def holds(self) -> list[tuple[int, float, int, float]]:
-        """Freedoms that are held: body (0: the shaft, then the housings), station [m], number of the freedom, value."""
+        """List the prescribed motions.
+
+        Returns
+        -------
+        list[tuple[int, float, int, float]]
+            Body (0: the shaft, then the housings), station [m], number of the freedom, value [m, rad].
+        """
         bodies = [(0, x.at, x.fixed) for x in self.supports]
         bodies += [(k, housing.at, housing.fixed) for k, housing in enumerate(self.housings, 1)]
         return [(body, at, FREEDOMS.index(name), value) for body, at, fixed in bodies for name, value in fixed]
 
     def wrenches(self) -> list[tuple[int, float, Array]]:
-        """Loads: body as of `holds`, station [m], force and moment ``(6,)`` [N, N m]."""
+        """List the loads.
+
+        Returns
+        -------
+        list[tuple[int, float, Array]]
+            Body as of `holds`, station [m], force and moment ``(6,)`` [N, N m].
+        """
         bodies = [(0, x) for x in self.loads] + [*enumerate(self.housings, 1)]
         return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
 
     @property
     def lengths(self) -> Array:
-        """What makes lengths of the six motions of a body, ``(6,)``: 1, and the arm."""
+        """Factors ``(6,)`` that make lengths of the six motions of a body: 1, and the arm [m]."""
         return np.array([1.0] * 3 + [self.arm] * 3)
 
     def springs(self) -> list[tuple[Array, Array]]:
-        """Rows ``(6, 6 h)`` by which the housings move the ends of each spring apart, and its stiffness ``(6, 6)``."""
+        """Springs of the housings: relative motion of their ends, and stiffness.
+
+        Returns
+        -------
+        list[tuple[Array, Array]]
+            Rows ``(6, 6 h)`` on the motions of the h housings, and stiffness ``(6, 6)``, of each spring.
+        """
         out = []
         for k, housing in enumerate(self.housings):
             if housing.stiffness is not None:

@@ -1,17 +1,17 @@
-"""3D stretches of screw between beams: how their contacts answer once supports and loads of a scene are known.
+"""3D stretches of screw between beams: compliance of their contacts once supports and loads of a scene are known.
 
-A stretch is held at its base section and answers generalised loads there: modes m of the contact patches and ports p
-(its other end, stations inside) by u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports
-joined to nodes, L = S_p - S_base B_p^T, the nodes move by
+A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end,
+stations inside): u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports joined to nodes, L =
+S_p - S_base B_p^T, the nodes move by
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
-and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case. Several
-stretches add their L F_pp^-1 L^T; a nut on a housing has that for base, and no port.
+and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
+Several stretches add their L F_pp^-1 L^T; a nut on a housing has that as base, and no port.
 
-The stretch ends in flat rigid sections. Where a beam goes on, the real shaft does not end, and what such a cut does
-(`hifi.shaft.section`) is taken off: at the base, in series with all that hangs there, by B A B^T; at the upper end
-from the flexibility of that port.
+The stretch ends in flat rigid sections. Where a beam continues it, the real shaft does not end, and the effect of such a
+cut (`hifi.shaft.section`) is subtracted: at the base, in series with all that is attached there, by B A B^T; at the upper
+end from the flexibility of that port.
 """
 
 from __future__ import annotations
@@ -38,17 +38,23 @@ SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Stretch:
-    """The 3D stretch of screw, held at its base: F over [modes, ports, observers] ``(x, x)``, motion B ``(x, 6)`` of all
-    of them with the base section; stations [m] of base, ports and observers (six rows each), the stretch's ends, number
-    of modes; ``rigid``: every station of the scene moves with the base (a ring on a stiff shaft)."""
+    """3D stretch of the screw, fixed at its base."""
 
+    #: Flexibility over [modes, ports, observers] ``(x, x)``.
     F: Array
+    #: Their motion with the base section ``(x, 6)``.
     B: Array
+    #: Station of the base [m].
     base: float
+    #: Stations of the ports [m], six rows of F each.
     ports: tuple[float, ...]
+    #: Stations of the observers [m], six rows of F each.
     observers: tuple[float, ...]
+    #: Stations of its ends [m].
     ends: tuple[float, float]
+    #: Number of modes.
     modes: int
+    #: Whether every station of the scene moves with the base (a ring on a stiff shaft).
     rigid: bool = False
 
     def holds(self, z: float) -> bool:
@@ -56,50 +62,75 @@ class Stretch:
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
     def lacks(self, z: float) -> bool:
-        """Whether a station [m] lies within the ends of the stretch and is none of its ports."""
+        """Whether a station [m] lies within the ends of the stretch and has no port."""
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
         return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
 
     def moved(self, shift: float) -> Stretch:
-        """The stretch by ``shift`` [m] further along the shaft."""
+        """Stretch moved by ``shift`` [m] along the shaft."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
         return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
 class Carried:
-    """A nut on a housing that can move: coupling G of its modes ``(k, k)`` [m/N] where that is held, motion B ``(k, 6)`` of
-    the modes with it, number of the housing in its `Frame`."""
+    """A nut on a housing that can move."""
 
+    #: Coupling of its modes with the housing fixed ``(k, k)`` [m/N].
     G: Array
+    #: Motion of the modes with the housing ``(k, 6)``.
     B: Array
+    #: Number of the housing in its `Frame`.
     housing: int
 
 
 @dataclass(frozen=True)
 class Mounted:
-    """Stretches and carried nuts under a frame: coupling G of the modes ``(m, m)``, their motion by loads and prescribed
-    displacements ``(m,)``, unheld rigid motions of the shaft about ``origin`` and of h housings ``(6 (1 + h), k)`` and the
-    work of the loads on them ``(k,)``; stations of the centreline, its motion by loads ``(s, 6)`` and by modal forces
-    ``(s, 6, m)``; the same of the housings, ``(h, 6)`` and ``(h, 6, m)``."""
+    """Stretches and carried nuts with m modes, under the supports and loads of a frame with h housings."""
 
+    #: Coupling of the modes ``(m, m)`` [m/N].
     G: Array
+    #: Motion of the modes by loads and prescribed displacements ``(m,)``.
     loads: Array
+    #: Unconstrained rigid motions of the shaft about ``origin`` and of the housings ``(6 (1 + h), k)``.
     motions: Array
+    #: Work of the loads on them ``(k,)``.
     work: Array
+    #: Station of the reference point of the shaft's rigid motion [m].
     origin: float
+    #: Stations of the centreline ``(s,)`` [m].
     stations: tuple[float, ...]
+    #: Motion of the centreline by the loads ``(s, 6)`` [m, rad].
     line: Array
+    #: Motion of the centreline by modal forces ``(s, 6, m)``.
     line_modes: Array
+    #: Motion of the housings by the loads ``(h, 6)`` [m, rad].
     housings: Array
+    #: Motion of the housings by modal forces ``(h, 6, m)``.
     housings_modes: Array
 
 
 def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
-    """The stretch as a piece of a shaft that goes on, free of what its cut ends do.
+    """Subtract the effect of the cut ends of a stretch, where the shaft continues.
 
-    cut: flexibility ``(6, 6)`` of one (`hifi.shaft.section`); stations [m]: of supports and loads. An end beyond which
-    there is none is unchanged: it is the screw's own, free, or held flat as the scene says.
+    An end beyond which there are no supports or loads is unchanged: it is the screw's end, free, or held flat as the
+    scene says.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The stretch.
+    cut : (6, 6) Array
+        Flexibility of one cut, of `hifi.shaft.section`.
+    m : GrooveMap
+        Track.
+    stations : Sequence[float]
+        Stations of supports and loads [m].
+
+    Returns
+    -------
+    Stretch
+        The corrected stretch.
     """
     low, high = stretch.ends
     F = stretch.F.copy()
@@ -112,11 +143,31 @@ def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[
 
 
 def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSection, cut: Array, m: GrooveMap) -> Stretch:
-    """The stretch, its mesh too stiff as a beam, made to stretch, twist and bend as a shaft of ``section`` does.
+    """Correct the beam stiffness of a stretch, whose mesh is too stiff, to that of a section.
 
-    What its end yields to a force, a torque or a moment there, free of what both cut ends do, says as what uniform beam the
-    mesh behaves; that beam is taken off, and one of ``section`` put in its place (local defect correction, as for a
-    contact's own compliance). rows ``(c, k, 6)``, stations ``(c,)`` as for `beam_stretch`; cut: as for `without_cuts`.
+    The motion of its end by a force, torque or moment there, without the effect of both cut ends, gives the uniform beam
+    as which the mesh behaves; that beam is subtracted, and one of ``section`` added (local defect correction, as for the
+    local compliance of a contact).
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The stretch.
+    rows : (c, k, 6) Array
+        Rigid motions of every contact's modes, as for `beam_stretch`.
+    stations : (c,) Array
+        Stations of the contacts [m].
+    section : ShaftSection
+        Stiffnesses of the shaft.
+    cut : (6, 6) Array
+        Flexibility of one cut.
+    m : GrooveMap
+        Track.
+
+    Returns
+    -------
+    Stretch
+        The corrected stretch.
     """
     low, high = stretch.ends
     first = stretch.modes + 6 * stretch.ports.index(high)
@@ -131,7 +182,27 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
 
 
 def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:
-    """Supports and loads of a scene on a stretch continued by beams of ``section``. Raises ValueError as `mount_all`."""
+    """Mount a stretch on the supports and under the loads of a scene, continued by beams.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The stretch.
+    scene : Scene
+        Supports and loads.
+    section : ShaftSection
+        Section of the beams.
+
+    Returns
+    -------
+    Mounted
+        The mounted stretch.
+
+    Raises
+    ------
+    ValueError
+        As `mount_all`.
+    """
     return mount_all((stretch,), Frame.of(scene), lambda _: section)
 
 
@@ -142,11 +213,30 @@ def mount_all(
     steps: Sequence[float] = (),
     carried: Sequence[Carried] = (),
 ) -> Mounted:
-    """Stretches on one shaft, from left to right, joined and continued by beams, with what holds and loads them.
+    """Join stretches on one shaft by beams, with their supports and loads.
 
-    section_at: section of the beam at a station [m]; steps: stations [m] where it changes; carried: nuts on the housings of
-    the frame, whose modes follow those of the stretches. Raises ValueError where a station inside a stretch has no port,
-    and where some stretches are rigid and others are not.
+    Parameters
+    ----------
+    stretches : Sequence[Stretch]
+        From left to right.
+    frame : Frame
+        Supports, loads and housings.
+    section_at : Callable[[float], ShaftSection]
+        Section of the beam at a station [m].
+    steps : Sequence[float], optional
+        Stations where it changes [m].
+    carried : Sequence[Carried], optional
+        Nuts on the housings of the frame, whose modes follow those of the stretches.
+
+    Returns
+    -------
+    Mounted
+        The mounted stretches.
+
+    Raises
+    ------
+    ValueError
+        A station inside a stretch has no port, or some stretches are rigid and others are not.
     """
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
@@ -193,7 +283,7 @@ def mount_all(
         P[freedom(body, at) : freedom(body, at) + 6] += wrench
     held = [freedom(body, at) + k for body, at, k, _ in frame.holds()]
     values = [value for *_, value in frame.holds()]
-    motions = unheld(frame, nodes[0])
+    motions = free_motions(frame, nodes[0])
     pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in pin_freedoms(motions)]
     # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
     rows = np.zeros((len(held) + len(pins), len(K)))
@@ -238,14 +328,17 @@ def mount_all(
 
 
 class _Joined(NamedTuple):
-    """A stretch between its nodes: stiffness K ``(d, d)`` that it adds, motion of its modes by all freedoms, Y ``(m, d)``,
-    and with the nodes held by the modes' forces, G ``(m, m)``; the same of its observers, Y_o ``(6 o, d)`` and G_o
-    ``(6 o, m)``."""
+    """A stretch between its nodes, d degrees of freedom in all."""
 
+    #: Stiffness that it adds ``(d, d)``.
     K: Array
+    #: Motion of its modes by all degrees of freedom ``(m, d)``.
     Y: Array
+    #: Motion of its modes by their forces with the nodes fixed ``(m, m)``.
     G: Array
+    #: Motion of its observers by all degrees of freedom ``(6 o, d)``.
     Y_o: Array
+    #: Motion of its observers by the modes' forces with the nodes fixed ``(6 o, m)``.
     G_o: Array
 
 
@@ -258,7 +351,7 @@ def _join(stretch: Stretch, place: _Places, size: int) -> _Joined:
     base = slice(place[stretch.base], place[stretch.base] + 6)
     L[base] -= stretch.B[m : m + p].T
     joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, size + m))
-    Y = F_mp @ joined[:, :size]
+    Y = F_mp @ joined[:, :size]  # F_mp F_pp^-1 L^T + B_m S_base^T
     Y[:, base] += stretch.B[:m]
     o = slice(m + p, stretch.F.shape[0])
     F_op = stretch.F[o, m : m + p]
@@ -282,9 +375,21 @@ def _apart(stations: Sequence[float]) -> list[float]:
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
-def unheld(frame: Frame, origin: float) -> Array:
-    """Rigid motions of the screw about ``origin`` and of each housing about its own station that neither supports nor
-    springs hold, ``(6 (1 + h), k)``."""
+def free_motions(frame: Frame, origin: float) -> Array:
+    """Rigid motions of screw and housings that neither supports nor springs constrain.
+
+    Parameters
+    ----------
+    frame : Frame
+        Supports and housings.
+    origin : float
+        Station of the reference point of the screw's motion [m]; a housing moves about its station.
+
+    Returns
+    -------
+    (6 (1 + h), k) Array
+        The motions, as columns.
+    """
     scale = np.tile(1.0 / frame.lengths, 1 + len(frame.housings))
     rows = []
     for body, at, k, _ in frame.holds():
@@ -304,7 +409,7 @@ def unheld(frame: Frame, origin: float) -> Array:
 
 
 def pin_freedoms(motions: Array) -> list[int]:
-    """Freedoms of the origin that hold the rigid ``motions`` ``(6, k)``."""
+    """Degrees of freedom of the origin that fix rigid motions ``(6, k)``."""
     if motions.shape[1] == 0:
         return []
     _, _, order = qr(motions.T, pivoting=True)
@@ -319,9 +424,28 @@ def _work(frame: Frame, motions: Array, origin: float) -> Array:
 
 
 def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
-    """The stretch as a plain beam: F of the contacts by beam theory, for the ablation of the 3D shaft.
+    """Stretch as a plain beam: F of the contacts by beam theory, to see what the 3D shaft contributes.
 
-    rows: rigid rows ``(c, k, 6)`` of every contact's modes about its own station; stations ``(c,)`` [m].
+    Parameters
+    ----------
+    rows : (c, k, 6) Array
+        Rigid motions of every contact's modes about its station.
+    stations : (c,) Array
+        Stations of the contacts [m].
+    stretch : Stretch
+        The 3D stretch.
+    section : ShaftSection
+        Stiffnesses of the beam.
+
+    Returns
+    -------
+    Stretch
+        The beam.
+
+    Raises
+    ------
+    ValueError
+        A section lies below the base.
     """
     c, k, _ = rows.shape
     turn, arms = _followed(rows, stations, stretch)
@@ -335,8 +459,10 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
 
 
 def _followed(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
-    """Modes, ports and observers of a stretch that follow the sections of a beam rigidly ``(x, 6 s)``, and the arms
-    ``(s,)`` [m] of these sections from the base. Raises ValueError for one below the base."""
+    """Rigid motions of modes, ports and observers with the sections of a beam ``(x, 6 s)``, and arms of these ``(s,)`` [m].
+
+    Arms count from the base. Raises ValueError for a section below the base.
+    """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
     if arms.min() < 0.0:
@@ -349,8 +475,11 @@ def _followed(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Ar
 
 
 def _cantilevers(arms: Array, axial: float, bending: float, torsion: float) -> Array:
-    """Flexibility ``(6 s, 6 s)`` of a beam's sections at ``arms`` ``(s,)`` [m] from where it is held, from that of its
-    length: motion of section a by loads on section b, to which the part up to the nearer one, m, yields; no shear."""
+    """Flexibility ``(6 s, 6 s)`` of the sections of a beam at ``arms`` ``(s,)`` [m] from its fixed end; no shear.
+
+    axial, bending, torsion: flexibilities of a metre. The motion of section a by loads on section b comes from the part
+    up to the nearer one, m.
+    """
     a, b = arms[:, None], arms[None, :]
     m = np.minimum(a, b)
     F = np.zeros((6 * arms.size, 6 * arms.size))

@@ -1,18 +1,17 @@
-"""Section of a grooved shaft: its stiffnesses as a beam, and what a cut end does to the shaft.
+"""Grooved shaft as a uniform beam: its stiffnesses, and the effect of cutting it by a flat rigid section.
 
-What the cut end of a grooved shaft does, where a flat rigid section ends it and the real shaft goes on: a long grooved
-shaft under a constant wrench is on the average over a lead a uniform beam. About that beam its sections sway with the
-groove: an axial force bends it towards the groove, and over half a lead the other way. A rigid section that ends it stops
-the sway in one phase, and holds the cross-section flat besides. So of a shaft with length L along z, cut and rigid at both
-ends and held at the lower one (a), the upper end (b) moves by the flexibility
+Averaged over a lead, a long grooved shaft under a constant wrench is a uniform beam. About that beam its sections sway
+with the groove: an axial force bends it towards the groove, and over half a lead the other way. A rigid section that ends
+it stops the sway in one phase, and keeps the cross-section flat besides. So of a shaft with length L along z, cut and
+rigid at both ends and fixed at the lower one (a), the upper end (b) moves by the flexibility
 
     F = U(L) + T(L) A T(L)^T + R_b E R_b^T,   A = R_a M E M R_a^T,
 
 U that of a uniform cantilever, T the transport along the axis, E ``(6, 6)`` that of one cut: motion of the rigid section
 against the beam, by the wrench on it, in the frame of the cut: origin on the axis, x towards the middle of the groove, z
 along the screw; R turns that frame by the groove's azimuth at the cut. The lower cut is the upper one seen after half a
-turn M about x, which maps a helix, of either hand and with any number of starts, onto itself. What both ends do to each
-other is left out: it decays within a diameter or so.
+turn M about x, which maps a helix, of either hand and with any number of starts, onto itself. The interaction of both
+ends is left out: it decays within a diameter or so.
 
 E follows from shafts of several lengths by least squares. Two of one and two times a whole number of leads leave open
 what changes its sign from end to end, so one must end in another phase.
@@ -21,12 +20,12 @@ It follows from 3D shafts of one and two whole numbers of leads, and a third one
 clamped at one flat end and loaded at the other, a rigid section; the difference of the first two is that of the leads
 between. Their meshes are too stiff, by a per cent in bending, so that this difference serves only the cut.
 
-The stiffnesses are exact but for a plane mesh, because the shaft is invariant under the helix of its groove. With (r, zeta,
-phi) of `meshes.groove_map`, zeta = z - r_g phi, the geometry does not depend on phi, nor does the strain that the average
-stretch and twist of the shaft bring; that of its average curvature goes with exp(i phi). So does what the section adds to
-them: u = w(r, zeta) exp(i n phi) in the directions r, phi and z, periodic in zeta with the lead over the starts, n = 0 or
-1, and derivatives around the axis at constant z are d_theta = i n - r_g d_zeta. What is stored at the minimum over w gives
-the stiffnesses. (Helically symmetric bodies: Treyssede 2008; the average is that over a lead.)
+The stiffnesses are exact but for a plane mesh, because the shaft is invariant under the helix of its groove. With (r,
+zeta, phi) of `meshes.groove_map`, zeta = z - r_g phi, the geometry does not depend on phi, nor does the strain of an
+average stretch and twist of the shaft; that of an average curvature goes with exp(i phi). So does the section's response:
+u = w(r, zeta) exp(i n phi) in the directions r, phi and z, periodic in zeta with the lead over the starts, n = 0 or 1,
+and derivatives around the axis at constant z are d_theta = i n - r_g d_zeta. The energy at the minimum over w gives the
+stiffnesses. (Helically symmetric bodies: Treyssede 2008; the average is that over a lead.)
 """
 
 from __future__ import annotations
@@ -69,28 +68,85 @@ def groove_azimuth(m: GrooveMap, z: float) -> float:
 
 
 def turned(flexibility: Array, azimuth: float) -> Array:
-    """A flexibility ``(6, 6)`` in the fixed frame from that in a frame at an azimuth [rad]."""
+    """Flexibility in the fixed frame from that in a frame at an azimuth.
+
+    Parameters
+    ----------
+    flexibility : (6, 6) Array
+        In the turned frame.
+    azimuth : float
+        Azimuth of that frame [rad].
+
+    Returns
+    -------
+    (6, 6) Array
+        In the fixed frame.
+    """
     c, s = np.cos(azimuth), np.sin(azimuth)
     R = np.kron(np.eye(2), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
     return np.asarray(R @ flexibility @ R.T)
 
 
 def at_low(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Flexibility ``(6, 6)``, in the fixed frame, of a lower end at z [m]: motion of the beam against the held section."""
+    """Flexibility of a lower cut end, in the fixed frame: motion of the beam against the fixed section.
+
+    Parameters
+    ----------
+    cut : (6, 6) Array
+        E, in the frame of the cut.
+    m : GrooveMap
+        Track.
+    z : float
+        Station of the end [m].
+
+    Returns
+    -------
+    (6, 6) Array
+        [m/N, 1/N, 1/(N m)].
+    """
     return turned(HALF_TURN @ cut @ HALF_TURN, groove_azimuth(m, z))
 
 
 def at_high(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Flexibility ``(6, 6)``, in the fixed frame, of an upper end at z [m]: motion of the held section against the beam."""
+    """Flexibility of an upper cut end, in the fixed frame: motion of the rigid section against the beam.
+
+    Parameters
+    ----------
+    cut : (6, 6) Array
+        E, in the frame of the cut.
+    m : GrooveMap
+        Track.
+    z : float
+        Station of the end [m].
+
+    Returns
+    -------
+    (6, 6) Array
+        [m/N, 1/N, 1/(N m)].
+    """
     return turned(cut, groove_azimuth(m, z))
 
 
 def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
-    """E ``(6, 6)`` of one cut [m/N, 1/N, 1/(N m)] of shafts with their middle at ``m.z0``.
+    """Flexibility E of one cut, fitted to shafts of several lengths with their middle at ``m.z0``.
 
-    flexibilities: length [m] and F ``(6, 6)`` of every shaft; per_length: uniform flexibility ``(6, 6)`` of a metre. How a
-    shear force bends and a moment shears, alike in all directions, is fitted beside E. The shear flexibility is taken as
-    given: another one is the same as another meaning of the beam's rotation, and E makes up for it.
+    The rotation by a shear force and the displacement by a moment, equal in all directions, are fitted together with E.
+    The shear flexibility is taken as given: another one would only be another definition of the beam's rotation, and E
+    makes up for it.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    flexibilities : Sequence[tuple[float, Array]]
+        Length [m] and F ``(6, 6)`` of every shaft.
+    per_length : (6, 6) Array
+        Flexibility of a metre of the uniform beam.
+
+    Returns
+    -------
+    (6, 6) Array
+        E [m/N, 1/N, 1/(N m)].
     """
     unit = np.array([m.R, m.R, m.R, 1.0, 1.0, 1.0])
     scale = np.outer(unit, unit)
@@ -108,28 +164,41 @@ def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], 
 def _ends(m: GrooveMap, length: float, cut: Array) -> Array:
     """Motion ``(6, 6)`` of the upper end of a shaft by what both of its cuts do."""
     T, half = transport(length), length / 2.0
-    return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))
+    return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))  # T A T^T + R_b E R_b^T
 
 
 @dataclass(frozen=True)
 class Homogenised:
-    """Section, and the radii [m] of plain shafts of equal axial, bending and torsional stiffness; axial-torsional
-    coupling (twist by an axial force over the geometric mean of both flexibilities); flexibility ``(6, 6)`` of a cut that
-    ends the shaft, in the frame of the cut (`hifi.shaft.section`)."""
+    """Grooved shaft as a uniform beam."""
 
+    #: Stiffnesses of the beam.
     section: ShaftSection
+    #: Radii of plain shafts of equal axial, bending and torsional stiffness [m].
     radii: tuple[float, float, float]
+    #: Axial-torsional coupling: twist by an axial force over the geometric mean of both flexibilities.
     coupling: float
+    #: Flexibility E of a cut that ends the shaft ``(6, 6)``, in the frame of the cut.
     cut: Array
 
 
-#: Leads by which the third shaft is longer than the first: a quarter turns both what sways once in a lead and what sways
-#: twice.
+#: Leads by which the third shaft is longer than the first: a quarter changes the phase of what sways once and twice in
+#: a lead.
 OTHER_PHASE = 0.25
 
 
 def lengths(m: GrooveMap) -> tuple[float, float, float]:
-    """Lengths [m] of the short, the long and the third of the 3D shafts."""
+    """Lengths of the short, the long and the third of the 3D shafts [m].
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+
+    Returns
+    -------
+    tuple[float, float, float]
+        Lengths [m]; the first two are whole numbers of leads.
+    """
     lead = 2.0 * np.pi * abs(m.rg)
     leads = int(np.ceil(2.4 * m.R / lead))
     return lead * leads, lead * 2 * leads, lead * (leads + OTHER_PHASE)
@@ -138,10 +207,25 @@ def lengths(m: GrooveMap) -> tuple[float, float, float]:
 def homogenise(
     m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
 ) -> Homogenised:
-    """Homogenised section of a shaft with a bore of this radius [m].
+    """Homogenise a grooved shaft; beyond its groove a shaft without lead is plain.
 
-    section: its stiffnesses by `hifi.shaft.section.helical_stiffness`; shafts: short, long and third one by
-    `meshed_shaft`. A shaft without lead is plain beyond its groove.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    bore : float
+        Radius of the bore [m].
+    material : Material
+        Elastic material.
+    section : tuple[Array, float]
+        Stiffnesses of the section, by `helical_stiffness`.
+    shafts : Sequence[tuple[float, Array]]
+        Short, long and third shaft, by `meshed_shaft`.
+
+    Returns
+    -------
+    Homogenised
+        The uniform beam.
     """
     young, poisson = material.youngs_modulus, material.poissons_ratio
     (least, short), (most, long), _ = shafts
@@ -166,10 +250,29 @@ def homogenise(
 def meshed_shaft(
     m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float
 ) -> tuple[float, Array]:
-    """Length [m] of a 3D shaft of elements of ``size`` [m], and motion (6, 6) of its rigid end section by loads on it, the
-    other end clamped; outer: radius of its lands [m].
+    """Flexibility of a 3D shaft that is clamped at one end and rigid at the other.
 
-    hole: radius of the bore of the mesh [m], which may need one where the shaft has none.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    outer : float
+        Radius of the lands [m].
+    hole : float
+        Radius of the bore of the mesh [m], which may need one where the shaft has none.
+    material : Material
+        Elastic material.
+    size : float
+        Element size [m].
+    length : float
+        Length [m].
+
+    Returns
+    -------
+    length : float
+        The length [m].
+    F : (6, 6) Array
+        Motion of the rigid end by loads on it [m/N, 1/N, 1/(N m)].
     """
     spec = BodySpec(
         hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
@@ -190,10 +293,36 @@ CELLS = (32, 12, 12)
 def helical_stiffness(
     m: GrooveMap, outer: float, bore: float, material: Material, cells: tuple[int, int, int] = CELLS
 ) -> tuple[Array, float]:
-    """Stiffness ``(2, 2)`` against stretch and twist per length [N, N m; N m2], and bending stiffness [N m2].
+    """Stiffness of a grooved shaft per length, exact but for a plane mesh of its section.
 
-    outer, bore: radii of the lands and of the bore [m] (0: solid). Raises ValueError where grooves of neighbouring turns
-    overlap, or the bore cuts them.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    outer : float
+        Radius of the lands [m].
+    bore : float
+        Radius of the bore [m]; 0: solid.
+    material : Material
+        Elastic material.
+    cells : tuple[int, int, int], default CELLS
+        Second-order cells along the groove, along the land, and in depth.
+
+    Returns
+    -------
+    axial : (2, 2) Array
+        Stiffness against stretch and twist per length [N, N m; N m, N m2].
+    bending : float
+        Bending stiffness [N m2].
+
+    Raises
+    ------
+    ValueError
+        Grooves of neighbouring turns overlap, or the bore cuts them.
+
+    References
+    ----------
+    Helically symmetric bodies: Treyssede (2008).
     """
     mesh, period = _section_mesh(m, outer, bore, cells)
     basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=6)
@@ -207,7 +336,7 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
     along, land, deep = cells
     period = 2.0 * np.pi * abs(m.rg) / m.starts
     gamma = np.linspace(0.0, np.pi / 2.0, 4001)
-    r, zeta, _ = m.unroll(*m.section(1, gamma, np.full(gamma.size, m.radius[1])))
+    r, zeta, _ = m.unroll(*m.section_point(1, gamma, np.full(gamma.size, m.radius[1])))
     kept = (zeta >= 0.0) & (r <= outer)
     r, zeta = r[kept], zeta[kept]
     edge = float(zeta[-1])
@@ -238,7 +367,7 @@ def _strain(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
 
 
 def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]) -> Array:
-    """Integrals over the section of what means and what they bring store against one another, ``(k, k)``."""
+    """Energy of average strains and the section's response to them, ``(k, k)``, integrated over the section."""
     e, nu = material.youngs_modulus, material.poissons_ratio
     shear = e / (2.0 * (1.0 + nu))
     hooke = np.diag(shear * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]))
@@ -252,7 +381,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
         return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
 
     def stress(strains: Array) -> Array:
-        """Times the share of every point in the integral, ``(cells, points and components, functions)``."""
+        """Weight stresses by the share of every point in the integral, ``(cells, points and components, functions)``."""
         values = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
         return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 

@@ -56,7 +56,7 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
     sign = -1.0 if screw else 1.0
 
     def beyond(gamma: float) -> bool:
-        x3, z3 = m.section(side, np.array(gamma), radius)
+        x3, z3 = m.section_point(side, np.array(gamma), radius)
         return bool(sign * (float(m.unroll(x3, z3)[0]) - land) < 0.0)
 
     if beyond(low) or not beyond(high):
@@ -64,7 +64,7 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
-    x3, z3 = m.section(side, np.linspace(apex, low, count), radius)
+    x3, z3 = m.section_point(side, np.linspace(apex, low, count), radius)
     r, zeta, _ = m.unroll(x3, z3)
     zeta[0], r[-1] = 0.0, land
     return r, zeta

@@ -236,7 +236,7 @@ def _response(
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
             for s in condensed.sides_of(sides):
-                (e[s], h[s]), slope[s] = condensed.bodies.own_law(s), 0.0
+                (e[s], h[s]), slope[s] = condensed.bodies.local_law(s), 0.0
                 e[s] += of_file.e
             compliance = condensed.correct(scene, layout, sides, compliance, backend)
         G.append(compliance)

@@ -30,10 +30,13 @@ WEAK_ARM = 1e-3
 
 @dataclass(frozen=True)
 class Units:
-    """Units of a deck: of length in m, of stress in Pa, their names; the force is in N."""
+    """Units of a deck; forces are in N."""
 
+    #: Unit of length [m].
     length: float
+    #: Unit of stress [Pa].
     stress: float
+    #: Names of the units, for the heading.
     words: str
 
 
@@ -42,87 +45,115 @@ UNITS = {"mm": Units(1e-3, 1e6, "mm, N, MPa"), "m": Units(1.0, 1.0, "m, N, Pa")}
 
 @dataclass(frozen=True)
 class DeckBody:
-    """A body: name, points ``(n, 3)`` [m], second-order tetrahedra ``(m, 10)`` in gmsh's order, material, sets of nodes and
-    of corners of faces ``(k, 3)`` by name; nodes that weak springs hold; ``alike``: rows ``(k, 3)`` of two nodes and an
-    axis along which they move alike, which keeps a body from turning without holding it elsewhere."""
+    """A body of second-order tetrahedra."""
 
+    #: Name of its element set.
     name: str
+    #: Nodes ``(n, 3)`` [m].
     points: Array
+    #: Tetrahedra ``(m, 10)``, in gmsh's order.
     cells: Index
+    #: Elastic material.
     material: Material
+    #: Sets of nodes by name.
     nodes: dict[str, Index] = field(default_factory=dict)
+    #: Sets of faces by name, as their corners ``(k, 3)``.
     faces: dict[str, Index] = field(default_factory=dict)
+    #: Nodes on weak springs to the ground.
     weak: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    #: Two nodes and an axis along which their displacements are equal ``(k, 3)``: keeps a body from turning without
+    #: fixing it elsewhere.
     alike: Index = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True)
 class RigidSection:
-    """A set of nodes of a body that moves as a rigid section about a point ``(3,)`` [m] on the axis.
+    """A set of nodes of a body that moves as a rigid section."""
 
-    held: pairs (freedom 0 to 5, displacement [m] or small rotation [rad]); load: force [N] and moment [N m] ``(6,)``;
-    weak: freedoms that weak springs hold.
-    """
-
+    #: Name of the section.
     name: str
+    #: Name of the body.
     body: str
+    #: Name of the set of nodes.
     nodes: str
+    #: Reference point ``(3,)`` [m], on the axis.
     point: Array
+    #: Pairs of a freedom (0 to 5) and its prescribed displacement [m] or small rotation [rad].
     held: tuple[tuple[int, float], ...]
+    #: Force [N] and moment [N m] ``(6,)``.
     load: Array
+    #: Freedoms on weak springs to the ground.
     weak: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Faces that may touch: sets of the slave's and of the master's faces."""
+    """Pair of surfaces that may touch."""
 
+    #: Name of the slave's set of faces.
     slave: str
+    #: Name of the master's set of faces.
     master: str
 
 
 @dataclass(frozen=True)
 class Deck:
-    """Contents of a deck. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
-    fixed: sets of nodes held in all directions; mirrored: sets held across the plane y = 0; heading: lines of comment;
-    nlgeom: large displacements."""
+    """Contents of a deck."""
 
+    #: All bodies.
     bodies: tuple[DeckBody, ...]
+    #: Rigid sections.
     sections: tuple[RigidSection, ...]
+    #: Sets of nodes that are fixed in all directions.
     fixed: tuple[str, ...]
+    #: Surfaces that may touch.
     contacts: tuple[Contact, ...]
+    #: Contact pressure per overclosure [Pa/m].
     stiffness: float
+    #: Stiffness of every weak spring [N/m].
     spring: float
+    #: Lines of comment.
     heading: tuple[str, ...]
+    #: Title of the model.
     title: str
+    #: Whether displacements are large.
     nlgeom: bool = False
+    #: Sets of nodes that are fixed along y, on a plane of symmetry.
     mirrored: tuple[str, ...] = ()
 
     @property
     def node_count(self) -> int:
-        """Nodes of all bodies."""
+        """Number of nodes of all bodies."""
         return sum(len(b.points) for b in self.bodies)
 
 
 def number(value: float) -> str:
-    """A number in at most 20 characters, the most that CalculiX reads.
+    """Write a number in at most 20 characters, the most that CalculiX reads.
 
+    Examples
+    --------
     >>> number(-1.2345678901234567e-105), len(number(-1.2345678901234567e-105))
     ('-1.234567890123e-105', 20)
     """
     return f"{value:.12e}"
 
 
-def lines(entries: Iterable[int | str]) -> Iterator[str]:
-    """Entries with commas, at most 16 on a line; a line that goes on ends with a comma."""
+def data_lines(entries: Iterable[int | str]) -> Iterator[str]:
+    """Entries with commas, at most 16 on a line; a line that is continued ends with a comma.
+
+    Examples
+    --------
+    >>> list(data_lines(range(18)))
+    ['0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,', '16, 17']
+    """
     words = [str(x) for x in entries]
     for k in range(0, len(words), 16):
         yield ", ".join(words[k : k + 16]) + ("," if k + 16 < len(words) else "")
 
 
-def rows(entries: Iterable[int]) -> Iterator[str]:
-    """The same for lists that go on without a comma: sets."""
-    return (line.removesuffix(",") for line in lines(entries))
+def set_lines(entries: Iterable[int]) -> Iterator[str]:
+    """Entries with commas as `data_lines`, for sets, which continue without a comma."""
+    return (line.removesuffix(",") for line in data_lines(entries))
 
 
 def checked_names(names: Sequence[str]) -> None:
@@ -137,8 +168,25 @@ def checked_names(names: Sequence[str]) -> None:
 
 
 def element_faces(cells: Index, corners: Index) -> Index:
-    """Cell and face (from 1) ``(k, 2)`` of faces given by their corners ``(k, 3)``, or ``(k, 4)`` where the cells are
-    hexahedra. Raises ValueError for a strange one."""
+    """Cells and face numbers of faces that are given by their corners.
+
+    Parameters
+    ----------
+    cells : (m, nodes) Index
+        Tetrahedra or hexahedra.
+    corners : (k, 3 or 4) Index
+        Corners of the faces; four where cells are hexahedra.
+
+    Returns
+    -------
+    (k, 2) Index
+        Cell, and number of its face (from 1).
+
+    Raises
+    ------
+    ValueError
+        A face belongs to no cell.
+    """
     faces = np.array(FACES if corners.shape[1] == 3 else HEX_FACES)
     table = np.sort(cells[:, faces].reshape(-1, corners.shape[1]), axis=1)
     count = int(cells.max(initial=0)) + 1
@@ -152,14 +200,43 @@ def element_faces(cells: Index, corners: Index) -> Index:
 
 
 def outer_faces(cells: Index) -> Index:
-    """Corners ``(k, 3)`` of the faces that belong to only one cell."""
+    """Faces that belong to only one cell.
+
+    Parameters
+    ----------
+    cells : (m, 10) Index
+        Tetrahedra; their first four nodes are corners.
+
+    Returns
+    -------
+    (k, 3) Index
+        Corners of the faces.
+    """
     faces = cells[:, np.array(FACES)].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return np.asarray(faces[np.sort(first[count == 1])])
 
 
-def write(deck: Deck, unit: str = "mm") -> str:
-    """Text of the deck in the given unit of length, in ASCII. Raises ValueError for a bad name or one that comes twice."""
+def deck_text(deck: Deck, unit: str = "mm") -> str:
+    """Text of a deck.
+
+    Parameters
+    ----------
+    deck : Deck
+        Contents.
+    unit : str, default 'mm'
+        Unit of length, ``"mm"`` or ``"m"``.
+
+    Returns
+    -------
+    str
+        ASCII text.
+
+    Raises
+    ------
+    ValueError
+        A name is bad or comes twice.
+    """
     text = "\n".join(_write(deck, UNITS[unit])) + "\n"
     return text.encode("ascii", "replace").decode("ascii")
 
@@ -206,10 +283,10 @@ def _body(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]
         yield f"{k}, {number(x[0])}, {number(x[1])}, {number(x[2])}"
     yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
     for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
-        yield from lines([k, *row])
+        yield from data_lines([k, *row])
     for name, members in body.nodes.items():
         yield f"*NSET, NSET={name}"
-        yield from rows((members + nodes + 1).tolist())
+        yield from set_lines((members + nodes + 1).tolist())
     for name, corners in body.faces.items():
         yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
         yield from (f"{cell + cells + 1}, S{face}" for cell, face in element_faces(body.cells, corners).tolist())
@@ -251,7 +328,7 @@ def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, u
 
 
 def _held(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
-    """Held freedoms of the sections: those at zero, or those ``moved``, which Abaqus takes inside a step only."""
+    """Prescribed motions of the sections: those at zero, or those ``moved``, which Abaqus accepts only inside a step."""
     for section in deck.sections:
         for freedom, value in section.held:
             if (value != 0.0) == moved:

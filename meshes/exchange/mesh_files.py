@@ -1,4 +1,4 @@
-"""Meshes of scikit-fem as files for other programs; nothing with a name is lost on the way."""
+"""Meshes of scikit-fem as files for other programs, with all names of regions and boundaries."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.exchange.deck import element_faces, lines, number, rows
+from rollbench.meshes.exchange.deck import data_lines, element_faces, number, set_lines
 from rollbench.meshes.leftovers import temporary
 from rollbench.meshes.libraries import pip
 from rollbench.meshes.node_order import VTK
@@ -37,7 +37,30 @@ FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "
 
 
 def form_of(path: Path, form: str = "") -> str:
-    """Format of a mesh file: `form` if given, else by the suffix; raises ValueError for one that is not in `FORMATS`."""
+    """Format of a mesh file, one of `FORMATS`.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    form : str, default ''
+        Format; where empty, the suffix of the file.
+
+    Returns
+    -------
+    str
+        The format.
+
+    Raises
+    ------
+    ValueError
+        There is no such format.
+
+    Examples
+    --------
+    >>> form_of(Path("screw.VTU"))
+    'vtu'
+    """
     found = form or path.suffix.lower().removeprefix(".")
     if found in FORMATS:
         return found
@@ -46,7 +69,13 @@ def form_of(path: Path, form: str = "") -> str:
 
 
 def need(form: str) -> None:
-    """Raise ImportError, with what to do, if a package that writes the format is missing."""
+    """Raise ImportError, with the remedy, if a package that writes the format is missing.
+
+    Parameters
+    ----------
+    form : str
+        One of `FORMATS`.
+    """
     for package in ("meshio", *(("h5py",) if form == "med" else ())):
         try:
             import_module(package)
@@ -55,14 +84,40 @@ def need(form: str) -> None:
 
 
 def reduced(mesh: Mesh, form: str) -> bool:
-    """Whether the format holds only part of the mesh: .inp and .med have no 27-node hexahedron."""
+    """Whether a format holds only part of a mesh: .inp and .med have no 27-node hexahedron.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    form : str
+        One of `FORMATS`.
+
+    Returns
+    -------
+    bool
+        True for 27-node hexahedra in .inp and .med.
+    """
     from rollbench.meshes.fem import kind_of
 
     return kind_of(mesh) == "Q2" and form in ("inp", "med")
 
 
 def only(mesh: Mesh, *names: str) -> Mesh:
-    """The mesh with only these of its boundaries."""
+    """Keep only some boundaries of a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    *names : str
+        Boundaries to keep.
+
+    Returns
+    -------
+    Mesh
+        Copy with only these boundaries.
+    """
     chosen = copy(mesh)
     chosen.__dict__["_boundaries"] = {name: mesh.boundaries[name] for name in names}
     return chosen
@@ -73,14 +128,33 @@ def write_mesh(
 ) -> None:
     """Write mesh and fields, whole or not at all: .vtu, .msh (gmsh 4.1), .inp (Abaqus, CalculiX) or .med (Salome).
 
-    fields: of the nodes, shape (n,) or (n, k); region: name of all cells; form: one of `FORMATS`, by the suffix unless
-    given. Names go along: the region as a group of cells, in .vtu as the cell field `region` of zeros; the mesh's
+    Names are written too: the region as a group of cells, in .vtu as the cell field ``region`` of zeros; the mesh's
     boundaries as faces with a physical group in .msh, as groups of faces and of nodes in .med, as surfaces and groups of
-    nodes in .inp, as point fields `boundary <name>` of 0 and 1 in .vtu; in .vtu and .msh also as the cell fields by which
-    `skfem.Mesh.load` knows them. Where a format is `reduced`, the face and centre nodes of 27-node hexahedra are left out
-    (20 nodes); .inp takes no fields.
-    Raises ValueError for an unknown format, a field of wrong length or that the format cannot hold, ImportError where a
-    package is missing, OSError where the file cannot be written.
+    nodes in .inp, as point fields ``boundary <name>`` of 0 and 1 in .vtu; in .vtu and .msh also as the cell fields by
+    which `skfem.Mesh.load` knows them. Where a format is `reduced`, the face and centre nodes of 27-node hexahedra are
+    left out (20 nodes).
+
+    Parameters
+    ----------
+    path : str | Path
+        File to write.
+    mesh : Mesh
+        The mesh.
+    fields : dict of (n,) or (n, k) Array, optional, default None
+        Fields at the n nodes by name; .inp takes none.
+    region : str, default ''
+        Name of all cells.
+    form : str, default ''
+        One of `FORMATS`; where empty, by the suffix.
+
+    Raises
+    ------
+    ValueError
+        Unknown format, or a field of wrong length or that the format cannot hold.
+    ImportError
+        A package is missing.
+    OSError
+        The file cannot be written.
     """
     from rollbench.meshes.fem import cells_of, faces_of, kind_of, points_of
 
@@ -121,10 +195,10 @@ def write_mesh(
 def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
     """Cell fields in which scikit-fem keeps names: which faces of a cell are of a boundary, as bits; cells of a region.
 
-    They are its own (`Mesh.save`): it reads no names of second-order meshes from a file's groups.
+    As `Mesh.save` writes them: scikit-fem reads no names of second-order meshes from a file's groups.
     """
     bits = 1 << np.arange(len(mesh.t2f))
-    if len(bits) == 6:  # hexahedra are read the other way round: corner 7 - k, face 5 - k
+    if len(bits) == 6:  # hexahedra are read in reverse order: corner 7 - k, face 5 - k
         bits = bits[::-1]
     fields = {f"skfem:b:{name}": bits @ np.isin(mesh.t2f, faces) for name, faces in (mesh.boundaries or {}).items()}
     return fields | ({f"skfem:s:{region}": np.ones(mesh.nelements, dtype=np.int64)} if region else {})
@@ -140,10 +214,10 @@ def _as_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
 
 
 def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
-    """The region ("other" without a name) and boundaries as entities with a physical group; cell fields are not a number on
-    the boundaries' faces.
+    """Make entities with a physical group of the region ("other" without a name) and of the boundaries.
 
-    In this format an entity is known by a node that lies on it, so that each needs one.
+    In this format an entity is known by a node that lies on it, so that each needs one. Cell fields are not a number on
+    the faces of boundaries.
     """
     import meshio
 
@@ -181,8 +255,10 @@ def _owners(cells: list[Index], count: int) -> Index:
 
 
 def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
-    """Region and boundaries as families: the region of cells, a boundary of faces, seen from outside turning left, and of
-    their nodes. meshio writes cells as they are, but MED orients them the other way."""
+    """Make families of region and boundaries: the region of cells, a boundary of faces and of their nodes.
+
+    Faces are counter-clockwise seen from outside. meshio writes cells as they are, but MED orients them the other way.
+    """
     import meshio
 
     (cells,) = plain.cells
@@ -209,8 +285,22 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
 
 
 def _families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
-    """MED's families of things of which ``belongs`` (groups, things) says the groups: number of each one's, from 1, 0 in no
-    group, and the groups of each."""
+    """Assign MED's families to things that belong to groups.
+
+    Parameters
+    ----------
+    belongs : (groups, things) Mask
+        Which thing belongs to which group.
+    names : Sequence[str]
+        Names of the groups.
+
+    Returns
+    -------
+    number : (things,) Index
+        Number of each thing's family, from 1; 0 in no group.
+    groups : dict
+        Names of the groups of each family.
+    """
     patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
     numbers = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)
     found = {
@@ -229,11 +319,11 @@ def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mappin
     text += [f"{k}, {number(x)}, {number(y)}, {number(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)]
     text.append(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[cell]}")
     for k, row in enumerate((cells + 1).tolist(), start=1):
-        text += lines([k, *row])
+        text += data_lines([k, *row])
     sets = [("NSET", name, np.unique(members)) for name, members in faces.items()]
     sets += [("ELSET", region, np.arange(len(cells)))] if region else []
     for keyword, name, members in sets:
-        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *rows((members + 1).tolist())]
+        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *set_lines((members + 1).tolist())]
     for name, members in faces.items():
         text.append(f"*SURFACE, NAME={name.replace(' ', '_')}, TYPE=ELEMENT")
         corners = members[:, : 3 if cell.startswith("tetra") else 4]

@@ -1,8 +1,8 @@
-"""STEP files of a scene's parts by gmsh's OpenCASCADE, lengths in mm: balls and bodies of revolution as exact solids;
-flanks of helical grooves as B-spline surfaces through exact arcs.
+"""STEP files of a scene's parts by gmsh's OpenCASCADE, lengths in mm.
 
-A flank is a loft through its arcs, `SECTIONS` to a turn. An arc lies in the plane normal to the helix, so its ends at apex
-and land, too, are on the surface. `distance` says how far the loft is off between its sections.
+Balls and bodies of revolution are exact solids, flanks of helical grooves B-spline surfaces through exact arcs: a flank
+is a loft through its arcs, `SECTIONS` to a turn. An arc lies in the plane normal to the helix, so that its ends at apex
+and land are on the surface too. `distance` measures how far the loft deviates between its sections.
 """
 
 from __future__ import annotations
@@ -30,19 +30,38 @@ MM = 1e3
 
 
 class PlacedSet(NamedTuple):
-    """Parts of one set, the shift of its nut along z [m], and the ends of its stretch of shaft [m]."""
+    """Parts of one rolling set, and where they are."""
 
+    #: Its parts.
     scene: Scene
+    #: Shift of its nut along z [m].
     shift: float
+    #: Ends of its stretch of shaft [m].
     ends: tuple[float, float]
 
 
 def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
-    """Write shaft, nuts and balls, and where the grooves are helical their flanks as surfaces in a second file,
-    ``NAME-grooves.step``: the bodies are without their grooves then.
+    """Write shaft, nuts and balls as STEP files.
 
-    Returns the largest distance [m] of each file's surfaces from the exact ones, 0 where they are exact.
-    Raises OSError where a file cannot be written.
+    Where grooves are helical, their flanks are surfaces in a second file, ``NAME-grooves.step``; the bodies are without
+    grooves.
+
+    Parameters
+    ----------
+    path : Path
+        File of the bodies.
+    sets : Sequence[PlacedSet]
+        Parts of each set.
+
+    Returns
+    -------
+    dict[Path, float]
+        Largest distance [m] of each file's surfaces from the exact ones; 0 where they are exact.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with _model() as gmsh:
@@ -106,7 +125,7 @@ def _radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
 
 
 def _blank(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """A tube without its groove."""
+    """Add a tube without its groove."""
     occ, (low, high) = gmsh.model.occ, ends
     inner, outer = sorted(_radii(scene, screw=screw))
     tubes = [(3, occ.addCylinder(0, 0, MM * low, 0, 0, MM * (high - low), MM * r)) for r in (outer, inner)]
@@ -114,7 +133,7 @@ def _blank(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -
 
 
 def _ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """A ring with its groove: its half section, turned."""
+    """Add a ring with its groove, by turning its half section."""
     occ, (land, wall), z = gmsh.model.occ, _radii(scene, screw=screw), scene.nut.position
     left, right = (
         _arc(scene, side, np.array([apex_angle(scene, side), land_angle(scene, side, land)])) for side in _sides(screw)
@@ -147,13 +166,28 @@ def _arc(scene: Scene, side: int, gamma: Array) -> Array:
 
 
 def apex_angle(scene: Scene, side: int) -> float:
-    """Angle [rad] at which a flank meets the other one, at z3 = 0."""
+    """Section angle at which a flank meets the other one, at z3 = 0 [rad]."""
     drawn = specimen(scene, ball_layout(scene))
     return asin(-float(drawn.centre[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.radius[side]))
 
 
 def land_angle(scene: Scene, side: int, land: float) -> float:
-    """Angle [rad] at which a flank meets the cylinder of radius ``land`` [m]."""
+    """Section angle at which a flank meets the land.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+    side : int
+        Flank 0 to 3.
+    land : float
+        Radius of the land [m].
+
+    Returns
+    -------
+    float
+        [rad].
+    """
     sign = SIDE_SIGNS[side][0]
     low, high = apex_angle(scene, side), pi / 2.0
     for _ in range(60):
@@ -172,8 +206,7 @@ def _surface(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float
 
 
 def _flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
-    """Add a flank's loft from the section through one end to that through the other; its largest distance [m] from the
-    exact surface."""
+    """Add a flank's loft between the sections through two ends; returns its largest distance [m] from the exact surface."""
     occ, lead = gmsh.model.occ, reduced_lead(scene.track)
     land = _radii(scene, screw=side < 2)[0]
     gamma = np.linspace(apex_angle(scene, side), land_angle(scene, side, land), 3)
@@ -188,7 +221,28 @@ def _flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift:
 
 
 def distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: int = 120) -> float:
-    """Largest distance [m] of points of a surface of the model from a flank's exact surface."""
+    """Largest distance of a surface of gmsh's model from a flank's exact surface.
+
+    Parameters
+    ----------
+    gmsh : Any
+        gmsh with the model.
+    scene : Scene
+        Parts.
+    side : int
+        Flank 0 to 3.
+    tag : int
+        The surface.
+    shift : float
+        Shift of the nut along z [m].
+    along : int, default 120
+        Points along each parameter.
+
+    Returns
+    -------
+    float
+        [m].
+    """
     (u0, v0), (u1, v1) = gmsh.model.getParametrizationBounds(2, tag)
     u, v = np.meshgrid(np.linspace(u0, u1, along), np.linspace(v0, v1, along))
     p = np.reshape(gmsh.model.getValue(2, tag, np.column_stack([u.ravel(), v.ravel()]).ravel()), (-1, 3)) / MM
@@ -196,7 +250,24 @@ def distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: 
 
 
 def off(scene: Scene, side: int, points: Array, shift: float) -> Array:
-    """Distances ``(k,)`` [m] of points ``(k, 3)`` [m] from a flank's arcs, each in the helix's section that it lies in."""
+    """Distances of points from a flank, each in the section of the helix in which it lies.
+
+    Parameters
+    ----------
+    scene : Scene
+        Parts.
+    side : int
+        Flank 0 to 3.
+    points : (k, 3) Array
+        Points [m].
+    shift : float
+        Shift of the nut along z [m].
+
+    Returns
+    -------
+    (k,) Array
+        Signed distances [m], positive beyond the arc's radius.
+    """
     track, lead = scene.track, reduced_lead(scene.track)
     z0 = scene.nut.position + shift
     turn = np.arctan2(points[:, 1], points[:, 0])

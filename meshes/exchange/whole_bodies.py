@@ -31,22 +31,39 @@ CUT = (0.0, np.pi)
 
 
 def sizes_as_asked(shell: Shell) -> None:
-    """Keep gmsh from making faces as fine inside as their boundary is: the cut's boundary is what is fine of it."""
+    """Keep gmsh from making faces as fine inside as their boundary is: only the boundary of a cut is fine."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
 class HalfRing:
-    """The surface of a ring's half, azimuths 0 to 180 deg, in a shell; the plane y = 0 is its boundary "cut".
+    """Surface of half a ring, azimuths 0 to 180 deg, in a shell; the plane y = 0 is its boundary "cut".
 
-    A ring pair whose balls stand at 0 and 180 deg, moved within the plane y = 0, deforms as its mirror image does: the half
-    at y >= 0 suffices, with as fine a mesh for half the nodes. Faces are as exact as those of ``meshes.grooved_body``.
+    A pair of rings whose balls stand at 0 and 180 deg, moved within the plane y = 0, deforms symmetrically about it: the
+    half at y >= 0 suffices, with as fine a mesh for half the nodes. Faces are as exact as those of
+    ``meshes.grooved_body``.
 
     Around the section: the smooth surface behind the groove, high end, land, flank, flank, land, low end.
     """
 
     def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
-        """Divide and triangulate all of it; share: of the usual longest edges on curved faces. Raises ValueError for a
-        helix, a ring without bore, a groove of one arc, or one that leaves no land or wall."""
+        """Divide the curves and triangulate the faces.
+
+        Parameters
+        ----------
+        shell : Shell
+            Shell to which the surface is added.
+        m : GrooveMap
+            Map of the track.
+        spec : BodySpec
+            Dimensions.
+        share : float, default 1.0
+            Factor on the usual longest edges on curved faces.
+
+        Raises
+        ------
+        ValueError
+            A helix, a ring without bore, a groove of one arc, or one that leaves no land or wall.
+        """
         if m.rg or spec.r_in <= 0.0 or m.one_arc:
             raise ValueError("only a ring with a bore and a groove of two arcs is cut in halves")
         self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
@@ -150,7 +167,7 @@ class HalfRing:
         return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _end(self, name: str, k: int) -> None:
-        """A flat end, which edge k sweeps."""
+        """Triangulate a flat end, which edge k sweeps."""
         first, last = (cut[k] for cut in self.cuts)
 
         def edge(sign: float) -> Placing:
@@ -178,7 +195,19 @@ def _section_space(phi: float) -> Placing:
 
 
 def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
-    """Triangulate the half of a sphere about the origin at sign * y >= 0: boundary "sphere", and its "cut"."""
+    """Triangulate the half of a sphere about the origin at sign * y >= 0: boundaries "sphere" and "cut".
+
+    Parameters
+    ----------
+    radius : float
+        Radius [m].
+    shell : Shell
+        Shell to which the faces are added.
+    share : float
+        Factor on the usual longest edge.
+    sign : float
+        1 or -1.
+    """
     sizes_as_asked(shell)
     limit = share * BEND[1] * radius
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
@@ -198,35 +227,53 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
 
 @dataclass(frozen=True)
 class Refinement:
-    """Element sizes [m]: ``fine`` on the points ``near`` ``(k, 3)`` [m], growing by ``growth`` per length away from them
-    up to ``coarse``."""
+    """Element sizes that grow with the distance from points."""
 
+    #: Points ``(k, 3)`` [m].
     near: Array
+    #: Edge length at the points [m].
     fine: float
+    #: Growth of the edge length per unit of distance.
     growth: float
+    #: Largest edge length [m].
     coarse: float
 
     def size(self, share: float = 1.0) -> Placing:
-        """Edge length at points ``(n, 3)``, times ``share``."""
+        """Edge length at points ``(n, 3)``, times a factor."""
         tree = cKDTree(self.near)
         return lambda x: share * np.minimum(self.fine + self.growth * tree.query(x)[0], self.coarse)
 
 
 @dataclass(frozen=True)
 class WholeBody(Meshed):
-    """Second-order tetrahedra, the parts of their surface as boundaries; quality."""
+    """Mesh of a whole or half body; the parts of its surface are boundaries."""
 
+    #: Second-order tetrahedra.
     mesh: Mesh
+    #: Size and quality.
     quality: Quality
 
     @cached_property
     def named(self) -> dict[str, Index]:
-        """Nodes of the named parts of the surface."""
+        """Nodes of the boundaries, by name."""
         return {name: nodes_on(self.mesh, name) for name in sorted(self.mesh.boundaries)}
 
 
 def grid(half: tuple[float, float], step: float) -> Array:
-    """Points ``(k, 2)`` of a square grid inside an ellipse about 0, its rim included; half axes and step in m."""
+    """Points of a square grid inside an ellipse about 0, its rim included.
+
+    Parameters
+    ----------
+    half : tuple[float, float]
+        Semi-axes [m].
+    step : float
+        Largest distance of neighbours [m].
+
+    Returns
+    -------
+    (k, 2) Array
+        Points [m].
+    """
     counts = [max(1, int(np.ceil(x / step))) for x in half]
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, 2 * n + 1) for n in counts), indexing="ij")
     inside = x**2 + y**2 <= 1.0
@@ -237,9 +284,21 @@ def grid(half: tuple[float, float], step: float) -> Array:
 
 
 def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) -> Array:
-    """Points ``(k, 3)`` [m] of a groove about an expected contact: lengths ``(k, 2)`` [m] across and along from it.
+    """Points of a groove around an expected contact.
 
-    place: azimuth [rad] and z [m] of the ball, side.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    place : tuple[float, float, int]
+        Azimuth [rad] and station [m] of the ball, and flank 0 to 3.
+    flat : (k, 2) Array
+        Lengths from the contact, across and along the groove [m].
+
+    Returns
+    -------
+    (k, 3) Array
+        Points [m].
     """
     radius = float(m.radius[place[2]])
     xi = np.stack([flat[:, 0] / radius, np.zeros(len(flat)), flat[:, 1] / m.R], axis=1)
@@ -247,24 +306,72 @@ def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) ->
 
 
 def sphere_points(m: GrooveMap, side: int, radius: float, flat: Array) -> Array:
-    """The same on a ball of a radius [m] about the origin, in the frame of azimuth 0."""
+    """Points of a ball around an expected contact, in the frame of azimuth 0.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    side : int
+        Flank 0 to 3.
+    radius : float
+        Radius of the ball [m].
+    flat : (k, 2) Array
+        Lengths from the contact, across and along the groove [m].
+
+    Returns
+    -------
+    (k, 3) Array
+        Points from the ball's centre [m].
+    """
     n, t1, t2 = directions(m, side)
     ray = n + flat[:, :1] / radius * t1 + flat[:, 1:] / radius * t2
     return np.asarray(radius * ray / np.linalg.norm(ray, axis=1)[:, None])
 
 
 def place_ball(m: GrooveMap, at: tuple[float, float], points: Array) -> Array:
-    """Points ``(n, 3)`` [m] of a ball in the frame of azimuth 0 where it belongs; at: azimuth [rad] and z [m]."""
+    """Move points of a ball from the frame of azimuth 0 to its place.
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    at : tuple[float, float]
+        Azimuth [rad] and station [m] of the ball.
+    points : (n, 3) Array
+        Points from the ball's centre [m].
+
+    Returns
+    -------
+    (n, 3) Array
+        Points [m].
+    """
     c, s = np.cos(at[0]), np.sin(at[0])
     out = points + np.array([m.R, 0.0, 0.0])
     return np.asarray(out @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.0, 0.0, at[1]]))
 
 
 def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
-    """Mesh a screw or nut; ``spec``'s sockets say where its groove ends, if it does; its sizes are not used. The parts of
-    its surface are named as in `meshes.grooved_body`.
+    """Mesh a screw or nut without sockets; boundaries as in `meshes.grooved_body`.
 
-    Raises ValueError where the groove leaves no land or wall, or no attempt gives a good mesh.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    spec : BodySpec
+        Dimensions; its sockets only tell where its groove ends, if it does; its element sizes are not used.
+    refinement : Refinement
+        Element sizes.
+
+    Returns
+    -------
+    WholeBody
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        The groove leaves no land or wall, or no attempt of gmsh gives a good mesh.
     """
     plain, groove = replace(spec, sockets=()), Groove.of(m, spec)
     name = "screw" if spec.outer else "nut"
@@ -272,25 +379,78 @@ def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBod
 
 
 def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:
-    """Mesh a ball of a radius [m] about the origin in the frame of azimuth 0; ``refinement`` is in that frame.
+    """Mesh a ball about the origin.
 
-    Raises ValueError where no attempt gives a good mesh.
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    radius : float
+        Radius of the ball [m].
+    refinement : Refinement
+        Element sizes, in the frame of azimuth 0.
+
+    Returns
+    -------
+    WholeBody
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        No attempt of gmsh gives a good mesh.
     """
     ball_map = replace(m, ball=radius)
     return _meshed("ball", lambda shell, share: sphere(ball_map, shell, [], share), refinement)
 
 
 def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
-    """The half of a ring at y >= 0; the plane y = 0 is its part "cut". Raises ValueError as ``whole_body`` does, and for a
-    helix or a ring without bore."""
+    """Mesh the half of a ring at y >= 0; the plane y = 0 is its boundary "cut".
+
+    Parameters
+    ----------
+    m : GrooveMap
+        Track.
+    spec : BodySpec
+        Dimensions.
+    refinement : Refinement
+        Element sizes.
+
+    Returns
+    -------
+    WholeBody
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        As `whole_body`, and for a helix or a ring without bore.
+    """
     name = "inner ring" if spec.outer else "outer ring"
     return _meshed(name, lambda shell, share: HalfRing(shell, m, spec, share), refinement)
 
 
 def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
-    """The half at sign * y >= 0 of a ball of a radius [m] about the origin; the plane y = 0 is its part "cut".
+    """Mesh the half of a ball about the origin at sign * y >= 0; the plane y = 0 is its boundary "cut".
 
-    Raises ValueError where no attempt gives a good mesh.
+    Parameters
+    ----------
+    radius : float
+        Radius of the ball [m].
+    refinement : Refinement
+        Element sizes.
+    sign : float
+        1 or -1.
+
+    Returns
+    -------
+    WholeBody
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        No attempt of gmsh gives a good mesh.
     """
     return _meshed("ball", lambda shell, share: half_sphere(radius, shell, share, sign), refinement)
 

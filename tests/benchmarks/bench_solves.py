@@ -31,7 +31,7 @@ from rollbench.lowfi.statics.contacts import forget_nominal
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, RollingSet, diagonal
-from rollbench.meshes.kept import made_anew
+from rollbench.meshes.kept import no_cache
 from rollbench.meshes.parts import Friction
 
 CASE = catalogue.scene("lin-case1")
@@ -60,7 +60,7 @@ def test_solve_refined_bodies_kept(benchmark):
 
 def test_solve_refined_bodies_new(benchmark):
     run_model(CASE, "refined", COMPILED)
-    with made_anew():
+    with no_cache():
         benchmark.pedantic(lambda: run_model(CASE, "refined", COMPILED), setup=forget, rounds=3)
 
 

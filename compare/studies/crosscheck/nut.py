@@ -23,7 +23,7 @@ from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, write
+from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, deck_text
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
@@ -130,7 +130,7 @@ def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = 
     theirs, date, version = np.zeros_like(ours), "", ""
     for k, deck in enumerate(decks):
         try:
-            found = run_calculix(write(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
+            found = run_calculix(deck_text(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
         except ValueError as error:
             raise InputError(scene.name, "nut", str(error), "a deck that CalculiX solves", "see its folder") from None
         date, version = found.date, found.version

@@ -24,7 +24,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
 from rollbench.compare.studies.crosscheck.results import BodyMesh, CrossData, CrossRun, extrapolate, load, shipped
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.exchange.deck import UNITS, write
+from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.libraries import version
 from rollbench.meshes.parts import SIDES, Scene
 
@@ -195,7 +195,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
         meshed = build_deck(scene, options)
-        text = write(meshed.deck, UNIT)
+        text = deck_text(meshed.deck, UNIT)
         if digest(text) in known:
             runs.append(known[digest(text)])
             step(f"{label(options)}: stored")

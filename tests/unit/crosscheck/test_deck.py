@@ -17,7 +17,16 @@ from rollbench.compare.studies.crosscheck import study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
 from rollbench.compare.studies.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes import helix, parts
-from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
+from rollbench.meshes.exchange.deck import (
+    Contact,
+    Deck,
+    DeckBody,
+    RigidSection,
+    deck_text,
+    element_faces,
+    number,
+    outer_faces,
+)
 
 pytestmark = pytest.mark.xdist_group("deck")
 
@@ -74,7 +83,7 @@ def test_numbers_fit_calculix_and_keep_twelve_digits(value):
 
 
 def test_cells_and_faces_are_numbered_as_abaqus_does():
-    text = write(stack())
+    text = deck_text(stack())
     nodes, cells = table(text, "*NODE, NSET"), table(text, "*ELEMENT, TYPE=C3D10").astype(int)
     place = np.full((int(nodes[:, 0].max()) + 1, 3), np.nan)
     place[nodes[:, 0].astype(int)] = nodes[:, 1:]
@@ -93,7 +102,7 @@ def test_cells_and_faces_are_numbered_as_abaqus_does():
 
 def test_equations_of_a_section_are_those_of_a_rigid_motion():
     deck = stack()
-    text = write(deck, "m")
+    text = deck_text(deck, "m")
     move, turn = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.5, -0.7])
     nodes = table(text, "*NODE, NSET")
     u = {int(n): move + np.cross(turn, x - deck.sections[0].point) for n, *x in nodes}
@@ -109,31 +118,31 @@ def test_equations_of_a_section_are_those_of_a_rigid_motion():
 
 def test_units_and_names():
     deck = stack()
-    mm, m = write(deck), write(deck, "m")
+    mm, m = deck_text(deck), deck_text(deck, "m")
     np.testing.assert_allclose(table(mm, "*NODE, NSET=LOW")[:, 1:], 1e3 * table(m, "*NODE, NSET=LOW")[:, 1:])
     for head, row, factor in (("*ELASTIC", (0, 0), 1e-6), ("*SURFACE BEHAVIOR", ..., 1e-9), ("*SPRING", 1, 1e-3)):
         assert table(mm, head)[row] == pytest.approx(factor * table(m, head)[row])
     for bad in ("two words", "x" * 81, "HIGH_face", ""):
         body = replace(deck.bodies[0], nodes={bad: np.array([0])})
         with pytest.raises(ValueError, match="set"):
-            write(replace(deck, bodies=(body, deck.bodies[1])))
+            deck_text(replace(deck, bodies=(body, deck.bodies[1])))
 
 
 @CCX
 @pytest.mark.parametrize("unit", ["mm", "m"])
 def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit, tmp_path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
-    found = study.run_calculix(write(stack(), unit), tmp_path)
+    found = study.run_calculix(deck_text(stack(), unit), tmp_path)
     assert list(found.forces) == ["HIGH_FACE"]
     assert found.forces["HIGH_FACE"] == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
     ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
     assert re.fullmatch(r"\d+\.\d+", found.version)
-    again = study.run_calculix(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
+    again = study.run_calculix(deck_text(replace(stack(), heading=("another comment",)), unit), tmp_path)
     assert again == found  # read, not run again
     with pytest.raises(ValueError, match="CalculiX failed"):
-        study.run_calculix(write(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
+        study.run_calculix(deck_text(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
 
 
 @CCX
@@ -266,7 +275,7 @@ def test_a_half_is_held_in_its_plane(meshed):
     whole, half = meshed, build_deck(catalogue.scene("two-balls"), replace(COARSE, half=True))
     assert half.deck.mirrored == ("SCREW_CUT", "NUT_CUT", "BALL1_CUT", "BALL2_CUT")
     assert not whole.deck.mirrored
-    text = write(half.deck)
+    text = deck_text(half.deck)
     held = [line for key, data in blocks(text) if key == "*BOUNDARY" for line in data]
     assert [line for line in held if "_CUT" in line] == [f"{name}, 2, 2" for name in half.deck.mirrored]
     for body in half.deck.bodies:

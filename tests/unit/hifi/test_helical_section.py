@@ -20,7 +20,7 @@ COARSE = (12, 6, 6)
 def radius_at_apex(m: GrooveMap) -> float:
     """Least radius [m] of the screw's groove."""
     gamma = np.linspace(0.0, np.pi / 2.0, 2001)
-    r, zeta, _ = m.unroll(*m.section(1, gamma, np.full(gamma.size, m.radius[1])))
+    r, zeta, _ = m.unroll(*m.section_point(1, gamma, np.full(gamma.size, m.radius[1])))
     return float(r[zeta >= 0.0].min())
 
 

@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
-from rollbench.hifi.shaft.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
+from rollbench.hifi.shaft.mounting import Stretch, as_stiff_as, beam_stretch, free_motions, mount
 from rollbench.hifi.shaft.section import at_high, at_low
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -106,7 +106,7 @@ def test_an_unheld_screw_moves_rigidly_and_its_loads_do_work():
     np.testing.assert_allclose(found.work, found.motions.T @ wrench, atol=1e-12)
     held = [transport(0.0 - found.origin)[5]]
     np.testing.assert_allclose(held @ found.motions, 0.0, atol=1e-15)
-    assert np.linalg.matrix_rank(unheld(Frame.of(scene), 0.0)) == 5
+    assert np.linalg.matrix_rank(free_motions(Frame.of(scene), 0.0)) == 5
 
 
 def test_a_ring_on_a_stiff_shaft_follows_its_bore():

@@ -69,6 +69,6 @@ def test_the_section_of_one_arc_is_even_about_its_own_middle(way: str) -> None:
         land = scene.screw.outer_diameter / 2.0 if side < 2 else 2.0 * m.R - scene.screw.outer_diameter / 2.0
         low, high = flank_limits(m, side, land)
         assert low == -high
-        z = [float(m.section(side, np.array(g), m.radius[side])[1]) for g in (low, high)]
+        z = [float(m.section_point(side, np.array(g), m.radius[side])[1]) for g in (low, high)]
         assert np.mean(z) == pytest.approx(m.centre[side, 1], abs=1e-12)
         assert abs(m.centre[side, 1]) == pytest.approx((m.radius[side] - m.ball) * np.sin(m.beta))

@@ -13,7 +13,7 @@ from tests.two_balls import SMALL
 from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import freedoms, isostatic
-from rollbench.hifi.bodies.patch import hat_rows
+from rollbench.hifi.bodies.patch import pressure_rows
 from rollbench.hifi.contact.balls import State, solve_balls, uncoupled
 from rollbench.hifi.elements.forms import assemble, elasticity, mean_weights
 from rollbench.hifi.linear_algebra import compliance
@@ -62,7 +62,7 @@ def patch(small, meshes, side, *, ball=False):
     carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
     centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
     normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
-    return carrier, hat_rows(mesh, normals, carrier)
+    return carrier, pressure_rows(mesh, normals, carrier)
 
 
 def bodies(small, meshes):
@@ -159,7 +159,7 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
     again = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
-    np.testing.assert_allclose(condensed.rest_of(small, again), condensed.rest_of(small, spreads), rtol=1e-12)
+    np.testing.assert_allclose(condensed.beyond_patches(small, again), condensed.beyond_patches(small, spreads), rtol=1e-12)
     for k, s in enumerate(small.sides):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)

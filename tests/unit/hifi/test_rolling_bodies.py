@@ -18,7 +18,7 @@ from rollbench.hifi.rolling.balls import (
     solve_rolling,
     touching,
 )
-from rollbench.hifi.rolling.bodies import Curve, free_answer, half_space_answer, tractions
+from rollbench.hifi.rolling.bodies import Curve, free_response, half_space_response, tractions
 from rollbench.hifi.rolling.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
 from rollbench.hifi.rolling.patch import Regular, grid, influence, monomials
 from rollbench.hifi.rolling.scenes import along_radius
@@ -45,7 +45,7 @@ def coarse_pieces():
 
 def half_space_kernel(zone, size, degree):
     body = half_space(size, zone)
-    return half_space_answer(body, tractions(body, zone, degree, ROUND), E, NU)
+    return half_space_response(body, tractions(body, zone, degree, ROUND), E, NU)
 
 
 def test_a_block_with_its_cut_moved_becomes_a_half_space():
@@ -75,7 +75,7 @@ def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_
     body = whole_ball(R, ZONE)
     sums = tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
     assert sums == pytest.approx(np.einsum("k,dx->dkx", [1.0, 0.0, 0.0], np.eye(3)), abs=1e-9)
-    M = free_answer(body, tractions(body, ZONE, 1, (100.0, 90.0)), E, NU)
+    M = free_response(body, tractions(body, ZONE, 1, (100.0, 90.0)), E, NU)
     assert pytest.approx(M.T, rel=1e-9, abs=1e-14 * np.abs(M).max()) == M  # reciprocity
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
 

@@ -10,7 +10,7 @@ from tests.patch_meshes import flat, holed_cube, socket
 
 from rollbench.hifi.bodies import coarse
 from rollbench.hifi.bodies.coarse import Piece, Socket, assemble, coarse_compliance, fine_compliance, freedoms, patch_modes
-from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, hat_rows
+from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, pressure_rows
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import moved, points_of
 
@@ -72,7 +72,7 @@ def test_modes_answer_as_the_whole_piece(rotated):
         wanted = condensed().A
         if not held:  # the patch's own mass is not the coarse piece's; rigid motions of the patch tell which forces balance
             mesh, normals = patch()
-            rigid = hat_rows(mesh, normals) @ rigid_modes(mesh.points)
+            rigid = pressure_rows(mesh, normals) @ rigid_modes(mesh.points)
             null = np.linalg.svd(rigid.T)[2][6:]
             inside, wanted = null @ inside @ null.T, null @ wanted @ null.T
         assert relative(inside, wanted) < 1e-9
@@ -87,7 +87,7 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     def both():
         """Motions of hats and of modes without rigid ones, under all forces."""
         at_socket = rigid_modes(points_of(piece.mesh)[piece.socket])
-        rigid = (hat_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ at_socket)
+        rigid = (pressure_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ at_socket)
         answers = (fine_compliance(piece, mesh, normals, E, NU), coarse_compliance(piece, condensed(), rows, E, NU))
         # orthogonal to the six rigid motions
         return [np.linalg.svd(R)[0][:, 6:].T @ F for F, R in zip(answers, rigid, strict=True)]

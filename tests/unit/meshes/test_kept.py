@@ -27,7 +27,7 @@ def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on) 
     whole = section(0.04)
     assert section(0.04) == whole
     assert calls == [0.04]
-    with kept.made_anew():
+    with kept.no_cache():
         section(0.04)
     section(0.04)
     assert calls == [0.04] * 2

@@ -182,7 +182,7 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
     m = GrooveMap.of(case)
     size = fitted(case, land_screw=16.45e-3, land_nut=16.55e-3)
     for side in ALL:
-        x3, z3 = m.section(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
+        x3, z3 = m.section_point(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
         angle = np.degrees(np.arctan2(np.abs(z3), np.abs(x3)))
         assert np.all(np.sign(x3) == m.signs[side, 0])
         assert np.all(np.sign(z3) == m.signs[side, 1])
