@@ -110,7 +110,7 @@ def cartesian(grid: Grid) -> tuple[Array, Array, Array]:
 
 
 def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
-    """Surfaces of the stretch of the screw around the nut: the grooved one and both ends. coarse: steps in multiples of
+    """Surfaces of the stretch of the screw around the nut: the grooved one, both ends and the bore. coarse: steps in multiples of
     those of a picture; reach: from the nut's centre, in lengths of the nut."""
     grooves, half = _grooves(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
@@ -119,11 +119,14 @@ def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
     around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarse) + 1)
     phi, z = _grid(grooves, around, (low, high), 0.06 * coarse * ball_radius(scene))
     radius = grooves.surface(phi, z, scene.screw.outer_diameter / 2.0)
-    grids = [(radius, phi, z)]
+    grids, inner = [(radius, phi, z)], scene.screw.bore / 2.0
     for column in (0, -1):
         share = np.linspace(0.0, 1.0, 12)[None, :]
         flat = np.zeros_like(share)
-        grids.append((radius[:, column, None] * share, phi[:, :1] + flat, z[:, column, None] + flat))
+        grids.append((inner + (radius[:, column, None] - inner) * share, phi[:, :1] + flat, z[:, column, None] + flat))
+    if inner > 0.0:
+        ends = z[:, [0, -1]]
+        grids.append((np.full_like(ends, inner), phi[:, :2], ends))
     return grids
 
 

@@ -122,7 +122,7 @@ def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
 def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
     """Surfaces of a set with the stretch of the shaft under it; shared: the rest of the shaft is drawn too."""
     if isinstance(one.parts, RollerRow):
-        return []
+        return [_cone(one.parts, one.position, _apex(one.thrust))]
     reach = RING if shared and not one.parts.track.lead else NUT
     found = scene3d.grids(one.parts, COARSE, reach)
     return [_packed(grid, tint) for tint, grids in found.items() for grid in grids]
@@ -140,8 +140,15 @@ def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
 
 def _plain(shaft: Assembly) -> list[dict[str, Any]]:
     """What of a shaft lies between the sets: radius and station [mm] along outlines that are turned about the axis."""
-    under = [_stretch(s, s.parts, shaft.screw.length) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None]
-    ends = {0.0, shaft.screw.length, *(z for pair in under for z in pair), *(z for s in shaft.segments for z in (s.start, s.end))}
+    under = [
+        _stretch(s, s.parts, shaft.screw.length) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None
+    ]
+    ends = {
+        0.0,
+        shaft.screw.length,
+        *(z for pair in under for z in pair),
+        *(z for s in shaft.segments for z in (s.start, s.end)),
+    }
     cuts, found = sorted(ends), []
     for low, high in zip(cuts[:-1], cuts[1:], strict=True):
         middle = 0.5 * (low + high)
@@ -149,7 +156,9 @@ def _plain(shaft: Assembly) -> list[dict[str, Any]]:
             continue
         size = next((s.diameter for s in shaft.segments if s.start <= middle <= s.end), shaft.screw.outer_diameter)
         radius = MM * size / 2.0
-        found.append({"tint": scene3d.STEEL, "outline": [[0.0, MM * low], [radius, MM * low], [radius, MM * high], [0.0, MM * high]]})
+        found.append(
+            {"tint": scene3d.STEEL, "outline": [[0.0, MM * low], [radius, MM * low], [radius, MM * high], [0.0, MM * high]]}
+        )
     return found
 
 
@@ -162,7 +171,7 @@ def _set(one: SetView) -> dict[str, Any]:
     """A set for the script; lengths in mm, of what is closer in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
-        return head | _rollers(one.parts, one.position, 1.0 if one.thrust == "+z" else -1.0)
+        return head | _rollers(one.parts, one.position, _apex(one.thrust))
     out = head | {
         "centre": [0.0, 0.0, MM * one.position],
         "size": MM * max(one.parts.nut.outer_diameter, one.parts.nut.length),
@@ -179,15 +188,28 @@ def _set(one: SetView) -> dict[str, Any]:
     return out
 
 
-def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """Places and axes of a row's rollers, cones about the apex of cup and cone; the outline of one about its axis [mm].
+def _apex(thrust: str) -> float:
+    """The side of a row of rollers on which its apex lies, by the thrust that it carries."""
+    return 1.0 if thrust == "+z" else -1.0
 
-    sign: of the thrust that the row carries, to whose side the apex lies.
-    """
+
+def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+    """The cone under a row of rollers, without its ribs."""
+    reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
+    apex = position + sign * reach * np.cos(row.cup_angle)
+    ends = [float(reach + x) for x in (-0.5 * row.length, 0.5 * row.length)]
+    (r0, z0), (r1, z1) = ((MM * x * np.sin(angle), MM * (apex - sign * x * np.cos(angle))) for x in ends)
+    return {"tint": scene3d.STEEL, "outline": [[0.0, z0], [r0, z0], [r1, z1], [0.0, z1]]}
+
+
+def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+    """Places and axes of a row's rollers, cones about the apex of cup and cone; the outline of one about its axis [mm]."""
     reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # of the apex from the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     tilt = row.cup_angle - row.roller_angle
-    axis = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), 0.0 * azimuth - sign * np.cos(tilt)], axis=1)
+    axis = np.stack(
+        [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), 0.0 * azimuth - sign * np.cos(tilt)], axis=1
+    )
     middle, half = reach * np.cos(row.roller_angle), 0.5 * row.length
     places = np.array([0.0, 0.0, position + sign * reach * np.cos(row.cup_angle)]) + middle * axis
     ends = [(MM * (middle + x) * float(np.tan(row.roller_angle)), MM * x) for x in (-half, half)]

@@ -40,7 +40,12 @@ def view_of(
     words = [count_of(len(cases), "load case")] if cases else []
     sets = len(each[0].sets)
     words += [count_of(sets, "set")] if sets > 1 else []
-    return View(title, ", ".join([solved[0].scene.name if not cases else results["scene"], f"model {results['model']}", *words]), each, results)
+    return View(
+        title,
+        ", ".join([solved[0].scene.name if not cases else results["scene"], f"model {results['model']}", *words]),
+        each,
+        results,
+    )
 
 
 def _case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:

@@ -148,6 +148,7 @@
       heads.setColorAt(n, new THREE.Color(ARROW[s]));
     });
     spots.userData = { set, loaded };
+    heads.userData = set;
     rolling.push(spots);
     arrows.push(heads);
   }
@@ -176,8 +177,15 @@
   }
   function show() {
     if (!renderer) return;
+    const forces = element("view-forces").checked;
     for (const mesh of outer) mesh.visible = element("view-outer").checked;
-    for (const mesh of arrows) mesh.visible = element("view-forces").checked;
+    for (const mesh of arrows) mesh.visible = forces && (setAt < 0 || mesh.userData.k === setAt);
+    for (const { material } of [...steel, ...outer]) {  // arrows of the screw's forces begin inside it
+      Object.assign(material, { transparent: forces, opacity: forces ? 0.35 : 1, depthWrite: !forces });
+      material.needsUpdate = true;
+    }
+    element("view-outer").parentElement.hidden = !outer.size;
+    element("view-forces").parentElement.hidden = !arrows.length;
     draw();
   }
   function draw() {
@@ -324,7 +332,7 @@
       svg.append(drawn("text", { x: LEFT - 5, y: y(v) + 4, "text-anchor": "end" }, digits(v)));
     }
     const each = Math.max(1, scale(1, Math.max(count, 2), 8).marks[1] - scale(1, Math.max(count, 2), 8).marks[0]);
-    for (let n = 1; n <= count; n++) if (n === 1 || n % Math.ceil(each) === 0) svg.append(drawn("text", { x: x(n - 1), y: HIGH - 16, "text-anchor": "middle" }, n));
+    for (let n = 1; n <= count; n++) if (n === 1 || n % Math.ceil(each) === 0 && n > 0.7 * each) svg.append(drawn("text", { x: x(n - 1), y: HIGH - 16, "text-anchor": "middle" }, n));
     svg.append(drawn("text", { x: (LEFT + WIDE) / 2, y: HIGH - 2, "text-anchor": "middle" }, set.rolling ? "roller" : "ball"));
     if (band) for (const { y: values, c, dots } of series) {
       if (dots) continue;
@@ -376,15 +384,17 @@
   /** Answers above the scene: label, value, unit, what stands after it. */
   function answers() {
     const run = runs[caseAt], s = setAt < 0 ? run.summary : summaryOf(setAt), form = setAt < 0 || !several() ? run.model_form : null;
+    const whole = several() && setAt < 0, of = whole && s.worst_set ? data.cases[caseAt].sets[s.worst_set - 1].name : "";
     const worst = s.worst_contact, axial = (setAt < 0 || !several()) && s.axial, number = worst && (worst.ball ?? worst.roller);
     const rows = [
       ["status", runs[caseAt].status, "", ""],
-      ["largest contact load", s.loads?.max_N, "N", s.loads?.worst_ball ? `ball ${s.loads.worst_ball} ${s.loads.worst_side}` : ""],
-      ["mean contact load", s.loads?.mean_N, "N", ""],
+      ["set of the worst contact", of || null, "", ""],
+      ["largest contact load", whole ? null : s.loads?.max_N, "N", s.loads?.worst_ball ? `ball ${s.loads.worst_ball} ${s.loads.worst_side}` : ""],
+      ["mean contact load", whole ? null : s.loads?.mean_N, "N", ""],
       ["largest pressure", worst?.pressure_MPa, "MPa", number ? `${worst.ball ? "ball" : "roller"} ${number}` : ""],
       ["static safety", s.static_safety?.factor, "", ""],
       ["axial displacement", axial?.displacement_um, "µm", ""],
-      ["life L10", s.life?.L10_million_revolutions, "10⁶ rev", ""],
+      ["life L10", s.life?.L10_million_revolutions, "10⁶ rev", of],
       ["error of a load to expect", form?.largest_percent_of_mean && +form.largest_percent_of_mean.toPrecision(2), "% of mean", ""],
     ];
     element("view-answers").replaceChildren(...rows.filter(([, value]) => value != null).map(([label, value, unit, after]) =>
