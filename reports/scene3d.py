@@ -110,8 +110,8 @@ def cartesian(grid: Grid) -> tuple[Array, Array, Array]:
 
 
 def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
-    """Surfaces of the stretch of the screw around the nut: the grooved one, both ends and the bore. coarse: steps in multiples of
-    those of a picture; reach: from the nut's centre, in lengths of the nut."""
+    """Surfaces of the stretch of the screw around the nut: the grooved one, both ends and the bore. coarse: steps in
+    multiples of those of a picture; reach: from the nut's centre, in lengths of the nut."""
     grooves, half = _grooves(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
     high = min(max(scene.screw.length, low + 0.1 * half), scene.nut.position + half)

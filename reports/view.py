@@ -1,17 +1,16 @@
 """A solved scene that can be turned: one page with its surfaces, results and viewer, which loads nothing from outside.
 
-The page is `viewer/view.js` with three.js (`.ci/three` makes the part of it that is used). It draws surfaces, balls and forces,
-and takes every value that it shows from the JSON of the results, which the page holds.
+The page is `viewer/view.js` with three.js (`.ci/three` makes the part of it that is used). It draws surfaces, balls and
+forces, and takes every value that it shows from the JSON of the results, which the page holds.
 """
 
 from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from html import escape
 from importlib import resources
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,10 @@ from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports import scene3d
+from rollbench.reports.content import CaseView, SetView, View
 
+#: What marks pages as written by this program, and their file or folder as its to replace.
+MARKER = '<meta name="generator" content="rollbench">'
 #: Edge of the surfaces' cells, as a multiple of that of a picture.
 COARSE = 3.0
 #: How far the grooved stretch of a shaft is drawn from the middle of a nut, in its lengths; of a bearing, its ring.
@@ -29,53 +31,13 @@ NUT, RING = 0.8, 0.5
 MM = 1e3
 
 
-@dataclass(frozen=True)
-class SetView:
-    """One set of a load case. parts: balls with their grooves, or rollers; thrust: as of `meshes.axis.RollingSet`; points
-    (n, 4, 3) [m] of the contacts and forces (n, 4, 3) [N] on the balls, None of rollers and without answers; reference:
-    its label and its loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the loads (n, 4) [%] against it, or
-    None; expected: error of the loads that is to be expected [N], or None; closer: by how much each contact is closer than
-    in perfect parts, (n, 4) [m]."""
-
-    name: str
-    kind: str
-    parts: Scene | RollerRow
-    position: float
-    thrust: str = "both"
-    points: Array | None = None
-    forces: Array | None = None
-    reference: tuple[str, Array, Array, Array] | None = None
-    expected: float | None = None
-    closer: Array | None = None
-
-
-@dataclass(frozen=True)
-class CaseView:
-    """One load case: its name (empty: the only one), its sets, and the shaft that they stand on (None: that of the set)."""
-
-    name: str
-    sets: Sequence[SetView]
-    shaft: Assembly | None = None
-
-
-@dataclass(frozen=True)
-class View:
-    """Title, and what stands under it; load cases in the order of the results; results, JSON-ready, as of ``solve --json``."""
-
-    title: str
-    subtitle: str
-    cases: Sequence[CaseView]
-    results: Mapping[str, Any]
-
-
-def page(view: View, marker: str = "", back: str = "") -> str:
-    """The page of a view. marker: an HTML element for its head, by which it is known as one of a report; back: the address
-    that its link leads to; no link without one."""
+def page(view: View, back: str = "") -> str:
+    """The page of a view. back: the address that its link leads to; no link without one."""
     link = f' <a href="{escape(back)}">back</a>' if back else ""
     filled = {
         "TITLE": escape(view.title),
         "SUBTITLE": escape(view.subtitle) + link,
-        "MARKER": marker,
+        "MARKER": MARKER,
         "RESULTS": block("results", view.results),
         "VIEWER": fragment(view),
     }
@@ -150,7 +112,7 @@ def _plain(shaft: Assembly) -> list[dict[str, Any]]:
         *(z for s in shaft.segments for z in (s.start, s.end)),
     }
     cuts, found = sorted(ends), []
-    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+    for low, high in pairwise(cuts):
         middle = 0.5 * (low + high)
         if any(start < middle < end for start, end in under):
             continue

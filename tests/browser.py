@@ -1,4 +1,4 @@
-"""Debian's Chromium by its DevTools protocol, over two pipes: pages at a width, real movements of the mouse, pictures, and what
+"""Debian's Chromium by its DevTools protocol, over two pipes: pages at a width, movements of the mouse, pictures, and what
 the console was given."""
 
 import base64
@@ -34,7 +34,9 @@ class Page:
     def __call__(self, method, **params):
         """Answer of a method of the protocol."""
         self.count += 1
-        message = {"id": self.count, "method": method, "params": params} | ({"sessionId": self.session} if self.session else {})
+        message = {"id": self.count, "method": method, "params": params} | (
+            {"sessionId": self.session} if self.session else {}
+        )
         os.write(self.to, json.dumps(message).encode() + b"\0")
         until = time.monotonic() + PATIENCE
         while time.monotonic() < until:

@@ -68,8 +68,8 @@ class BallRow:
     )
     pressure: Array = quantity(
         "pressure_MPa",
-        "largest pressure of this contact, by Hertz from the load and the radii with their errors, or as the model gives it; 0 "
-        "where it does not touch",
+        "largest pressure of this contact, by Hertz from the load and the radii with their errors, or as the model gives "
+        "it; 0 where it does not touch",
         error="a third of that of the load",
         parts=".FLANK",
         show=per_side,
@@ -391,7 +391,8 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         summary = {"sides": sides_json(one.result.load), **answers_json(one)}
         if tangent is not None and one.answers is not None:
             summary["stiffness"] = stiffness_json(tangent.station, tangent.status, tangent.matrix)
-        answers = {"balls": ball_rows(one.scene, one.result), "summary": summary if np.isfinite(one.result.load).all() else {}}
+        balls = ball_rows(one.scene, one.result)
+        answers = {"balls": balls, "summary": summary if np.isfinite(one.result.load).all() else {}}
     grid = discretisation_percent(one.scene, one.result) if isinstance(one, Solved) else None
     line = zip(result.centreline_z, result.centreline, strict=True)
     return {
@@ -428,8 +429,8 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
 
 
 def pole_pressure(scene: Scene, found: StaticResult) -> Array:
-    """Largest pressure (n, 4) [Pa] of every contact: the model's, else by Hertz and the radii with their errors; nan without
-    equilibrium."""
+    """Largest pressure (n, 4) [Pa] of every contact: the model's, else by Hertz and the radii with their errors; nan
+    without equilibrium."""
     if found.pressure is not None or not np.isfinite(found.load).all():
         return found.load if found.pressure is None else found.pressure
     return own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)

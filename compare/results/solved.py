@@ -322,15 +322,18 @@ class Result(Record, Balls):
     def view(self, path: str | Path) -> Path:
         """Write a page with the loaded screw, which can be turned, as ``rollbench view`` does; its path. Raises ValueError
         without loads."""
+        Path(path).write_text(self.view_page(), encoding="utf-8")
+        return Path(path)
+
+    def view_page(self, stores: Sequence[Path] | None = None) -> str:
+        """The text of that page. stores: folders of runs of the 3D reference, those of the package unless given."""
         from rollbench.compare.results.view import view_of
         from rollbench.reports.view import page
 
-        if not self.solved or not any(one.answers for one in self.solved):
+        if not any(one.answers for one in self.solved):
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
         title = (self.cycle or self.solved[0].scene).title
-        html = page(view_of(title, self.solved, self.to_dict(), [*self.cases]))
-        Path(path).write_text(html, encoding="utf-8")
-        return Path(path)
+        return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     @property
     def _shown(self) -> str:

@@ -20,7 +20,7 @@ from rollbench.meshes.helix import ball_layout, groove_radii, nominal_groove_cen
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 from rollbench.meshes.surface import groove_profile
-from rollbench.reports.view import CaseView, SetView, View
+from rollbench.reports.content import CaseView, SetView, View
 
 
 def view_of(

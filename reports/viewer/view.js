@@ -58,6 +58,7 @@
   } catch {
     element("view-hint").textContent = "This browser draws no WebGL: the curves have all values.";
     canvas.parentElement.style.display = "none";
+    document.querySelector(".paper")?.classList.remove("paper");
   }
   const camera = new THREE.PerspectiveCamera(24, 1, 1, 1e5), controls = renderer && new THREE.OrbitControls(camera, canvas);
   const world = new THREE.Scene(), sky = new THREE.HemisphereLight("#ffffff", "#8d939b", 1.5), lamp = new THREE.DirectionalLight("#ffffff", 2.0);
