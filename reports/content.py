@@ -137,7 +137,8 @@ class CaseView:
 
 @dataclass(frozen=True)
 class View:
-    """Title, and what stands under it; load cases in the order of the results; results, JSON-ready, as of ``solve --json``."""
+    """Title, and what stands under it; load cases in the order of the results; results, JSON-ready, as of ``solve
+    --json``."""
 
     title: str
     subtitle: str
@@ -148,8 +149,8 @@ class View:
 @dataclass(frozen=True)
 class LoadedScrew:
     """A 3D picture of the screw, nut and balls of a scene under contact loads ``(n, 4)`` [N], whose largest colours a ball;
-    contact points (m, 3) [m] with the forces on the balls there (m, 3) [N], which become arrows; ``view``: of a page on which
-    it can be turned, if there is to be one."""
+    contact points (m, 3) [m] with the forces on the balls there (m, 3) [N], which become arrows; ``view``: of a page on
+    which it can be turned, if there is to be one."""
 
     name: str
     title: str

@@ -47,10 +47,10 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
     Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     a scene does not solve.
     """
-    with replaced(out):
-        need_writable(out / INDEX)
     for name in names:
         catalogue.any_scene(name)
+    with replaced(out):
+        need_writable(out / INDEX)
     pages = [page_of(name, (store, shipped_store()), reference) for name in names]
     files = dict(zip([INDEX] if len(pages) == 1 else _files(names), map(render, pages), strict=True))
     if len(pages) > 1:
@@ -80,7 +80,8 @@ def _files(names: Sequence[str]) -> list[str]:
 def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
     """The first page: what each scene says, and the table of all answers; files: pages of the scenes by name."""
     labels = [file.removesuffix(".html") for file in files]
-    table = Table.of("answers", "Answers side by side", rows(labels, pages), "An empty cell: the scene has no such answer.")
+    note = "A dash: the scene has no such answer. Loads are those of contacts; errors are those to be expected."
+    table = Table.of("answers", "Every number that the scenes answer", rows(labels, pages), note, unfolded=True)
     status = next((s for page in pages if (s := page.results["status"]) != "converged"), "converged")
     return ScenePage(
         title=f"{count_of(len(pages), 'scene')} side by side",
@@ -88,7 +89,7 @@ def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mappin
         verdict="",
         answers=[(label, f"{page.title}. {page.verdict}") for label, page in zip(labels, pages, strict=True)],
         picture=None,
-        parts=(Section("answers", "Answers", (table,)),),
+        parts=(Section("answers", "Side by side", (table,)),),
         provenance={label: page.provenance["scene"] for label, page in zip(labels, pages, strict=True)}
         | {key: pages[0].provenance[key] for key in ("rollbench", "date", "libraries", "Python", "model")},
         scene_text="",
@@ -112,8 +113,7 @@ def rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     for group, key in keys:
         words, unit = split_unit(key)
         row: Row = {
-            Quantity("group", "", "", "s"): group,
-            Quantity("quantity", "quantity", "", "s"): words,
+            Quantity("quantity", "quantity", "", "s"): f"{group}: {words}",
             Quantity("unit", "unit", "", "s"): unit,
         }
         found.append(row | {Quantity(head, head): column.get((group, key)) for head, column in columns.items()})
