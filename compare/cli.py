@@ -43,6 +43,7 @@ COMMANDS = {
         "new": "new",
         "solve": "solve",
         "friction": "friction",
+        "view": "report",
         "report": "report",
         "verify": "report",
         "doctor": "doctor",

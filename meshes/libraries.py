@@ -25,7 +25,7 @@ PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1":
 EXTRA = {
     "numba": "fast",
     **dict.fromkeys(("gmsh", "scikit-fem", "meshio", "h5py", "pymetis"), "reference"),
-    **dict.fromkeys(("matplotlib", "pillow", "jinja2", "pyvista", "trimesh"), "report"),
+    **dict.fromkeys(("matplotlib", "pillow", "jinja2", "pyvista"), "report"),
     **dict.fromkeys(("dask", "distributed"), "cluster"),
     **dict.fromkeys(("pyarrow", "xarray"), "tables"),
 }
@@ -38,7 +38,6 @@ ONLY_FOR = {
     "scikit-fem": f"no export of meshes, no whole report, no 3D model of rolling, {_NO_RUN}",
     "pymetis": _NO_RUN,
     "pyvista": "the report has no 3D pictures",
-    "trimesh": "the report has no view that can be turned",
     "pillow": "no report",
     "jinja2": "no report",
     "dask": "no sweep or reference on a cluster",

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 from rollbench.reports.quantity import Quantity as Quantity
 
@@ -105,10 +107,50 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class SetView:
+    """One set of a load case. parts: balls with their grooves, or rollers; thrust: as of `meshes.axis.RollingSet`; points
+    (n, 4, 3) [m] of the contacts and forces (n, 4, 3) [N] on the balls, None of rollers and without answers; reference:
+    its label and its loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the loads (n, 4) [%] against it, or
+    None; expected: error of the loads that is to be expected [N], or None; closer: by how much each contact is closer than
+    in perfect parts, (n, 4) [m]."""
+
+    name: str
+    kind: str
+    parts: Scene | RollerRow
+    position: float
+    thrust: str = "both"
+    points: NDArray[np.float64] | None = None
+    forces: NDArray[np.float64] | None = None
+    reference: tuple[str, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
+    expected: float | None = None
+    closer: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class CaseView:
+    """One load case: its name (empty: the only one), its sets, and the shaft that they stand on (None: that of the set)."""
+
+    name: str
+    sets: Sequence[SetView]
+    shaft: Assembly | None = None
+
+
+@dataclass(frozen=True)
+class View:
+    """Title, and what stands under it; load cases in the order of the results; results, JSON-ready, as of ``solve
+    --json``."""
+
+    title: str
+    subtitle: str
+    cases: Sequence[CaseView]
+    results: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class LoadedScrew:
     """A 3D picture of the screw, nut and balls of a scene under contact loads ``(n, 4)`` [N], whose largest colours a ball;
-    contact points (m, 3) [m] with the forces on the balls there (m, 3) [N], which become arrows; ``turns``: also as a page
-    on which it can be turned."""
+    contact points (m, 3) [m] with the forces on the balls there (m, 3) [N], which become arrows; ``view``: of a page on
+    which it can be turned, if there is to be one."""
 
     name: str
     title: str
@@ -117,7 +159,7 @@ class LoadedScrew:
     contact_points: NDArray[np.float64]
     contact_forces: NDArray[np.float64]
     caption: str = ""
-    turns: bool = False
+    view: View | None = None
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from rollbench.meshes.leftovers import temporary
-from rollbench.reports import field3d, figures, scene3d, sketch, view3d
+from rollbench.reports import field3d, figures, scene3d, sketch, view
 from rollbench.reports.cells import cell_view, filled, is_number, micro, typeset, write_csv
 from rollbench.reports.content import (
     FieldPicture,
@@ -31,9 +31,7 @@ from rollbench.reports.content import (
 )
 from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.manifest import write_manifest
-
-#: What marks pages as written by a report, and their folder as its to replace.
-MARKER = '<meta name="generator" content="rollbench">'
+from rollbench.reports.view import MARKER
 
 #: The index of the search: a script, because a page opened from a file may load no data.
 SEARCH = "search.js"
@@ -203,19 +201,11 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Wr
         path.unlink(missing_ok=True)
         writer.say(f"report: picture left out. {error}")
         return {"missing": str(error)}
-    turned = _turned(item, back, writer) if isinstance(item, LoadedScrew) and item.turns else None
+    turned = None
+    if isinstance(item, LoadedScrew) and item.view is not None:
+        turned = f"view-{item.name}.html"
+        _write(writer.folder / turned, view.page(item.view, back))
     return {"file": name, "image": name, "turned": turned}
-
-
-def _turned(item: LoadedScrew, back: str, writer: _Writer) -> str | None:
-    """Name of the page on which a loaded screw can be turned; None where none can be made here."""
-    name = view3d.view_file(item)
-    try:
-        view3d.write_view(item, writer.folder / name, MARKER, back)
-    except (ImportError, RuntimeError) as error:
-        writer.say(f"report: {name} left out ({error}); {view3d.REMEDY}")
-        return None
-    return name
 
 
 def inline(svg: str) -> Markup:
@@ -282,20 +272,30 @@ def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
         ValueError: ``out`` holds what no report wrote or cannot be replaced; a name is unfit for a file or
             given twice; a figure's data are inconsistent.
     """
+    _check_names(report)
+
+    def make(folder: Path) -> None:
+        for name in ("tables", "figures"):
+            (folder / name).mkdir()
+        write_pages(report, folder, progress or (lambda _: None))
+
+    return replace_folder(out, make) / "index.html"
+
+
+def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
+    """Let a new folder, which ``make`` fills, take the place of the directory ``out`` of a report, whole or not at all; its
+    path. Raises ValueError as `check_target`, and where it cannot be replaced."""
     out = Path(out).resolve()
     check_target(out)
-    _check_names(report)
-    say = progress or (lambda _: None)
     out.parent.mkdir(parents=True, exist_ok=True)
     fresh = temporary(out, "new")
     try:
-        for folder in (fresh, fresh / "tables", fresh / "figures"):
-            folder.mkdir()
-        write_pages(report, fresh, say)
+        fresh.mkdir()
+        make(fresh)
         _swap(fresh, out)
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
-    return out / "index.html"
+    return out
 
 
 def check_target(out: Path) -> None:

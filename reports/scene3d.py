@@ -26,8 +26,11 @@ SIZE = (1600, 900)
 
 _VIEW = np.radians(155.0)  # azimuth of the viewer and of the opening in the nut; z runs to the right
 _ARROW = 3.6  # length of the longest arrow, in ball radii
-_STEEL, _NUT, _CUT = "#c3c8ce", "#9fb0c2", "#5f7d9c"
+STEEL, _NUT, _CUT = "#c3c8ce", "#9fb0c2", "#5f7d9c"
 _SCREW_SIDE, _NUT_SIDE, _IDLE = "#d1495b", "#1b1f24", "#eeeeee"
+
+#: Radius [m], azimuth [rad] and station [m] of the points of a surface, each (rows, columns).
+Grid = tuple[Array, Array, Array]
 
 
 def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
@@ -92,36 +95,44 @@ def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float)
     return np.broadcast_to(phi[:, None], z.shape), z
 
 
-def _sheet(radius: Array, phi: Array, z: Array) -> Any:
-    """A surface from cylindrical coordinates of one two-dimensional grid."""
+def _sheet(grid: Grid) -> Any:
+    """A surface; lengths in mm."""
     import pyvista
 
-    points = (radius * np.cos(phi), radius * np.sin(phi), z)
-    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(x)[..., None] for x in points))
+    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in cartesian(grid)))
     return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
 
 
-def _shaft(scene: Scene, grooves: _Grooves, coarse: float = 1.0) -> list[Any]:
-    """Surfaces of the stretch of the screw around the nut: the grooved one and both ends; lengths in mm. coarse: steps in
-    multiples of those of a picture."""
-    half = 0.8 * scene.nut.length
+def cartesian(grid: Grid) -> tuple[Array, Array, Array]:
+    """x, y, z [m] of a grid's points."""
+    radius, phi, z = grid
+    return radius * np.cos(phi), radius * np.sin(phi), z
+
+
+def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
+    """Surfaces of the stretch of the screw around the nut: the grooved one, both ends and the bore. coarse: steps in
+    multiples of those of a picture; reach: from the nut's centre, in lengths of the nut."""
+    grooves, half = _grooves(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
     high = min(max(scene.screw.length, low + 0.1 * half), scene.nut.position + half)
     back = _VIEW + np.pi
     around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarse) + 1)
     phi, z = _grid(grooves, around, (low, high), 0.06 * coarse * ball_radius(scene))
     radius = grooves.surface(phi, z, scene.screw.outer_diameter / 2.0)
-    sheets = [_sheet(radius * 1e3, phi, z * 1e3)]
+    grids, inner = [(radius, phi, z)], scene.screw.bore / 2.0
     for column in (0, -1):
         share = np.linspace(0.0, 1.0, 12)[None, :]
         flat = np.zeros_like(share)
-        rim, height = radius[:, column, None] * 1e3, z[:, column, None] * 1e3
-        sheets.append(_sheet(rim * share, phi[:, :1] + flat, height + flat))
-    return sheets
+        grids.append((inner + (radius[:, column, None] - inner) * share, phi[:, :1] + flat, z[:, column, None] + flat))
+    if inner > 0.0:
+        ends = z[:, [0, -1]]
+        grids.append((np.full_like(ends, inner), phi[:, :2], ends))
+    return grids
 
 
-def _shell(scene: Scene, grooves: _Grooves, coarse: float = 1.0) -> tuple[list[Any], list[Any]]:
-    """Surfaces of the half of the nut behind the screw, and its two cut faces; lengths in mm. coarse: as for the shaft."""
+def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
+    """Surfaces of the half of the nut behind the screw, and its two cut faces. coarse: as for the shaft."""
+    grooves = _grooves(scene)
     bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
     around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarse) + 1)
@@ -130,14 +141,14 @@ def _shell(scene: Scene, grooves: _Grooves, coarse: float = 1.0) -> tuple[list[A
     outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
 
-    def between(index: Any) -> Any:
+    def between(index: Any) -> Grid:
         """The flat face from the bore to the outer diameter along one edge of the grid."""
         wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
         flat = np.zeros_like(wall)
-        return _sheet(wall * 1e3, phi[index][:, None] + flat, z[index][:, None] * 1e3 + flat)
+        return wall, phi[index][:, None] + flat, z[index][:, None] + flat
 
     everywhere = slice(None)
-    body = [_sheet(inner * 1e3, phi, z * 1e3), _sheet(outer * 1e3, phi, z * 1e3)]
+    body = [(inner, phi, z), (outer, phi, z)]
     body += [between((everywhere, 0)), between((everywhere, -1))]
     return body, [between((0, everywhere)), between((-1, everywhere))]
 
@@ -155,33 +166,10 @@ def sight() -> Array:
     return eye / float(np.linalg.norm(eye))
 
 
-def bodies(picture: LoadedScrew, coarse: float) -> list[tuple[Any, str]]:
-    """Surfaces of screw, opened nut, balls and forces, each with its colour; lengths in mm.
-
-    coarse: steps along the surfaces in multiples of those of a picture. Balls are coloured by load, unloaded ones pale.
-    """
-    import pyvista
-    from matplotlib import colormaps
-    from matplotlib.colors import to_hex
-
-    grooves = _grooves(picture.scene)
-    body, cuts = _shell(picture.scene, grooves, coarse)
-    found: list[tuple[Any, str]] = [(sheet, _STEEL) for sheet in _shaft(picture.scene, grooves, coarse)]
-    found += [(sheet, _NUT) for sheet in body] + [(sheet, _CUT) for sheet in cuts]
-    loads = picture.load.max(axis=1)
-    low, high = load_scale(picture)
-    radius = 1e3 * ball_radius(picture.scene)
-    for centre, load in zip(1e3 * ball_layout(picture.scene).centre, loads, strict=True):
-        ball = pyvista.Sphere(radius=radius, center=centre, theta_resolution=24, phi_resolution=20)
-        colour = to_hex(colormaps["viridis"]((load - low) / (high - low))) if load > 0.0 else _IDLE
-        found.append((ball, colour))
-    return found + list(_arrows(picture))
-
-
-def load_scale(picture: LoadedScrew) -> tuple[float, float]:
-    """Ends [N] of the scale by which balls are coloured."""
-    loads = picture.load.max(axis=1)
-    return _round_scale(float(loads[loads > 0.0].min()), float(loads.max()))[:2] if (loads > 0.0).any() else (0.0, 1.0)
+def grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
+    """Surfaces of the screw's stretch, of the opened nut and of its cut faces, by colour; arguments as of `_shaft`."""
+    body, cuts = _shell(scene, coarse)
+    return {STEEL: _shaft(scene, coarse, reach), _NUT: body, _CUT: cuts}
 
 
 def _render(picture: LoadedScrew, path: str) -> None:
@@ -189,7 +177,6 @@ def _render(picture: LoadedScrew, path: str) -> None:
     import pyvista
 
     pyvista.OFF_SCREEN = True
-    grooves = _grooves(picture.scene)
     plotter = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
     plotter.set_background("white")
     steel = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.35, "specular_power": 25}
@@ -197,13 +184,13 @@ def _render(picture: LoadedScrew, path: str) -> None:
     # the length of an arrow, the screw does not hide the forces that it exerts, but balls and arrows hide
     # each other as they should.
     behind = -1e3 * _ARROW * ball_radius(picture.scene) * sight()
-    for sheet in _shaft(picture.scene, grooves):
-        plotter.add_mesh(sheet.translate(behind), color=_STEEL, **steel)
-    body, cuts = _shell(picture.scene, grooves)
-    for sheet in body:
-        plotter.add_mesh(sheet, color=_NUT, **steel)
-    for sheet in cuts:
-        plotter.add_mesh(sheet, color=_CUT, ambient=0.6, diffuse=0.4)
+    for grid in _shaft(picture.scene):
+        plotter.add_mesh(_sheet(grid).translate(behind), color=STEEL, **steel)
+    body, cuts = _shell(picture.scene)
+    for grid in body:
+        plotter.add_mesh(_sheet(grid), color=_NUT, **steel)
+    for grid in cuts:
+        plotter.add_mesh(_sheet(grid), color=_CUT, ambient=0.6, diffuse=0.4)
     _add_balls(plotter, picture)
     _add_forces(plotter, picture)
     _set_view(plotter, picture)

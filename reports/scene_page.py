@@ -19,9 +19,10 @@ from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, typeset
-from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch
+from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, View
 from rollbench.reports.manifest import all_texts, parsed, sha256
 from rollbench.reports.pages import MARKER, inline, templates
+from rollbench.reports.view import fragment
 
 #: Blocks of the page that hold data, by id.
 BLOCKS = ("manifest", "scene", "results")
@@ -31,7 +32,8 @@ BLOCKS = ("manifest", "scene", "results")
 class ScenePage:
     """Title and what stands under it; the answer in one sentence; answers (label, sentence); picture or None; parts;
     provenance (label, text); text of the scene file; results, JSON-ready; files: SHA-256 of what else was used, by name;
-    warnings: what is said where the page is written, and stands among its assumptions."""
+    warnings: what is said where the page is written, and stands among its assumptions; view: what can be turned on it,
+    whose results are those of the page; links: files that labels of answers lead to."""
 
     title: str
     subtitle: str
@@ -44,6 +46,8 @@ class ScenePage:
     results: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
     warnings: Sequence[str] = ()
+    view: View | None = None
+    links: Mapping[str, str] = field(default_factory=dict)
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:
@@ -74,6 +78,7 @@ def render(page: ScenePage) -> str:
         page=page,
         picture=picture,
         missing=missing,
+        viewer=Markup("" if page.view is None else fragment(page.view)),
         marker=Markup(MARKER),
         scene_json=_embedded(page.scene_text),
         results_json=_embedded(page.results),

@@ -20,7 +20,7 @@ from rollbench.compare.reference.store import load
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores, gmsh_fault
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.libraries import MESHING, PICTURES, install, pip, version
+from rollbench.meshes.libraries import MESHING, PICTURES, install
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import fault as drawing_fault
@@ -185,8 +185,6 @@ def lacking(sections: Iterable[Section]) -> list[LeftOut]:
     """What a report leaves out because a package of the extra report is not installed, and the 3D pictures of its sections
     where this machine cannot draw them."""
     left = []
-    if version("trimesh") is None:
-        left.append(LeftOut(("the view that can be turned",), "trimesh is not installed", pip("trimesh")))
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
     ):

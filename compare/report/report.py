@@ -245,9 +245,18 @@ def make_report(
     return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
 
 
+def one_scene(names: Sequence[str], **given: Any) -> None:
+    """Raise InputError for no scene, and where something is given that goes with one scene only."""
+    if not names:
+        raise ArgumentError("scene", "an empty list", "a name, a file, or several", "name a scene")
+    for name, value in given.items():
+        if value is not None and len(names) > 1:
+            raise ArgumentError(name, str(value), "with one scene", "write a page on each scene")
+
+
 @held_to_one_thread()
 def report(
-    scene: str | Path | None = None,
+    scene: str | Path | Sequence[str | Path] | None = None,
     *,
     only: Sequence[str] = (),
     out: str | Path = "rollbench-report",
@@ -259,7 +268,8 @@ def report(
     everything: bool = False,
     source: str = "",
 ) -> Written:
-    """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
+    """The validation report, or one page on a scene (a name or file), of several scenes also a table of them side by side,
+    written to the folder ``out``.
 
     only, quick, stored, fresh, everything, source: of the whole report, as the command's options (everything: ``--all``);
     reference: of a page, your own in place of the 3D reference.
@@ -272,12 +282,15 @@ def report(
         raise ArgumentError(given[0], "given", "without a scene", "leave it out")
     index = folder / "index.html"
     if scene is not None:
-        from rollbench.compare.report.scene_page import make_page
+        from rollbench.compare.report.several import make_pages
 
-        page = make_page(str(scene), folder, Path(store), None if reference is None else Path(reference))
-        warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
-        data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": page.verdict}
-        return Written(data, "", (*warned, page.verdict), page=index, passed=True, verdict=page.verdict)
+        names = [str(scene)] if isinstance(scene, str | Path) else [str(one) for one in scene]
+        one_scene(names, reference=reference)
+        pages = make_pages(names, folder, Path(store), None if reference is None else Path(reference))
+        warned = tuple(f"WARNING: {warning}" for page in pages for warning in page.warnings)
+        verdict = "\n".join(page.verdict for page in pages)
+        data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": verdict}
+        return Written(data, "", (*warned, *verdict.split("\n")), page=index, passed=True, verdict=verdict)
     if reference is not None:
         raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
 

@@ -16,7 +16,6 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.files import need_writable, replace_file
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
@@ -31,6 +30,7 @@ from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.results.scene_json import case_json, cases_json
+from rollbench.compare.results.view import view_of
 from rollbench.compare.running import libraries
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -60,22 +60,6 @@ SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
-def make_page(name: str, out: Path, store: Path, reference: Path | None = None) -> ScenePage:
-    """Solve a scene by the default model, set it beside a stored reference where there is one, or beside a user's own, and
-    write the page.
-
-    Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
-    the scene does not solve.
-    """
-    from rollbench.reports.scene_page import render
-
-    with replaced(out):
-        need_writable(out / "index.html")
-    page = page_of(name, (store, shipped_store()), reference)
-    replace_file(out / "index.html", render(page))
-    return page
-
-
 @contextmanager
 def replaced(out: Path) -> Iterator[None]:
     """Write a report into the folder ``out`` inside. Raises InputError where it holds what no report wrote, or cannot be
@@ -91,8 +75,8 @@ def replaced(out: Path) -> Iterator[None]:
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
-    """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError and Refusal as
-    `make_page`."""
+    """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError for a scene of
+    another kind, Refusal where it does not solve."""
     described = catalogue.any_scene(name)
     if not isinstance(described, DutyCycle):
         return _page_of_scene(name, scene_file.whole(described, name), stores, file)
@@ -125,6 +109,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
         answers=[*answers, *((f"{worst}: {label}", text) for label, text in page.answers)],
         parts=(Section("cases", "Load cases", (table,)), *page.parts),
         results=data,
+        view=view_of(cycle.title, solved, data, [*scenes], stores),
     )
 
 
@@ -143,7 +128,7 @@ def _page_of_scene(
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
-    text = _scene_text(name)
+    text, data = _scene_text(name), case_json(one)
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
@@ -161,9 +146,10 @@ def _page_of_scene(
         sections,
         _provenance(name, scene, text, stored, file),
         text,
-        case_json(one),
+        data,
         _files(scene, stored, stores),
         warnings,
+        view_of(scene.title, [one], data, (), stores, given),
     )
 
 

@@ -13,7 +13,7 @@ from rollbench.compare.errors import ArgumentError, InputError, escaped
 from rollbench.compare.measure import error_percent
 from rollbench.compare.provenance import SCENE, SOURCES, inputs, sources_hash
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.scene_page import make_page
+from rollbench.compare.report.several import INDEX, make_pages
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
 from rollbench.reports.manifest import FILE, hashes, page_text, read_manifest, sha256
@@ -176,7 +176,7 @@ def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> I
 def run_verify(report: Path, store: Path) -> Answer:
     """Every hash's state; exit code 1 where one differs. Raises InputError for a file that is no page with a
     manifest."""
-    stores = (store, shipped_store())
+    stores = (store, shipped_store(), folder_of(report))  # the last one: pages of several scenes
     whole = (folder_of(report) / FILE).is_file()
     rows = list(checked_report(report, stores) if whole else checked_page(*read(report), stores))
     shown = [row for row in rows if not whole or row.state != "ok"]  # a whole report has hundreds
@@ -185,12 +185,18 @@ def run_verify(report: Path, store: Path) -> Answer:
     return Answer(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
 
 
-def run_page(scene: str, out: Path, store: Path, against: Path | None, reference: Path | None = None) -> Answer:
-    """Write the page of a scene, and list what moved against an earlier one; exit code 1 where a load case did not
-    converge. Raises InputError as `make_page`, `read`."""
+def run_pages(
+    scenes: Sequence[str], out: Path, store: Path, against: Path | None = None, reference: Path | None = None
+) -> Answer:
+    """Write the page of a scene, or of several with a table of them, and list what moved against an earlier page on one;
+    exit code 1 where a load case did not converge. Raises InputError as `make_pages`, `read`."""
     before = None if against is None else read(against)[1]
-    page = make_page(scene, out, store, reference)
-    parts = [*(f"WARNING: {warning}" for warning in page.warnings), page.verdict, f"page: {out / 'index.html'}"]
+    pages = make_pages(scenes, out, store, reference)
+    parts = []
+    for name, page in zip(scenes, pages, strict=True):
+        said = f"{name}: " if len(pages) > 1 else ""
+        parts += [*(f"WARNING: {said}{warning}" for warning in page.warnings), f"{said}{page.verdict}"]
+    parts.append(f"page: {out / INDEX}")
     if before is not None:
         after = read(out)[1]
         lines = [
@@ -198,7 +204,7 @@ def run_page(scene: str, out: Path, store: Path, against: Path | None, reference
             *moved(_stable(before["results"]), _stable(after["results"])),
         ]
         parts += lines or ["nothing moved"]
-    return Answer(parts=parts, code=int(page.results["status"] != "converged"))
+    return Answer(parts=parts, code=int(any(page.results["status"] != "converged" for page in pages)))
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:

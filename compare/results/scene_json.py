@@ -16,12 +16,15 @@ from rollbench.compare.quantities import as_json, number
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.contacts import RACES, race_pressures
 from rollbench.lowfi.rating.life import Life
+from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import counted, mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
@@ -43,7 +46,7 @@ def per_side(row: Array) -> dict[str, float | None]:
 
 @record
 class BallRow:
-    """One ball: place, and load and contact angle (4,) of its flanks, SI."""
+    """One ball: place, and load, contact angle and pressure (4,) of its flanks, SI."""
 
     index: int = quantity("index", "number of the ball along its track, from 1")
     azimuth: float = quantity("azimuth_deg", "nominal azimuth of the ball, from x to y; it goes on over turns")
@@ -60,6 +63,14 @@ class BallRow:
         "angle of the contact normal to the radius, in the plane of axis and radius, at the solved place of the ball; null "
         "without load",
         error="of the order of the approach over the groove's excess radius",
+        parts=".FLANK",
+        show=per_side,
+    )
+    pressure: Array = quantity(
+        "pressure_MPa",
+        "largest pressure of this contact, by Hertz from the load and the radii with their errors, or as the model gives "
+        "it; 0 where it does not touch",
+        error="a third of that of the load",
         parts=".FLANK",
         show=per_side,
     )
@@ -380,7 +391,8 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         summary = {"sides": sides_json(one.result.load), **answers_json(one)}
         if tangent is not None and one.answers is not None:
             summary["stiffness"] = stiffness_json(tangent.station, tangent.status, tangent.matrix)
-        answers = {"balls": ball_rows(one.result), "summary": summary if np.isfinite(one.result.load).all() else {}}
+        balls = ball_rows(one.scene, one.result)
+        answers = {"balls": balls, "summary": summary if np.isfinite(one.result.load).all() else {}}
     grid = discretisation_percent(one.scene, one.result) if isinstance(one, Solved) else None
     line = zip(result.centreline_z, result.centreline, strict=True)
     return {
@@ -416,16 +428,28 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
     return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene, result)))))
 
 
-def ball_rows(balls: StaticResult) -> list[dict[str, Any]]:
-    """Place, loads and contact angles of every ball, numbered from 1."""
-    rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, strict=True)
+def pole_pressure(scene: Scene, found: StaticResult) -> Array:
+    """Largest pressure (n, 4) [Pa] of every contact: the model's, else by Hertz and the radii with their errors; nan
+    without equilibrium."""
+    if found.pressure is not None or not np.isfinite(found.load).all():
+        return found.load if found.pressure is None else found.pressure
+    return own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
+
+
+def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
+    """Place, loads, contact angles and pressures of every ball, numbered from 1."""
+    pressure = pole_pressure(scene, balls)
+    rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
     return [as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
 
 
 def set_balls(result: AxisResult) -> list[dict[str, Any]]:
     """One row per ball, numbered from 1 in each set."""
-    of_balls = ((k, s.balls) for k, s in enumerate(result.sets, 1) if s.balls is not None)
-    return [{"set": k} | row for k, balls in of_balls for row in ball_rows(balls)]
+    rows = []
+    for k, s in enumerate(result.sets, 1):
+        if s.balls is not None and isinstance(s.of.parts, Scene):
+            rows += [{"set": k} | row for row in ball_rows(s.of.parts, s.balls)]
+    return rows
 
 
 def rollers(result: AxisResult) -> list[dict[str, Any]]:

@@ -14,16 +14,13 @@ from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnsw
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
-from rollbench.compare.results.scene_json import case_json, cases_json
+from rollbench.compare.results.scene_json import case_json, cases_json, pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
-from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import quantity, record
 
@@ -326,23 +323,20 @@ class Result(Record, Balls):
         ]
 
     def view(self, path: str | Path) -> Path:
-        """Write a page with the loaded screw, which can be turned; its path. Of a scene of one set without load cases.
-        Raises ValueError without loads and for other scenes, ImportError without trimesh, RuntimeError where this machine
-        cannot draw."""
-        from rollbench.reports.content import LoadedScrew
-        from rollbench.reports.view3d import write_view
-
-        one = self.solved[0]
-        if self.cycle is not None or not isinstance(one, Solved):
-            raise ValueError(f"{self.scene}: only a scene of one set, without load cases, has a view")
-        if not self.converged:
-            raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
-        found, loaded = one.result, one.result.load > 0.0
-        arrows = found.contact_point[loaded], (found.force_direction * found.load[..., None])[loaded]
-        words = "Balls are coloured by their load; arrows are the contact forces on them."
-        title = f"{self.scene}, {title_of(self.model)}"
-        write_view(LoadedScrew("view", title, one.scene, found.load, *arrows, words, turns=True), Path(path))
+        """Write a page with the loaded screw, which can be turned, as ``rollbench view`` does; its path. Raises ValueError
+        without loads."""
+        Path(path).write_text(self.view_page(), encoding="utf-8")
         return Path(path)
+
+    def view_page(self, stores: Sequence[Path] | None = None) -> str:
+        """The text of that page. stores: folders of runs of the 3D reference, those of the package unless given."""
+        from rollbench.compare.results.view import view_of
+        from rollbench.reports.view import page
+
+        if not any(one.answers for one in self.solved):
+            raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
+        title = (self.cycle or self.solved[0].scene).title
+        return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     @property
     def _shown(self) -> str:
@@ -503,9 +497,7 @@ def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
-    pressure = found.pressure
-    if pressure is None:
-        pressure = own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
+    pressure = pole_pressure(scene, found)
     return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
 
 

@@ -37,7 +37,6 @@ CASES = [
     ("pymetis", ("compare", "lin-case1-cut", "--levels", "1", "--fresh", "--store", "runs"), 2, "pymetis is not installed"),
     ("pymetis", CHECK, 0, "1 pass"),
     ("pyvista", PAGE, 0, "index.html"),
-    ("trimesh", PAGE, 0, "index.html"),
     ("pillow", PAGE, 2, "pip install 'rollbench[report]'"),
     ("jinja2", PAGE, 2, "pip install 'rollbench[report]'"),
     ("h5py", (*EXPORT[:-1], "nut.med"), 2, "pip install 'rollbench[reference]'"),

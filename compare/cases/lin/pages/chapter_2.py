@@ -17,9 +17,12 @@ import numpy as np
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.chapter_2 import SCREWS, TABLE_CONFORMITY, ratio, readings, spread, unloaded
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.load_cases import solve_one
+from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, value_of
+from rollbench.compare.results.scene_json import case_json
+from rollbench.compare.results.view import view_of
 from rollbench.compare.sections.curves import lateral, load_panel, loads
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.lowfi.as_source import best_start
@@ -194,7 +197,9 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Case 3 with offset: contact forces on the balls"
-    return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, turns=True)
+    one = solve_one(scene, result.model, Options(discretisation=False))
+    view = view_of(title, [one], case_json(one))
+    return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
 
 
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:

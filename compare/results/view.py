@@ -1,0 +1,115 @@
+"""What a view of a solved scene shows: its sets with contacts, geometric errors, and errors of the loads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.quantities import count_of
+from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, groove_radii, nominal_groove_centres
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDE_SIGNS, Scene
+from rollbench.meshes.surface import groove_profile
+from rollbench.reports.content import CaseView, SetView, View
+
+
+def view_of(
+    title: str,
+    solved: Sequence[Solved | SolvedAxis],
+    results: Mapping[str, Any],
+    cases: Sequence[str] = (),
+    stores: Sequence[Path] | None = None,
+    given: Reference | None = None,
+) -> View:
+    """The view of a solved scene, or of its load cases.
+
+    results: as JSON; cases: names of the load cases, none of a single one; stores: folders of runs of the 3D reference
+    (None: that of the package); given: a user's own reference in place of them.
+    """
+    each = [_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
+    words = [count_of(len(cases), "load case")] if cases else []
+    sets = len(each[0].sets)
+    words += [count_of(sets, "set")] if sets > 1 else []
+    return View(
+        title,
+        ", ".join([solved[0].scene.name if not cases else results["scene"], f"model {results['model']}", *words]),
+        each,
+        results,
+    )
+
+
+def _case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
+    if isinstance(one, Solved):
+        known = given or reference(one.scene, stores)
+        expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
+        mean = mean_load(one.result.load, nominal_contacts(one.scene, one.result)) if one.answers else 0.0
+        share = None if expected is None else expected * mean
+        kind = "ball nut" if one.scene.track.lead else "bearing"
+        found = _balls("", kind, one.scene, one.scene.nut.position, one.result, one.answers is not None, known, share)
+        return CaseView(name, [found])
+    sets = []
+    for s in one.result.sets:
+        solved = one.answers is not None
+        if s.balls is not None and isinstance(s.of.parts, Scene):
+            sets.append(_balls(s.of.name, s.of.kind, s.of.parts, s.of.position, s.balls, solved))
+        else:
+            sets.append(SetView(s.of.name, s.of.kind, s.of.parts, s.of.position, s.of.thrust))
+    return CaseView(name, sets, one.scene)
+
+
+def _balls(
+    name: str,
+    kind: str,
+    parts: Scene,
+    position: float,
+    found: StaticResult,
+    solved: bool,
+    known: Reference | None = None,
+    expected: float | None = None,
+) -> SetView:
+    """A set of balls; known: reference of its loads; expected: error of its loads [N]."""
+    closer = closer_than_perfect(parts, found.member)
+    if not solved:
+        return SetView(name, kind, parts, position, closer=closer)
+    errors = None
+    if known is not None:
+        either = (found.load > 0.0) | (known.load > 0.0)
+        percent = np.where(either, error_percent(found.load, known.load, known.mean), np.nan)
+        errors = (known.label, known.load, known.uncertainty, percent)
+    forces = found.force_direction * found.load[..., None]
+    return SetView(
+        name,
+        kind,
+        parts,
+        position,
+        points=found.contact_point,
+        forces=forces,
+        reference=errors,
+        expected=expected,
+        closer=closer,
+    )
+
+
+def closer_than_perfect(scene: Scene, member: int = 0) -> Array:
+    """By how much the errors of the parts bring each ball at its nominal place closer to its flanks, along the nominal
+    contact normals: (n, 4) [m].
+
+    With the normal n of a flank, delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0): ball's radius r_B, groove's centre c
+    and radius rho at the nominal contact angle, nominal values with a 0. First order in the errors.
+    """
+    drawn, beta = specimen(scene, ball_layout(scene), member), scene.track.contact_angle
+    normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])
+    moved = np.einsum("nsk,sk->ns", drawn.centre - nominal_groove_centres(scene), normal)
+    flanks = zip(drawn.radius, drawn.profile, strict=True)
+    radius = np.array([groove_profile(np.array(beta), r, profile)[0] for r, profile in flanks])
+    return np.asarray((drawn.ball_radius - scene.balls.radius)[:, None] - moved - (radius - groove_radii(scene)))

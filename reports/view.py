@@ -1,0 +1,195 @@
+"""A solved scene that can be turned: one page with its surfaces, results and viewer, which loads nothing from outside.
+
+The page is `viewer/view.js` with three.js (`.ci/three` makes the part of it that is used). It draws surfaces, balls and
+forces, and takes every value that it shows from the JSON of the results, which the page holds.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from html import escape
+from importlib import resources
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports import scene3d
+from rollbench.reports.content import CaseView, SetView, View
+
+#: What marks pages as written by this program, and their file or folder as its to replace.
+MARKER = '<meta name="generator" content="rollbench">'
+#: Edge of the surfaces' cells, as a multiple of that of a picture.
+COARSE = 3.0
+#: How far the grooved stretch of a shaft is drawn from the middle of a nut, in its lengths; of a bearing, its ring.
+NUT, RING = 0.8, 0.5
+MM = 1e3
+
+
+def page(view: View, back: str = "") -> str:
+    """The page of a view. back: the address that its link leads to; no link without one."""
+    link = f' <a href="{escape(back)}">back</a>' if back else ""
+    filled = {
+        "TITLE": escape(view.title),
+        "SUBTITLE": escape(view.subtitle) + link,
+        "MARKER": MARKER,
+        "RESULTS": block("results", view.results),
+        "VIEWER": fragment(view),
+    }
+    html = _file("page.html")
+    for name, text in filled.items():
+        html = html.replace(f"{{{{{name}}}}}", text)
+    return html
+
+
+def fragment(view: View) -> str:
+    """The viewer as elements of a page that holds the results as JSON in an element of this id."""
+    surfaces: dict[str, int] = {}
+    cases = [_case(case, surfaces) for case in view.cases]
+    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_sight()}
+    scripts = "".join(f"<script>{_file(name)}</script>" for name in ("three.min.js", "view.js"))
+    return f"<style>{_file('view.css')}</style>{_file('view.html')}{block('view-data', data)}{scripts}"
+
+
+def block(name: str, data: Any) -> str:
+    """JSON in a page: nothing in it ends the element."""
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
+    for sign in "<>&":
+        text = text.replace(sign, f"\\u{ord(sign):04x}")
+    return f'<script type="application/json" id="{name}">{text}</script>'
+
+
+def _file(name: str) -> str:
+    return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
+
+
+def _sight() -> dict[str, list[float]]:
+    return {"sight": scene3d.sight().tolist(), "up": scene3d.directions()[1].tolist()}
+
+
+def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
+    """A load case for the script. surfaces: what is drawn once, with its number, as equal cases share it."""
+    drawn = [s for one in case.sets for s in _surfaces(one, case.shaft is not None)]
+    if case.shaft is not None:
+        drawn += _plain(case.shaft)
+    numbers = [surfaces.setdefault(json.dumps(one), len(surfaces)) for one in drawn]
+    return {"name": case.name, "surfaces": numbers, "sets": [_set(one) for one in case.sets]}
+
+
+def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
+    """Surfaces of a set with the stretch of the shaft under it; shared: the rest of the shaft is drawn too."""
+    if isinstance(one.parts, RollerRow):
+        return [_cone(one.parts, one.position, _apex(one.thrust))]
+    reach = RING if shared and not one.parts.track.lead else NUT
+    found = scene3d.grids(one.parts, COARSE, reach)
+    return [_packed(grid, tint) for tint, grids in found.items() for grid in grids]
+
+
+def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
+    """A surface in mm, its points as numbers of 16 bits between the least and the largest."""
+    points = MM * np.stack(scene3d.cartesian(grid), axis=-1)
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    step = np.maximum(high - low, 1e-9) / 65535.0
+    whole = np.rint((points - low) / step).astype("<u2")
+    text = base64.b64encode(whole.tobytes()).decode("ascii")
+    return {"tint": tint, "rows": len(points), "low": low.tolist(), "step": step.tolist(), "points": text}
+
+
+def _plain(shaft: Assembly) -> list[dict[str, Any]]:
+    """What of a shaft lies between the sets: radius and station [mm] along outlines that are turned about the axis."""
+    under = [
+        _stretch(s, s.parts, shaft.screw.length) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None
+    ]
+    ends = {
+        0.0,
+        shaft.screw.length,
+        *(z for pair in under for z in pair),
+        *(z for s in shaft.segments for z in (s.start, s.end)),
+    }
+    cuts, found = sorted(ends), []
+    for low, high in pairwise(cuts):
+        middle = 0.5 * (low + high)
+        if any(start < middle < end for start, end in under):
+            continue
+        size = next((s.diameter for s in shaft.segments if s.start <= middle <= s.end), shaft.screw.outer_diameter)
+        radius = MM * size / 2.0
+        found.append(
+            {"tint": scene3d.STEEL, "outline": [[0.0, MM * low], [radius, MM * low], [radius, MM * high], [0.0, MM * high]]}
+        )
+    return found
+
+
+def _stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
+    half = (NUT if parts.track.lead else RING) * parts.nut.length
+    return max(0.0, s.position - half), min(length, s.position + half)
+
+
+def _set(one: SetView) -> dict[str, Any]:
+    """A set for the script; lengths in mm, of what is closer in um."""
+    head = {"name": one.name, "kind": one.kind, "expected": one.expected}
+    if isinstance(one.parts, RollerRow):
+        return head | _rollers(one.parts, one.position, _apex(one.thrust))
+    out = head | {
+        "centre": [0.0, 0.0, MM * one.position],
+        "size": MM * max(one.parts.nut.outer_diameter, one.parts.nut.length),
+        "radius": MM * scene3d.ball_radius(one.parts),
+        "places": (MM * ball_layout(one.parts).centre).round(4).tolist(),
+    }
+    if one.points is not None and one.forces is not None:
+        out |= {"points": _numbers(MM * one.points), "forces": _numbers(one.forces)}
+    if one.reference is not None:
+        label, *rows = one.reference
+        out["reference"] = {"label": label, **dict(zip(("load", "uncertainty", "error"), map(_numbers, rows), strict=True))}
+    if one.closer is not None and np.abs(one.closer).max(initial=0.0) > 1e-12:
+        out["closer"] = _numbers(1e6 * one.closer)
+    return out
+
+
+def _apex(thrust: str) -> float:
+    """The side of a row of rollers on which its apex lies, by the thrust that it carries."""
+    return 1.0 if thrust == "+z" else -1.0
+
+
+def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+    """The cone under a row of rollers, without its ribs."""
+    reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
+    apex = position + sign * reach * np.cos(row.cup_angle)
+    ends = [float(reach + x) for x in (-0.5 * row.length, 0.5 * row.length)]
+    (r0, z0), (r1, z1) = ((MM * x * np.sin(angle), MM * (apex - sign * x * np.cos(angle))) for x in ends)
+    return {"tint": scene3d.STEEL, "outline": [[0.0, z0], [r0, z0], [r1, z1], [0.0, z1]]}
+
+
+def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+    """Places and axes of a row's rollers, cones about the apex of cup and cone; the outline of one about its axis [mm]."""
+    reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # of the apex from the middle of the contact line with the cup
+    azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
+    tilt = row.cup_angle - row.roller_angle
+    axis = np.stack(
+        [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), 0.0 * azimuth - sign * np.cos(tilt)], axis=1
+    )
+    middle, half = reach * np.cos(row.roller_angle), 0.5 * row.length
+    places = np.array([0.0, 0.0, position + sign * reach * np.cos(row.cup_angle)]) + middle * axis
+    ends = [(MM * (middle + x) * float(np.tan(row.roller_angle)), MM * x) for x in (-half, half)]
+    outline = [(0.0, ends[0][1]), *ends, (0.0, ends[1][1])]
+    size = 2.0 * np.hypot(*places[0, :2]) + 2.0 * row.diameter
+    return {
+        "centre": [0.0, 0.0, MM * position],
+        "size": float(MM * size),
+        "places": (MM * places).round(4).tolist(),
+        "axes": axis.round(6).tolist(),
+        "outline": outline,
+    }
+
+
+def _numbers(values: Array) -> Any:
+    """Nested lists of six digits; null where there is no number."""
+
+    def one(value: Any) -> Any:
+        return [one(x) for x in value] if isinstance(value, list) else float(f"{value:.6g}") if np.isfinite(value) else None
+
+    return one(np.asarray(values).tolist())

@@ -1,0 +1,238 @@
+"""The page on which a solved scene can be turned: what it holds, and in Debian's Chromium, at the width of a screen and of a
+phone, without network: it draws, turns, and shows the numbers of the JSON, with nothing on its console."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.browser import browser
+from tests.copies import ROOT
+from tests.report_samples import WITH_CHROMIUM
+
+import rollbench
+from rollbench.compare.results.view import closer_than_perfect
+from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.statics.contacts import own_hertz
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES, FourierTerm, SideErrors
+from rollbench.reports import view
+
+WIDTHS = {1400: 900, 390: 844}
+CASES = """
+[[cases]]
+name = "light"
+share = 0.6
+[[cases.loads]]
+at = "500 mm"
+force = ["0 N", "0 N", "1 kN"]
+
+[[cases]]
+name = "<heavy>"
+share = 0.4
+[[cases.loads]]
+at = "500 mm"
+force = ["200 N", "0 N", "3 kN"]
+"""
+
+
+def block(html, name):
+    (text,) = re.findall(rf'<script type="application/json" id="{name}">(.*?)</script>', html, re.DOTALL)
+    return json.loads(text)
+
+
+def test_the_page_holds_the_results_and_loads_nothing(tmp_path):
+    result = rollbench.solve("two-balls", "lin")
+    html = result.view(tmp_path / "screw.html").read_text(encoding="utf-8")
+    assert view.MARKER in html
+    assert block(html, "results") == json.loads(json.dumps(result.to_dict()))
+    assert not re.search(r'(src|href)="', html)
+    assert not re.search(r"""(?:fetch|import|XMLHttpRequest|WebSocket)\(["'`]http""", html)
+    assert "MIT licence" in html
+    licence = ROOT / "reports" / "viewer" / "three.LICENSE"
+    assert "Permission is hereby granted" in licence.read_text(encoding="utf-8")
+
+
+def test_a_title_cannot_leave_its_place():
+    one = replace(catalogue.scene("two-balls"), title="</title><script>alert(1)</script>")
+    html = rollbench.solve(one, "lin").view_page()
+    assert "<script>alert" not in html
+
+
+def test_without_loads_there_is_no_view(tmp_path):
+    scene = catalogue.scene("two-balls")
+    free = rollbench.solve(replace(scene, supports=(), loads=()), "lin")
+    assert not free.converged
+    with pytest.raises(ValueError, match="no loads to draw"):
+        free.view(tmp_path / "none.html")
+    assert not (tmp_path / "none.html").exists()
+
+
+def test_pressures_of_the_rows_are_hertz_of_their_loads():
+    """By Hertz, p is in proportion to the cube root of the load; of the worst contact it is what the summary says."""
+    result = rollbench.solve("lin-case3-offset", "lin")
+    data, scene = result.to_dict(), catalogue.scene("lin-case3-offset")
+    load, pressure = (
+        np.array([[row[key][s] for s in SIDES] for row in data["balls"]]) for key in ("load_N", "pressure_MPa")
+    )
+    assert pressure.max() == pytest.approx(data["summary"]["worst_contact"]["pressure_MPa"], rel=1e-9)
+    law = own_hertz(scene, specimen(scene, ball_layout(scene))).pressure(np.ones_like(load))
+    np.testing.assert_allclose(pressure, 1e-6 * law * np.cbrt(load), rtol=1e-9)
+
+
+def test_errors_of_the_parts_bring_contacts_closer():
+    """A larger ball by its oversize, a flank's pitch error by its part along the contact normal, on that flank only."""
+    scene, beta = catalogue.scene("lin-case1"), catalogue.scene("lin-case1").track.contact_angle
+    np.testing.assert_allclose(closer_than_perfect(scene), 0.0, atol=1e-18)
+    larger = replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=2e-6)))
+    np.testing.assert_allclose(closer_than_perfect(larger), 2e-6, rtol=1e-9)
+    wave = SideErrors(pitch=(FourierTerm(1, 5e-6, 0.0),))
+    found = closer_than_perfect(replace(scene, errors=replace(scene.errors, SR=wave)))
+    azimuth = ball_layout(scene).azimuth
+    np.testing.assert_allclose(found[:, [0, 2, 3]], 0.0, atol=1e-18)
+    np.testing.assert_allclose(found[:, 1], -5e-6 * np.sin(azimuth) * np.sin(beta), atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """Views of a screw, of load cases, of several sets, and of tapered rollers, with their results."""
+    folder = tmp_path_factory.mktemp("views")
+    cycle = folder / "cycle.toml"
+    cycle.write_text(catalogue.scene_text("lin-case1").split("[[loads]]")[0] + CASES, encoding="utf-8")
+    scenes = {
+        "screw": "lin-case3-offset",
+        "cases": cycle,
+        "sets": "double-nut",
+        "rollers": ROOT / "tests/scenes/rollers.toml",
+    }
+    solved = {name: rollbench.solve(scene, "lin") for name, scene in scenes.items()}
+    return {name: (one.view(folder / f"{name}.html"), one.to_dict()) for name, one in solved.items()}
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("user")) as found:
+        yield found
+
+
+def seen(page):
+    """The text of the value that is shown, line by line; nothing where none is."""
+    return page.run("(() => { const v = document.getElementById('view-value'); return v.hidden ? '' : v.innerText; })()")
+
+
+def over_balls(page, most=6):
+    """Moves the mouse over the canvas until values of so many balls or rollers were shown: texts by number."""
+    left, top, width, height = page.box("#view-canvas")
+    found = {}
+    for y in np.linspace(0.2, 0.8, 13):
+        for x in np.linspace(0.1, 0.9, 25):
+            page.mouse("mouseMoved", left + x * width, top + y * height)
+            text = seen(page)
+            if number := re.search(r"(?:ball|roller) (\d+)", text):
+                found.setdefault(int(number[1]), text)
+            if len(found) == most:
+                return found
+    return found
+
+
+def same(text, row):
+    """Whether a text shows load, pressure and angle of the contacts that a row loads, to the digits that it shows."""
+    lines = re.findall(r"(SL|SR|NL|NR)\s+([\d.]+) N\s+([\d.]+) MPa\s+([\d.]+)°", text)
+    for side, *numbers in lines:
+        values = [row[key][side] for key in ("load_N", "pressure_MPa", "contact_angle_deg")]
+        assert [float(x) for x in numbers] == pytest.approx(values, rel=6e-5, abs=0.006), text
+    loaded = [side for side in SIDES if row["load_N"][side] > 0.0]
+    return [line[0] for line in lines] in (loaded, *[[side] for side in loaded])
+
+
+@pytest.mark.slow
+@WITH_CHROMIUM
+@pytest.mark.xdist_group("view")
+@pytest.mark.parametrize("width", WIDTHS)
+def test_it_is_drawn_turns_and_shows_the_numbers_of_the_json(page, pages, width):
+    path, data = pages["screw"]
+    page.console.clear()
+    page.open(path, width, WIDTHS[width])
+    before = page.picture("#view-canvas")
+    assert len(np.unique(before.reshape(-1, 3), axis=0)) > 1000, "a blank canvas has a few colours"
+    found = over_balls(page)
+    assert len(found) == 6, found
+    rows = {row["index"]: row for row in data["balls"]}
+    assert all(same(text, rows[number]) for number, text in found.items())
+    left, top, w, h = page.box("#view-canvas")
+    page.drag((left + 0.5 * w, top + 0.6 * h), (left + 0.7 * w, top + 0.5 * h))
+    page.mouse("mouseMoved", left + 2, top + 2)
+    page.settle()
+    after = page.picture("#view-canvas")
+    assert (np.abs(after - before).max(axis=2) > 20).mean() > 0.03, "the scene has turned"
+    assert all(same(text, rows[number]) for number, text in over_balls(page).items())
+    assert page.run("document.documentElement.scrollWidth <= innerWidth")
+    assert page.console == []
+
+
+@pytest.mark.slow
+@WITH_CHROMIUM
+@pytest.mark.xdist_group("view")
+@pytest.mark.parametrize("width", WIDTHS)
+def test_curves_show_the_same_numbers_and_stay_on_the_page(page, pages, width):
+    path, data = pages["screw"]
+    page.console.clear()
+    page.open(path, width, WIDTHS[width])
+    titles = page.run("[...document.querySelectorAll('#view-curves b')].map(b => b.textContent)")
+    assert [title.split(" / ")[0] for title in titles] == [
+        "Contact load",
+        "Peak pressure",
+        "Error against the 3D reference",
+        "Contacts closer by errors of the parts",
+    ]
+    left, top, w, h = page.box("#view-curves svg")
+    for share in (0.3, 0.6, 0.9):
+        page.mouse("mouseMoved", left + share * w, top + 0.5 * h)
+        number = int(re.search(r"ball (\d+)", seen(page))[1])
+        assert number == pytest.approx(share * len(data["balls"]), abs=4)
+        assert same(seen(page), data["balls"][number - 1])
+    assert page.console == []
+
+
+@pytest.mark.slow
+@WITH_CHROMIUM
+@pytest.mark.xdist_group("view")
+def test_tabs_show_load_cases_and_sets(page, pages):
+    page.console.clear()
+    path, data = pages["cases"]
+    page.open(path, 1400, 900)
+    assert page.run("[...document.querySelectorAll('#view-cases button')].map(b => b.textContent)") == ["light", "<heavy>"]
+    for k, case in enumerate(data["cases"]):
+        page.run(f"document.querySelectorAll('#view-cases button')[{k}].click()")
+        texts = over_balls(page, 3)
+        assert len(texts) == 3
+        assert all(same(text, case["balls"][number - 1]) for number, text in texts.items())
+    path, data = pages["sets"]
+    page.open(path, 1400, 900)
+    assert page.run("document.querySelectorAll('#view-curves svg').length") == 0
+    page.run("[...document.querySelectorAll('#view-sets button')].find(b => b.textContent === 'nut 2').click()")
+    rows = [row for row in data["balls"] if row["set"] == 2]
+    texts = {number: text for number, text in over_balls(page, 8).items() if text.startswith("nut 2")}
+    assert len(texts) > 3
+    assert all(same(text, rows[number - 1]) for number, text in texts.items())
+    assert page.console == []
+
+
+@pytest.mark.slow
+@WITH_CHROMIUM
+@pytest.mark.xdist_group("view")
+def test_rollers_have_their_loads(page, pages):
+    page.console.clear()
+    path, data = pages["rollers"]
+    page.open(path, 1400, 900)
+    row = next(k for k, one in enumerate(data["sets"], 1) if any(r["set"] == k and r["load_N"] for r in data["rollers"]))
+    page.run(f"document.querySelectorAll('#view-sets button')[{row}].click()")
+    name = data["sets"][row - 1]["name"]
+    texts = {number: text for number, text in over_balls(page, 10).items() if text.startswith(f"{name}, roller")}
+    assert len(texts) > 2
+    loads = {r["index"]: r["load_N"] for r in data["rollers"] if r["set"] == row}
+    for number, text in texts.items():
+        assert float(re.search(r"load\s+([\d.]+) N", text)[1]) == pytest.approx(loads[number], rel=6e-5)
+    assert page.console == []
