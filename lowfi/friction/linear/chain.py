@@ -11,7 +11,7 @@ mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (
 force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
 other states too): friction between balls makes the very forces that cause it.
 The result then is the end of the path that begins without friction between balls, at the one solution of the convex
-problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.path``). Balls
+problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.trace``). Balls
 that all part without it do part. ``second_state`` looks for others.
 
 Two balls under opposite side forces are the case study of Lin 3.3.4, by this model and by the formulas.
