@@ -134,8 +134,9 @@ def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False
     --------
     Pure sliding has the force mu F:
 
-    >>> friction(contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]])).force.round(9).tolist()
-    [[-0.0, -1.0]]
+    >>> sliding = friction(contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
+    >>> sliding.force[0, 1].round(9), sliding.loss[0].round(9)
+    (np.float64(-1.0), np.float64(2.0))
     """
     d = dissipation(at, motion, speed, fast)
     return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
