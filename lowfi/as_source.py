@@ -124,8 +124,7 @@ class System:
     axes: Array
 
     def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """Return first freedom of each flank's nodes, and M with its two derivatives ``(N, 2, m)`` (Lin 2.17-2.21, E.13).
-        """
+        """Return first freedom of each flank's nodes, and M with two derivatives ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
         p = self.problem
         if self.kinematics == "arc":
             zero = np.zeros_like(p.B[:, side])
@@ -156,8 +155,9 @@ class System:
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Return the flank's profile A(gamma) from the nominal ball centre and its derivatives, ``(N, 2)`` each (Lin 2.3,
-        2.27).
+        """Return the flank's profile A(gamma) from the nominal ball centre and its derivatives, ``(N, 2)`` each.
+
+        Lin 2.3 and 2.27.
         """
         drawn = self.problem.drawn
         r, r1, r2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
@@ -172,8 +172,7 @@ class System:
 def _contacts(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
-    """Return normal n, tangent t, dt/dgamma, distance, force, dF/d delta and the motion matrices of one flank's contacts.
-    """
+    """Return normal n, tangent t, dt/dgamma, distance, force, dF/d delta and motion matrices of one flank's contacts."""
     problem = system.problem
     a, t, t1 = system.flank(side, gamma)
     count = p.shape[0]
@@ -376,8 +375,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
 
 
 def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
-    """Return largest unbalanced force over the largest force; moments over the pitch radius, contact conditions over r_G.
-    """
+    """Return largest unbalanced force over largest force; moments over the pitch radius, contact conditions over r_G."""
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
     weights = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], system.problem.nodes.size)

@@ -158,9 +158,7 @@ _afterwards: dict[str, Callable[[], object]] = {}
 
 
 def afterwards(package: str, job: Callable[[], object]) -> None:
-    """Register a job that uses the compiled kernels of a package, to be done by `compile_afterwards`, which commands call
-    last.
-    """
+    """Register a job that uses the compiled kernels of a package, for `compile_afterwards`, which commands call last."""
     _afterwards[package] = job
 
 
@@ -216,8 +214,7 @@ def code_folder() -> Path | None:
 
 @contextmanager
 def _numba_writes_to(package: str) -> Iterator[None]:
-    """Let numba write to the folder of a package while its kernels are declared; each keeps the folder that it finds then.
-    """
+    """Let numba write to the folder of a package while its kernels are declared; each keeps that folder."""
     import numba
 
     before, folder = numba.config.CACHE_DIR, code_folder()

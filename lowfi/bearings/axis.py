@@ -324,8 +324,7 @@ class TorqueBudget:
 
 
 def acceleration_torque(inertias: Sequence[float], speed: float, time: float) -> float:
-    """Return the torque that brings inertias [kg m^2] evenly to an angular speed [rad/s] in a time [s] (Smith 4.11) [N m].
-    """
+    """Return torque that brings inertias [kg m^2] evenly to an angular speed [rad/s] in a time [s] (Smith 4.11) [N m]."""
     return sum(inertias) * speed / time
 
 

@@ -91,8 +91,7 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
 
 
 def rib_height(row: RollerRow) -> float:
-    """Return the height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it.
-    """
+    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it."""
     return USUAL_HEIGHT * row.diameter if row.rib_height is None else row.rib_height
 
 

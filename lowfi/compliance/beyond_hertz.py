@@ -47,8 +47,7 @@ def expansion(poisson: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def smooth_part(cosine: float, poisson: float) -> float:
-    """Return series at an angle arccos(cosine) without the closed sums of its first two terms; both vanish at the contact.
-    """
+    """Return series at an angle arccos(cosine) without closed sums of its first two terms; both vanish at the contact."""
     from numpy.polynomial.legendre import legval
 
     a, b = expansion(poisson)
@@ -167,8 +166,7 @@ def half_space(width: float, material: Material) -> float:
 
 
 def curvatures(flank: Flank) -> tuple[float, float]:
-    """Return the principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m].
-    """
+    """Return principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
     m = flank.map
     along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
     return -1.0 / float(m.radius[flank.side]), float(along)

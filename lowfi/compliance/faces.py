@@ -113,8 +113,8 @@ class NearFace:
         return np.asarray(np.einsum("m...k,mk->m...", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between different contacts at angles ``(m,)`` [rad], beyond a smooth
-        body's.
+        """Return the compliance between different contacts beyond a smooth body's ``(m, 2, f)`` [m/N], at angles ``(m,)``
+        [rad].
         """
         return around(self.far, angle)
 

@@ -256,8 +256,7 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return the parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of their three lines of m freedoms.
-        """
+        """Return parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of their three lines of m freedoms."""
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
         out = np.zeros((3, elements.shape[1], 3, width, 3, 3, width, 3))

@@ -126,8 +126,7 @@ def flank_normals(grid: Grid, line: int) -> Array:
 
 
 def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
-    """Return unit forces ``(k, 2)`` (r, z) of a patch of ``width`` at ``zeta`` [m] on the surface nodes, along its normals.
-    """
+    """Return unit forces ``(k, 2)`` (r, z) of a patch of ``width`` at ``zeta`` [m] on surface nodes, along its normals."""
     line = grid.shape[1] - 1 if flank.screw else 0
     share, _ = flank_weights(grid, line, zeta, width)
     m = flank.map

@@ -357,8 +357,7 @@ def held_nodes(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
-    """Return the compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that contains every contact.
-    """
+    """Return compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that contains every contact."""
     r_ends, line = radial_ends(tube)
     grid = tube_grid(*with_flange(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
@@ -445,8 +444,7 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def on_line(tube: Tube, x: Array) -> Array:
-    """Return points ``(c, 3)`` [m] where the tube takes the loads of contacts at x: its surface where these lie beyond it.
-    """
+    """Return points ``(c, 3)`` [m] where tube takes the loads of contacts at x: its surface where these lie beyond it."""
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 

@@ -175,10 +175,11 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
 
 
 def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> Solution:
-    """Return loads and motion by Lin's method with its errors: Hertz constants of Table B.1, sigmoid, root of 3.19, torque
-    3.21.
+    """Return loads and motion by Lin's method with its errors.
 
-    The root is searched from the motion of least dissipation, then if need be with a sigmoid that grows ever sharper.
+    Hertz constants of Table B.1, sigmoid, root of 3.19, torque 3.21. The root is searched from the motion of least
+    dissipation,
+    then if need be with a sigmoid that grows ever sharper.
     """
     least = solve_ball(replace(bearing, hertz="as printed"), force_x, u_y, fast)
     motion = balance_by_root(least.problem, law, least.motion.q, fast)

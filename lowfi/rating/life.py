@@ -230,7 +230,7 @@ def filled_turns(scene: Scene) -> float:
 
 
 def _shape(scene: Scene) -> tuple[Array, float]:
-    """Factors ``(4,)`` of (2) that conformity and curvature make, gamma^0.3 included, and the ball's diameter [mm]."""
+    """Return the factors ``(4,)`` of (2) by conformity and curvature, gamma^0.3 included, and the ball's diameter [mm]."""
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
     f = groove_radii(scene) / D
@@ -268,7 +268,7 @@ def _turns_share(scene: Scene) -> float:
 
 
 def _turn_rating(scene: Scene) -> Array:
-    """(3) of each raceway, ``(4,)`` [N], for one turn."""
+    """Return (3) of each raceway ``(4,)`` [N], for one turn."""
     alpha = scene.track.contact_angle
     shape, D = _shape(scene)
     angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _slope(scene) ** 1.3
@@ -517,8 +517,11 @@ def mean_force(shares: Array, force: Array) -> float:
 
 
 def _ratings(scene: Scene) -> tuple[float, float]:
-    """Ratings [N] of a screw along +z and against it: of the nut with play, of its halves with a lead offset, of which the
-    one that is shifted along +z carries the forces against it."""
+    """Return the ratings [N] of a screw along +z and against it.
+
+    Of the nut with play, of its halves with a lead offset, of which the one that is shifted along +z carries the forces
+    against it.
+    """
     capacity = rating(scene)
     offset = scene.errors.lead_offset
     if offset == 0.0:
@@ -558,7 +561,7 @@ def factors(alpha: float) -> tuple[float, float, float]:
 
 
 def _of_ring(scene: Scene, force: Array) -> float:
-    """Equivalent load P [N] of a ring."""
+    """Return the equivalent load P [N] of a bearing."""
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
@@ -571,7 +574,7 @@ def _of_ring(scene: Scene, force: Array) -> float:
 
 
 def _outside(scene: Scene, *, ring: bool) -> str:
-    """What of a case the standard does not cover; empty where it covers all."""
+    """Return what of a case the standard does not cover; empty where it covers all."""
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"

@@ -79,8 +79,7 @@ class Rigidities:
         error="see the report's outside values",
     )
     def practice(self) -> float | None:
-        """Rigidity that manufacturers advise to use [N/m], four fifths of that of contacts and bodies; None for bearings.
-        """
+        """Rigidity that manufacturers advise to use [N/m], four fifths of contacts with bodies; None for bearings."""
         return None if self.bodies is None else PRACTICE * self.bodies
 
 

@@ -190,8 +190,9 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
 
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
-    """Return the relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove
-    first.
+    """Return the relative principal curvatures ``(N, 4, 2)`` [1/m], across the groove first.
+
+    At contact angles ``(N, 4)`` [rad].
     """
     return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 

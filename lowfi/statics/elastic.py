@@ -64,9 +64,7 @@ class Elastic(OneSet):
 
     @property
     def pair(self) -> tuple[int, int] | None:
-        """Flanks of the only diagonal in use, the screw's first, for which a closed form serves; None where all four take
-        part.
-        """
+        """Flanks of the only diagonal in use, the screw's first, for which a closed form serves; None for all four."""
         if self.given.bodies.second.size:
             return None
         a = 0 if self.problem.use[0] else 1
@@ -347,8 +345,7 @@ class ElasticMembers:
 
 
 def shared(scene: Scene) -> bool:
-    """Return whether members of a scene differ only in the radii of their balls, and one pass of the solver finishes each.
-    """
+    """Return whether members of a scene differ only in radii of their balls, and one pass of the solver finishes each."""
     alike = alike_in_shape(scene) and len(specimens(scene, ball_layout(scene), 0, 2).centre) == 1
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 

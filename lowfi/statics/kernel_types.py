@@ -29,7 +29,7 @@ class BeamArrays(NamedTuple):
 
 
 class BeamContacts(NamedTuple):
-    """Balls between a screw that is a beam and a nut that stands."""
+    """Balls between a screw that is a beam and a fixed nut."""
 
     #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
     node: Array
@@ -128,7 +128,7 @@ class Options(NamedTuple):
 
 
 class BeamSystem(NamedTuple):
-    """A screw and its balls."""
+    """Screw and its balls."""
 
     shaft: BeamArrays
     contacts: BeamContacts
@@ -193,17 +193,20 @@ class AxisRollers(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """How a Newton iteration gets on: least residual, lowest energy [J], iterations since either fell, searches that found
-    nothing."""
+    """Progress of a Newton iteration."""
 
+    #: Least residual.
     best: float
+    #: Lowest energy [J].
     lowest: float
+    #: Iterations since either fell.
     stalled: int
+    #: Searches that found nothing.
     stuck: int
 
 
 class AxisSystem(NamedTuple):
-    """A shaft with all its rolling elements."""
+    """Shaft with all its rolling elements."""
 
     shaft: AxisArrays
     balls: AxisBalls
@@ -215,7 +218,7 @@ Rows = BeamSystem | AxisSystem
 
 
 class Bodies(NamedTuple):
-    """How the flanks of all balls move: v = v0 + G phi + R a, G by forces phi on the flanks, R by free motions a."""
+    """Motions of the flanks of all balls, v = v0 + G phi + R a, by forces phi on the flanks and free motions a."""
 
     #: G [m/N] of the flanks of the first and of the second body (4 N, 4 N), or of both together (2 N, 2 N) and nothing.
     first: Array

@@ -103,8 +103,7 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
 
 
 def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
-    """Return the normal forces ``(N, 2)`` [N] of the pairs (SL, NR) and (SR, NL) and their tangents by the closure [N/m].
-    """
+    """Return normal forces ``(N, 2)`` [N] of the pairs (SL, NR) and (SR, NL) and their tangents by the closure [N/m]."""
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
     delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
     return contact_force(delta, chain.C), contact_slope(delta, chain.C)

@@ -1,5 +1,4 @@
-"""Arrays of a static problem from the description of the parts, and supports that contradict each other on a rigid screw.
-"""
+"""Arrays of a static problem from its parts, and supports that contradict each other on a rigid screw."""
 
 from __future__ import annotations
 
@@ -165,8 +164,7 @@ def round_off_approach(problem: Problem) -> float:
 
 
 def _length(x: Array, z: Array) -> Array:
-    """Return the length of vectors by operations that round alike everywhere (numpy's hypot depends on memory alignment).
-    """
+    """Return length of vectors by operations that round alike everywhere (numpy's hypot depends on memory alignment)."""
     return np.asarray(np.sqrt(x * x + z * z))
 
 

@@ -240,6 +240,7 @@ def kept_response(asked: _Asked) -> Response:
 def _response(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
+    """Return the response, which is not in the cache."""
     scene, shaft, N = problem.scene, shaft_of(problem), layout.z.size
     axes = typical_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
@@ -294,8 +295,7 @@ LARGEST = 1000
 
 @dataclass(frozen=True)
 class Flanks:
-    """Motions of the flanks of all N balls by forces: four flanks each (d = 8 motions), or one pair's relative motion (2).
-    """
+    """Motions of the flanks of all N balls by forces: four flanks each (d = 8 motions), or a pair's relative motion (2)."""
 
     #: Compliance as the kernels take it.
     bodies: Bodies
@@ -376,8 +376,7 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
-    """Return linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``, for the first iteration.
-    """
+    """Return linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``, for first iteration."""
     w = normals_of(problem.geometry)
     root = np.sqrt(stiffness)
     if pair is not None:

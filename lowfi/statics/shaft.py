@@ -145,8 +145,7 @@ def _work(problem: Problem, motions: Array, pin: int) -> Array:
 
 
 def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
-    """Return factor of a lower band ``(6 n, 12)`` (`kernel.matrices`), with a unit diagonal at freedoms that are not free.
-    """
+    """Return factor of a lower band ``(6 n, 12)`` (`kernel.matrices`), with a unit diagonal at freedoms not free."""
     kept = band.copy()
     for k in range(1, band.shape[1]):
         kept[: len(free) - k, k] *= free[: len(free) - k] & free[k:]

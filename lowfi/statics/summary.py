@@ -74,9 +74,7 @@ def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tu
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
-    """Return contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball ``(N, 4,
-    3)``.
-    """
+    """Return contact points on the undeformed flanks [m] and directions of the forces on the ball, ``(N, 4, 3)`` each."""
     problem, normal = solved.problem, solved.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -162,8 +160,7 @@ def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> A
 
 
 def about_origin(stations: Array, wrenches: Array) -> Array:
-    """Return sum about the origin ``(6,)`` of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis.
-    """
+    """Return sum about origin ``(6,)`` of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis."""
     return np.asarray(np.einsum("nij,ni->j", rigid_transport(stations), wrenches))
 
 

@@ -47,8 +47,7 @@ class Tangent:
     status: str
 
     def rigidity(self, freedom: str) -> float:
-        """Return the force (moment) per motion of one freedom, with rz fixed and all others free; zero without resistance.
-        """
+        """Return force (moment) per motion of one freedom, with rz fixed and all others free; zero without resistance."""
         known = ~np.isnan(np.diag(self.matrix))
         free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
         arm = self._arm()

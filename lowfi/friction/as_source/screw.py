@@ -367,9 +367,13 @@ class SourceRun:
 class _Before:
     """State of the step before: positions, motions of separate and touching balls ``(N, 4)``, forces ``(N,)``."""
 
+    #: Positions.
     at: Places
+    #: Motions of separate balls.
     free: Array
+    #: Motions in contact.
     q: Array
+    #: Ball-to-ball forces [N].
     force: Array
 
 

@@ -85,8 +85,7 @@ def contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Cont
 
 
 def about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
-    """Return the motion ``(n, 3)`` of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12).
-    """
+    """Return motion ``(n, 3)`` of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12)."""
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
 
@@ -135,8 +134,8 @@ def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False
     Pure sliding has the force mu F:
 
     >>> sliding = friction(contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
-    >>> sliding.force[0, 1].round(9), sliding.loss[0].round(9)
-    (np.float64(-1.0), np.float64(2.0))
+    >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
+    (-1.0, 2.0)
     """
     d = dissipation(at, motion, speed, fast)
     return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
@@ -206,8 +205,9 @@ class Coulomb:
 
 @dataclass(frozen=True)
 class Regularised:
-    """Regularised Coulomb law mu p v/sqrt(|v|^2 + speed^2): smooth, with a convex potential at most mu F speed above
-    Coulomb's.
+    """Regularised Coulomb law mu p v/sqrt(|v|^2 + speed^2).
+
+    Smooth, with a convex potential at most mu F speed above Coulomb's.
     """
 
     #: Regularising speed > 0 [m/s].

@@ -124,8 +124,7 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def without_friction(motion: Motion) -> Motion:
-    """Return the same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion.
-    """
+    """Return same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion."""
     none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
     return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 

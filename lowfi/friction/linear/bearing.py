@@ -156,10 +156,11 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
 
 
 def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
-    """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles ``(N, 4)`` [rad]; negative ones are set to
-    zero.
+    """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles ``(N, 4)`` [rad].
 
-    Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball.
+    Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball; negative loads
+    are
+    set to zero.
     """
     n, rho = directions(angles), np.asarray(side_ratio, dtype=float)
     carriage = vertical * np.stack([rho, -np.ones_like(rho)], axis=-1)

@@ -30,8 +30,10 @@ class ChainArrays(NamedTuple):
 
 
 class ChainPoint(NamedTuple):
-    """Linear functions of the unknowns, moved by increments so that nothing cancels where contacts stick, and ball-to-ball
-    contacts."""
+    """Linear functions of the unknowns and ball-to-ball contacts.
+
+    Moved by increments, so that nothing cancels where contacts stick.
+    """
 
     #: Sliding and spinning speed of the contacts (N, C, 2).
     slip: Array

@@ -104,8 +104,7 @@ class AnyChain(ABC):
         """Return the coefficient of friction from ball to ball."""
 
     def wrench(self, pull: Array) -> Array:
-        """Return friction on the balls in x3, y3, z3 ``(N, 4, 6)`` of forces along x, z and moments about y ``(N, 4, 3)``.
-        """
+        """Return friction on balls in x3, y3, z3 ``(N, 4, 6)`` of forces along x, z and moments about y ``(N, 4, 3)``."""
         return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
 
     @abstractmethod
@@ -245,8 +244,7 @@ class Search:
         return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Iterate at the last regularising speed, cut short unless it comes near; return also whether (x, f) is converged.
-        """
+        """Iterate at the last regularising speed, cut short unless it comes near; return too whether (x, f) converged."""
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.balanced(f)
         if good and steps == SHORT:

@@ -76,7 +76,9 @@ class HelicalMotion:
 
     @property
     def nominal_orbit(self) -> float:
-        """Orbital speed omega_B of rolling at the nominal contact angle [rad/s] (Lin 3.65, F.5 without sliding along y3).
+        """Orbital speed omega_B of a ball that rolls at the nominal contact angle [rad/s] (Lin 3.65).
+
+        F.5 without sliding along y3.
         """
         lever = self.ball_radius * float(np.cos(self.contact_angle) * np.cos(self.lead_angle)) / self.radius
         return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)

@@ -149,8 +149,7 @@ class BallMotion:
 
 
 def contact_wrench(normals: Array, force: Array, moment: Array) -> Array:
-    """Return friction in x3, y3, z3 ``(..., 4, 6)`` of forces ``(..., 4, 2)`` along x, z and moments ``(..., 4)`` about y.
-    """
+    """Return friction in x3, y3, z3 ``(..., 4, 6)`` of forces ``(..., 4, 2)`` along x, z and moments ``(..., 4)``."""
     axes = contact_axes(normals)
     f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
     return np.concatenate([f, moment[..., None] * axes[..., 2, :]], axis=-1)
@@ -229,8 +228,7 @@ def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) 
 
 
 def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
-    """Return push on the balls ``(N, 2)`` and drag on the screw ``(m,)`` of friction ``(N, 4, 6)`` and forces ``(N, 2)``.
-    """
+    """Return push on balls ``(N, 2)`` and drag on the screw ``(m,)`` of friction ``(N, 4, 6)`` and forces ``(N, 2)``."""
     push = wrench[:, :, [0, 2]].sum(axis=1) + extra
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
     drag = -np.einsum("nim,ni->m", cell.rows, on_screw)

@@ -38,14 +38,16 @@ class ClosedTrack(NamedTuple):
     balls: slice
 
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
-        """Return positions of its balls on the track, 0 to its length, from azimuths of all ``(N,)``; turned: of the track
-        [rad].
+        """Return positions of its balls on the track, 0 to its length [rad], from azimuths of all balls ``(N,)``.
+
+        turned: angle of the track [rad].
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
     def to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
-        """Return the time until one of its balls passes an end of the loaded arc [s]; rate ``(N,)`` of all on the track
-        [rad/s].
+        """Return the time until one of its balls passes an end of the loaded arc [s].
+
+        rate ``(N,)``: of all balls on the track [rad/s].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along

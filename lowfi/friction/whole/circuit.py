@@ -104,8 +104,7 @@ def _gaps(azimuths: Array) -> NDArray[np.int64]:
 
 
 def _arc(group: Array, given: float | None, spacing: float) -> float:
-    """Return length of a loaded arc [rad]: ``given``, or as much as its balls fill, half a distance beyond the outer ones.
-    """
+    """Return length of a loaded arc [rad]: ``given``, or as much as its balls fill, half a distance beyond outer ones."""
     span = float(group[-1] - group[0])
     if given is None:
         return span * group.size / (group.size - 1) if group.size > 1 else spacing
@@ -269,8 +268,7 @@ class Balls:
         return np.asarray(out - self.spacing)
 
     def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return azimuths on the helix of start 1 folded into the circuits ``(N,)``, and which balls are on a loaded arc.
-        """
+        """Return azimuths on helix of start 1 folded into the circuits ``(N,)``, and which balls are on a loaded arc."""
         folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
         for track in self.tracks:
             along = track.along(azimuth)

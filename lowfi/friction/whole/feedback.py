@@ -83,8 +83,7 @@ def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
 
 
 def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return the forces ``(N, 3)`` [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones.
-    """
+    """Return forces ``(N, 3)`` [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
     return np.column_stack([push.sum(axis=1), screw]) - applied
@@ -221,8 +220,7 @@ def _seated(
     bare: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
-    """Return the contacts with some balls where given forces hold them, their shifts ``(k, 3)``, and which did not settle.
-    """
+    """Return contacts with some balls where given forces hold them, their shifts ``(k, 3)``, and which did not settle."""
     away = place.away[balls]
     pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
     x, force, normal, left = settle_each(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)

@@ -37,7 +37,7 @@ class Neighbours:
     power: float
     #: Number of pairs that touch.
     touching: int
-    #: Smallest gap of all neighbours on the loaded arcs [m]; inf without any.
+    #: Smallest gap of all neighbours on the loaded arcs [rad]; inf without any.
     least: float
 
 

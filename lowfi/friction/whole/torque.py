@@ -144,8 +144,7 @@ def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motio
 
 
 def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
-    """Return axial forces [N] and moments about the axis [N m], ``(N, 4)`` each, of wrenches ``(N, 4, 6)`` at the contacts.
-    """
+    """Return axial forces [N] and moments about axis [N m], ``(N, 4)`` each, of wrenches ``(N, 4, 6)`` at the contacts."""
     turn = at.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
@@ -166,7 +165,6 @@ def feeds_back(scene: Scene, friction: Friction) -> bool:
 
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
-    """Return whether so many balls are solved that the kernels are compiled, unless machine code is on disk (``cached``).
-    """
+    """Return whether so many balls are solved that kernels are compiled, unless machine code is on disk (``cached``)."""
     often = feeds_back(scene, friction) or friction.neighbours
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

@@ -158,8 +158,7 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 
 
 def unheld(system: System) -> Status:
-    """Return the status of a shaft or housing that moved without limit: "not held" only where a linear program proves it.
-    """
+    """Return status of a shaft or housing that moved without limit: "not held" only where a linear program proves it."""
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(
         partial(opening_motion, system), "the shaft or a ring", lambda motion: opens.format(words_for(system, motion))

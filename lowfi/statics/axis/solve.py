@@ -64,8 +64,7 @@ from rollbench.meshes.section import BeamSection, contact_stations
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
-    """Return flanks ``(4,)`` of each set of balls that thrust, load and offsets leave in use: a guess, tested by `clear`.
-    """
+    """Return the flanks ``(4,)`` of each set of balls that thrust, load and offsets leave: a guess, tested by `clear`."""
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
         return all_sides(assembly)
@@ -386,8 +385,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
-    """Return the kernels: interpreted for one small solve, compiled for many elements, several solves, or where available.
-    """
+    """Return kernels: interpreted for one small solve, compiled for many elements, several solves, or where available."""
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)
     return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))

@@ -79,8 +79,7 @@ def threaded(assembly: Assembly) -> Scene | None:
 
 
 def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | None = None) -> tuple[BeamSection, ...]:
-    """Return the section of each element: that of its plain segment, else of the threaded shaft (``section``, where given).
-    """
+    """Return section of each element: that of its plain segment, else of the threaded shaft (``section``, where given)."""
     screw, thread = assembly.screw, threaded(assembly)
     plain_screw = partial(tube_section, screw.outer_diameter, screw.bore, screw.material)
     base = section or (plain_screw() if thread is None else screw_section(thread))

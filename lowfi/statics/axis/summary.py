@@ -182,8 +182,7 @@ def _outer(x: BallSet | RollerSet, state: RowState, stations: Array) -> Array:
 
 
 def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
-    """Return the sum of forces ``(N, s, 3)`` [N] at points ``(N, s, 3)`` [m], and of their moments about an axis point [m].
-    """
+    """Return sum of forces ``(N, s, 3)`` [N] at points ``(N, s, 3)`` [m], and of their moments about an axis point [m]."""
     arm = points - np.array([0.0, 0.0, station])
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 

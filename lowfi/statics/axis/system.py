@@ -237,8 +237,7 @@ def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
 
 
 def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
-    """Return rows and coefficients ``(..., width)`` for motions of one row, B ``(..., 6)``, as motions of two neighbouring
-    rows.
+    """Return rows and coefficients ``(..., width)`` of two neighbouring rows for motions of one row, B ``(..., 6)``.
 
     The last of all ``rows`` is taken as the second of two.
     """
@@ -396,8 +395,7 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
 
 
 def applied(system: System) -> float:
-    """Return the sum of the loads on shaft and housings [N], moments over the largest pitch radius, without thermal loads.
-    """
+    """Return sum of the loads on shaft and housings [N], moments over the largest pitch radius, without thermal loads."""
     bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
     return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.arm for x in bodies))
 

@@ -11,7 +11,7 @@ SETTLED = 1e-9
 
 @kernel
 def hertz(delta: float, c: float) -> tuple[float, float, float]:
-    """Force [N], its slope by the approach [N/m] and energy [J] of delta = c F^(2/3) > 0 [m] (Lin 2.14)."""
+    """Return force [N], its slope by the approach [N/m] and energy [J] of delta = c F^(2/3) > 0 [m] (Lin 2.14)."""
     x = delta / c
     root = sqrt(x)
     return x * root, 1.5 * root / c, 0.4 * c * x * x * root
@@ -19,7 +19,7 @@ def hertz(delta: float, c: float) -> tuple[float, float, float]:
 
 @kernel
 def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, float, float]:
-    """Force [N], its slope [N/m] and energy [J] of delta = C F^(2/3) + e F + h F^(4/3) [m], delta > 0.
+    """Return force [N], its slope [N/m] and energy [J] of delta = C F^(2/3) + e F + h F^(4/3) [m], delta > 0.
 
     Negative e or h would bend the law back where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3); from where this is down to C
     on the law goes on as C F^(2/3)/2 plus a constant, so that force and slope stay continuous and the energy convex.
@@ -52,7 +52,7 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
 
 @kernel
 def turning(c: float, e: float, h: float) -> float:
-    """Least x > 0 with 3 e x + 4 h x^2 = -C, 0 where there is none."""
+    """Return the least x > 0 with 3 e x + 4 h x^2 = -C, 0 where there is none."""
     root = 9.0 * e * e - 16.0 * h * c
     if root < 0.0 or (e >= 0.0 and h >= 0.0):
         return 0.0
@@ -63,13 +63,16 @@ def turning(c: float, e: float, h: float) -> float:
 
 @kernel
 def stored(x: float, c: float, e: float, h: float) -> float:
-    """Energy [J] of a contact at the force x^3: force times approach less the integral of the approach by the force."""
+    """Return the energy [J] of a contact at the force x^3.
+
+    Force times approach less the integral of the approach by the force.
+    """
     return x * x * x * x * x * (0.4 * c + x * (0.5 * e + 4.0 / 7.0 * h * x))
 
 
 @kernel
 def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float) -> tuple[float, float, float, float]:
-    """Approach, normal and curvature term for a circular flank; see ``flank``.
+    """Return approach, normal and curvature term for a circular flank; see `flank`.
 
     (wx0, wz0), size0: the nominal w and its size; approach: nominal approach [m]. The approach is built as nominal
     value plus change, so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
@@ -86,7 +89,7 @@ def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: fl
 def flank(
     mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float
 ) -> tuple[float, float, float, float]:
-    """Approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
+    """Return the approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
 
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
     centre [m]; rho is ``radius`` minus the polynomial ``profile`` (d,), ascending powers of gamma (Lin 2.3, 2.27).

@@ -58,7 +58,7 @@ def search(given: Any, state: Any, room: Any, energy: float, slope: float, limit
 
 @kernel
 def judge(given: Any, state: Any, options: Options, room: Any, scale: float, start: float) -> tuple[float, float]:
-    """Scale [N], at least the least force that residuals are measured by, and the residual over it, at the state.
+    """Return the scale [N], at least the least force that residuals are measured by, and the residual over it.
 
     That of the start (``start``) where only displacements are given, which may meet no resistance in the end.
     """

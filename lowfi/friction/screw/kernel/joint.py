@@ -1,9 +1,9 @@
 """Loads, motions and ball-to-ball forces of balls as one system of equations, and Newton's method on it.
 
-Unknown of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
+Unknowns of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
 after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 
-`ball_rows` is what one ball adds to it at its place: forces out of balance and their derivatives.
+`ball_rows` is what one ball adds to it: forces out of balance and their derivatives.
 """
 
 from math import sqrt
@@ -25,7 +25,7 @@ OWN_ROWS, OWN_COLUMNS = 9, 8
 
 @kernel
 def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
-    """Writes the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
+    """Write the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
 
     Semi-axes go with F^(1/3), and D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
@@ -44,7 +44,7 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 def _acts(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Writes how a contact's normal force (9,) and friction per component (9, 3) act on the rows of ``ball_rows``.
+    """Write how a contact's normal force (9,) and friction per component (9, 3) act on the rows of `ball_rows`.
 
     rows: its map (3, 4); along: share of the friction along the path. Linear in (n_x, n_z, rows, along).
     """
@@ -60,7 +60,7 @@ def _acts(
 def ball_rows(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
-    """Writes out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
+    """Write out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
 
     Rows: force out of balance in x3, z3 with ``share`` of the friction, the grooves' gradient by the motion, force of
     the ball on the screw in x3, y3, z3.
@@ -109,7 +109,7 @@ LONGEST_STEP = 0.1
 
 @kernel
 def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
-    """Adds what ball k and the next do to each other."""
+    """Add what ball k and the next do to each other."""
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
     x, f = at.motion, at.ball_force
@@ -157,7 +157,7 @@ def _pushed(
     share: float,
     matrix: JointMatrix,
 ) -> None:
-    """Adds the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
+    """Add the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
     u, v, size = rub
@@ -180,7 +180,7 @@ def _pushed(
 
 @kernel
 def assemble(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
-    """Writes residual and Jacobian with ball ``start`` first, a closed track cut open before it; root of the squares.
+    """Write residual and Jacobian with ball ``start`` first, a closed track cut open before it; return the residual's size.
 
     share: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
     """
@@ -225,7 +225,7 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
 
 @kernel
 def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
-    """Overwrites the matrix by its factors and writes Newton's step to d; places that nothing holds stay."""
+    """Overwrite the matrix by its factors and write Newton's step to d; positions that nothing resists stay."""
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
     top = 0.0
@@ -259,7 +259,9 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
 
 @kernel
 def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
-    """Newton from ``at``, overwritten, steps halved until the residual falls; what is left and the steps.
+    """Iterate by Newton's method from ``at``, overwritten; return residual and steps.
+
+    Steps are halved until the residual falls.
 
     Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
     """
