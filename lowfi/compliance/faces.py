@@ -113,8 +113,9 @@ class NearFace:
         return np.asarray(np.einsum("m...k,mk->m...", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
-        """Return the compliance between different contacts beyond a smooth body's ``(m, 2, f)`` [m/N], at angles ``(m,)``
-        [rad].
+        """Return the compliance ``(m, 2, f)`` [m/N] between different contacts beyond a smooth body's.
+
+        At angles ``(m,)`` [rad].
         """
         return around(self.far, angle)
 
@@ -157,8 +158,10 @@ def near_face(
         _check_land(flank)
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
-        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii:
-        between which a face is held."""
+        """Return gains of the cuts, the body, and the distances of the cuts.
+
+        kinds: 2 with motions across the loads; radii: between which a face is fixed.
+        """
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)

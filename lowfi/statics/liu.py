@@ -245,8 +245,7 @@ def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
 
 
 def _screw_motion(row: Row, state: ChainState) -> Array:
-    """Return the motion of the screw at the balls in the direction of the load ``(M,)`` [m]; the nut's loaded end is fixed.
-    """
+    """Return the motion of the screw at the balls in the load's direction ``(M,)`` [m]; the nut's loaded end is fixed."""
     lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
     return np.asarray(state.motion[0] - row.share * lost)
 

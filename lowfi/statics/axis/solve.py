@@ -1,5 +1,6 @@
-"""Equilibrium of several rolling sets on one shaft: one energy, Newton's method; by the source's model (`lin`) here, with
-elastic bodies in `lowfi.statics.axis.elastic`.
+"""Equilibrium of several rolling sets on one shaft: one energy, Newton's method.
+
+By Lin's model (`lin`) here, with elastic bodies in `lowfi.statics.axis.elastic`.
 
 Flanks that load and preload open are left out: such a flank needs no node of the shaft and no rows of the matrix. The
 energy is convex: where every ball clears the flanks left out at the solution without them, that is the solution with them.
