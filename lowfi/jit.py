@@ -153,7 +153,7 @@ def cached(package: str = "") -> bool:
     return folder is not None and any(folder.glob(f"{package or '*'}/*/*.nbi"))
 
 
-#: What compiles kernels once the answer is out, for the commands to come, by package.
+#: Jobs that compile kernels after the result is printed, for later commands, by package.
 _afterwards: dict[str, Callable[[], object]] = {}
 
 

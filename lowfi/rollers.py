@@ -19,7 +19,7 @@ The cone receives its thrust from race and rib together: Q sin(alpha - 2 gamma) 
 Q sin(alpha). Smith's 3.23 leaves out the rib and makes the inner load larger by sin(alpha)/sin(alpha - 2 gamma).
 
 Slices, for a roller with a crown: slice k of width L/n at x_k sees the approach delta less the profile's drop, and carries
-the plane-strain line load of that approach by itself; the load is the sum. Slices do not feel one another (no edge stress):
+the plane-strain line load of that approach; the load is the sum. Slices do not interact (no edge stress):
 with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
 
 All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2

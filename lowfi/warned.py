@@ -45,7 +45,7 @@ class Warned(str):
     brief: str
 
     def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
-        """Make a warning from its subject, its text and, where it is to stand above the results, a short form."""
+        """Make a warning from its subject, its text and, where it is printed above the results, a short form."""
         warned = super().__new__(cls, text)
         warned.kind, warned.brief = kind, brief
         return warned

@@ -13,9 +13,9 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-#: Constant of 2.8 in N/mm^2 as the sheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
+#: Constant of 2.8 in N/mm^2 as the spreadsheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
 LOAD_CONSTANT = 2.15e5
-#: Reciprocal of the exponent 1.5 as the sheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.
+#: Reciprocal of the exponent 1.5 as the spreadsheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.
 SHEET_EXPONENT = 0.66666
 #: Coefficients of the fits 2.18 (approach), 2.25 (major axis), 2.26 (minor axis) in powers of (-log10 F)^(2/3).
 FITS = {
@@ -67,7 +67,7 @@ def row_stiffness(inner: float, outer: float) -> float:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class Spreadsheet:
     """Cells of the spreadsheet of Smith's figure 2-10; pairs are (inner, outer)."""
 
     #: Sums of curvatures [1/mm].
@@ -88,14 +88,14 @@ class Sheet:
     deflection: float
 
 
-def sheet(
+def spreadsheet(
     load: float,
     balls: int,
     diameter: float,
     grooves: tuple[float, float],
     raceways: tuple[float, float],
     outer_difference: float | None = None,
-) -> Sheet:
+) -> Spreadsheet:
     """Compute the spreadsheet of Smith's figure 2-10 at an axial load.
 
     Parameters
@@ -116,7 +116,7 @@ def sheet(
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
-    def cells(angle: float) -> Sheet:
+    def cells(angle: float) -> Spreadsheet:
         path = dm / np.cos(angle)
         four = (
             (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
@@ -129,7 +129,7 @@ def sheet(
         race = (race_stiffness(sums[0], delta[0]), race_stiffness(sums[1], delta[1]))
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))
-        return Sheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
+        return Spreadsheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
 
     def imbalance(angle: float) -> float:
         state = cells(angle)

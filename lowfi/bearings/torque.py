@@ -22,7 +22,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 #: Lowest and highest value [SI].
 Band = tuple[float, float]
 
-#: Kinds of rows: of one arc a groove that carries thrust one way, of one that carries it both ways, of gothic grooves.
+#: Kinds of rows: one arc per groove with thrust in one direction, one arc with thrust in both, gothic grooves.
 Kind = Literal["angular contact", "deep groove", "four-point"]
 
 #: One kilogram-force [N].

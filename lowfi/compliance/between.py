@@ -50,7 +50,7 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions
 
-#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact beside a face keeps its patch.
+#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact near a face keeps its patch.
 BESIDE = 2.5
 
 

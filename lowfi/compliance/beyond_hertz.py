@@ -160,7 +160,7 @@ def half_space(width: float, material: Material) -> float:
     Examples
     --------
     >>> round(half_space(0.1e-3, Material(210e9, 0.3)) * 1e9, 4)  # nm/N
-    ???
+    12.2241
     """
     return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
 

@@ -66,7 +66,7 @@ class Patch(NamedTuple):
     highest: float
 
 
-#: Far from a face, where only curvature counts below the patch; and beside one, as near as a contact's own size, which has
+#: Far from a face, where only curvature counts below the patch; and near one, as near as a contact's own size, which has
 #: the mean square of its long axis.
 FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
@@ -132,7 +132,7 @@ def around(waves: Array, angle: Array) -> Array:
 def near_face(
     flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
 ) -> NearFace:
-    """Return what grooves and a face add to the body that ``smooth`` stands for.
+    """Return what grooves and a face add to the body that ``smooth`` represents.
 
     What is far from any face is that of a whole body, however it is fixed.
 
@@ -205,7 +205,8 @@ def both_ways(waves: Array) -> Array:
 def with_tail(flank: Flank, waves: Array) -> Array:
     """Return harmonics ``(n, ...)`` of the motions on narrow patches, with the higher ones, where a flank is a half space.
 
-    Two Gaussian patches of deviation s on a half space answer a wave k along it by exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
+    Two Gaussian patches of deviation s on a half space respond to a wave k along it by
+    exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
     """
     from scipy.special import k0e
 
@@ -388,7 +389,7 @@ def cut_motions(
     width
         Of the patches [m].
     layer
-        Layer that stands for grooves.
+        Layer that represents grooves.
 
     Returns
     -------

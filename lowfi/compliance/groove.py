@@ -29,7 +29,7 @@ LARGEST_POWER = 200.0
 
 
 def smooth_radius(flank: Flank, power: int) -> float:
-    """Return the radius of the smooth surface that stands for the groove [m].
+    """Return the radius of the smooth surface that represents the groove [m].
 
     power 2: keeps the body's volume; power 3: keeps the mean ring bending stiffness, wall^3, of a bore.
     """

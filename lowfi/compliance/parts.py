@@ -74,7 +74,7 @@ LADDER = {
     "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
     "refined": REFINED,
 }
-#: Words for a body without compliance of its own.
+#: Statement for a body without compliance.
 RIGID = "rigid apart from the Hertzian contacts"
 
 
@@ -167,7 +167,7 @@ def section_of(flank: Flank) -> BeamSection:
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
-    """Return the smooth body of revolution that stands for screw or nut."""
+    """Return the smooth body of revolution that represents screw or nut."""
     from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
     from rollbench.lowfi.compliance.tube import Tube
 
@@ -198,7 +198,7 @@ def is_ring(geometry: Scene, screw: bool) -> bool:
 
 
 def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
-    """Return the ends [m] of the beam that stands for a nut, and which of them are clamped.
+    """Return the ends [m] of the beam that represents a nut, and which of them are clamped.
 
     A flange clamps it at its face, or where its bonded fit ends, and deforms as the smooth body does.
     """

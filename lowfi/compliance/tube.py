@@ -196,7 +196,7 @@ SHAPES = quadratic(NODE)[0]
 
 @dataclass(frozen=True)
 class Tube:
-    """Plain body of revolution that stands for screw or nut."""
+    """Plain body of revolution that represents screw or nut."""
 
     #: Bore radius [m].
     bore: float
@@ -217,7 +217,7 @@ class Tube:
     size: tuple[float, float]
     #: Of the body.
     material: Material
-    #: Layer that stands for grooves in its bore.
+    #: Layer that represents grooves in its bore.
     layer: Layer | None = None
     #: Flange around it.
     flange: Flange | None = None

@@ -84,7 +84,7 @@ SINGLE_ROW, THRUST, STEEL = 0.95, 0.90, 1.3
 #: Contact angle [deg] above which a bearing is rated as a thrust bearing (ISO 281, ISO 76).
 RADIAL_UP_TO = 45.0
 
-#: Orders of the mean force of a raceway that turns against the load, and of one that stands.
+#: Orders of the mean force of a raceway that rotates relative to the load, and of a stationary one.
 TURNING, STANDING = 3.0, 10.0 / 3.0
 
 #: Shares of rotating and standing raceways in the radial rating of a ring: J_r/J_1 and J_r/J_2 of half a loaded circle.

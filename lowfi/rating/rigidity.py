@@ -18,7 +18,7 @@ tubes under even pressure over the loaded length i P_h of each start (Lame), whi
 i counts the filled turns only (`life.filled_turns`): where no ball presses there is no pressure, so that gaps between
 circuits do not change (2). In truth the wall without balls, between circuits and beyond the outer ones, carries a share
 along about sqrt(R t)/1.3 (R its mean radius, t its thickness); that is left out, here as in ISO 3408-4, and makes (2) too
-soft, most where short circuits stand apart.
+soft, most where short circuits are far apart.
 
 With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
 nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Its contact angles are those under load, so that it

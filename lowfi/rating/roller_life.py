@@ -51,7 +51,8 @@ from rollbench.meshes.axis import RollerRow
 #: Constant of (1) for mm and N; rating factor of today's steel; reductions of radial and of thrust bearings.
 CONTACT, STEEL, RADIAL, THRUST = 551.13, 1.1, 0.83, 0.73
 
-#: Weibull slope of the life of line contacts, orders of the mean load of a race that turns and of one that stands.
+#: Weibull slope of the life of line contacts, orders of the mean load of a race that rotates relative
+#: to the load and of a stationary one.
 SLOPE, TURNING, STANDING = 9.0 / 8.0, 4.0, 4.5
 
 #: Exponent of the life over the load.

@@ -28,7 +28,7 @@ from rollbench.lowfi.statics.problem import Problem, SolvedState, distances
 from rollbench.lowfi.statics.response import LARGEST, Flanks, flanks_of, one_pair, pair_data, response_of, spring_rows
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
-from rollbench.lowfi.statics.settle import ACCEPTED, SetFlanks, Words, least_residual, options_of
+from rollbench.lowfi.statics.settle import ACCEPTED, Description, SetFlanks, least_residual, options_of
 from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions, rigid_nodes, rows_of
 from rollbench.lowfi.statics.static import Build, Engine, OneSet, Solution, pick_engine, scale_of, solve_built, solve_sides
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
@@ -149,7 +149,7 @@ class Elastic(OneSet):
         _, contact, centre, shifts = self.flanks()[0]
         return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
-    def words(self) -> Words:
+    def description(self) -> Description:
         """Return the description of the model, with what was done to make the compliance positive."""
         build, clipped = self.build, self.bodies.clipped
         assert isinstance(build, ElasticBuild)
@@ -157,7 +157,7 @@ class Elastic(OneSet):
         size = self.state.phi.size + self.state.a.size
         cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
         assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
-        return Words(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
+        return Description(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,7 +196,7 @@ class ElasticBuild(Build):
         local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
         local[..., 0], local[..., 2] = flanks.e, flanks.h
         local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
-        if pair is not None:  # one diagonal alone: nothing to couple with
+        if pair is not None:  # only one diagonal: nothing to couple with
             local[..., 0] += 2.0 * ball.g**2
             rows = pair_data(problem, pair, local[..., 0], flanks.h)
         balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)

@@ -43,7 +43,7 @@ class Mechanism:
 def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
     """Return rigid motions ``(6, k)`` of the first node that supports leave, the balls' motions, and the loads' work.
 
-    The motion of the screw at each ball's centre stands for its flanks: there the motion along the helix is exactly
+    The motion of the screw at each ball's centre represents its flanks: there the motion along the helix is exactly
     free, while the planar sections of the model would resist it by a false sin(alpha) (R_p - R_contact).
     """
     arm = problem.scene.track.pitch_radius
@@ -250,7 +250,7 @@ def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Arr
     return Status("not converged", why)
 
 
-def words_of(motion: Array) -> str:
+def describe_motion(motion: Array) -> str:
     """Return a description of an opening motion: its freedoms in order of size."""
     order = np.argsort(-np.abs(motion))
     named = [f"{FREEDOMS[k]} {motion[k] / np.abs(motion).max():+.2g}" for k in order if abs(motion[k]) > 1e-3]

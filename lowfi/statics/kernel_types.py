@@ -50,7 +50,7 @@ class BeamContacts(NamedTuple):
 class RowState(NamedTuple):
     """Unknowns of a system whose unknowns are rows of motions, and the contacts there."""
 
-    #: Motions of the rows (r, 6) [m, rad]: n nodes of the shaft, then the bodies beside it.
+    #: Motions of the rows (r, 6) [m, rad]: n nodes of the shaft, then the other bodies.
     q: Array
     #: Deformations of the shaft's elements (n - 1, 6) [m, rad].
     d: Array
@@ -95,7 +95,7 @@ class Slopes(NamedTuple):
 
 
 class RowRoom(NamedTuple):
-    """Room for the iteration on rows of motions."""
+    """Work arrays for the iteration on rows of motions."""
 
     slopes: Slopes
     #: Stiffness of shaft and springs, and the factor of the whole, in a lower band or an envelope.
@@ -135,7 +135,7 @@ class BeamSystem(NamedTuple):
 
 
 class AxisArrays(NamedTuple):
-    """A shaft, bodies beside it, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
+    """Shaft, other bodies, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array
@@ -162,7 +162,7 @@ class AxisArrays(NamedTuple):
 class AxisBalls(NamedTuple):
     """Balls between flanks that move with rows of an `AxisArrays`, of all sets."""
 
-    #: First row (N, 4) whose motion moves a flank, -1 where it stands.
+    #: First row (N, 4) whose motion moves a flank, -1 where it is fixed.
     row: Array
     #: Motion of the flanks (N, 4, 2, m) along x3, z3 by that of their row, m = 6, or of that and the next one, m = 12.
     B: Array
@@ -181,7 +181,7 @@ class AxisBalls(NamedTuple):
 class AxisRollers(NamedTuple):
     """Slices of rollers between two raceways, each with the line contact of both: approach B q - drop, force by g and S."""
 
-    #: Rows (M, 2) of inner and outer ring, -1 where it stands.
+    #: Rows (M, 2) of inner and outer ring, -1 where it is fixed.
     row: Array
     #: Approach (M, 2, 6) by the motions of those rows.
     B: Array
@@ -324,7 +324,7 @@ class BodySystem(NamedTuple):
 
 
 class BodyRoom(NamedTuple):
-    """Room for the iteration on them."""
+    """Work arrays for the iteration on them."""
 
     #: Forces of the balls on the flanks (N, d) [N], motions of the flanks by the bodies and in all (N, d) [m].
     f: Array

@@ -77,7 +77,7 @@ def _loads(solved: Solution | Unheld) -> ContactLoads:
     problem, contact, _, _ = solved.system.flanks()[0]
     force = contact[..., 0].copy()
     angle = np.where(force > 0.0, contact_angles(contact[..., 1:3]), np.nan)
-    return ContactLoads(force, angle, problem.C.copy(), solved.verdict())
+    return ContactLoads(force, angle, problem.C.copy(), solved.status)
 
 
 def nominal(scene: Scene) -> Scene:
@@ -103,6 +103,6 @@ def _contacts(scene: Scene) -> int:
     layout = ball_layout(scene)
     try:
         result = beam_loads(scene, specimen(scene, layout), layout)
-    except ValueError:  # what makes the scene itself impossible is said by its own solution
+    except ValueError:  # an impossible scene is reported by its solution
         return 0
     return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

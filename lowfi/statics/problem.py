@@ -331,7 +331,7 @@ def _rigid(
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     clash = contradiction(scene)
     if clash is not None:
-        raise ValueError(clash.words(scene))
+        raise ValueError(clash.message(scene))
     a, values, _ = rigid_rows(scene)
     load = np.zeros(6)
     for x in scene.loads:
@@ -382,7 +382,7 @@ class Contradiction:
     #: Those other freedoms.
     by: tuple[Held, ...]
 
-    def words(self, scene: Scene) -> str:
+    def message(self, scene: Scene) -> str:
         """Return the contradiction as one sentence, with stations in mm."""
         names = ", ".join(f"{x.freedom} at {_station(scene, x)}" for x in self.by)
         contradicted = f"{self.held.freedom} at {_station(scene, self.held)}"

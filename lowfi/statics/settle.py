@@ -81,7 +81,7 @@ def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOL
     )
 
 
-class Words(NamedTuple):
+class Description(NamedTuple):
     """Description of a model for the record of its solution."""
 
     #: What is solved.
@@ -149,7 +149,7 @@ class Prepared(ABC):
         """Return the relative residual that double precision cannot get below (`least_residual`)."""
 
     @abstractmethod
-    def words(self) -> Words:
+    def description(self) -> Description:
         """Return the description of the model for the record."""
 
     def at_state(self, of: Prepared) -> Self:
@@ -209,7 +209,7 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
     return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 
 
-def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
+def status_of(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
     """Return the status of a solver's outcome.
 
     Parameters
@@ -239,13 +239,18 @@ def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: b
 
 
 def report_of(
-    outcome: Outcome, system: Prepared, words: Words, elements: int, times: tuple[float, float], notes: tuple[str, ...]
+    outcome: Outcome,
+    system: Prepared,
+    description: Description,
+    elements: int,
+    times: tuple[float, float],
+    notes: tuple[str, ...],
 ) -> SolverReport:
     """Return the record of effort and accuracy of a solve.
 
     Parameters
     ----------
-    outcome, system, words
+    outcome, system, description
         Of the solver.
     elements
         Number of beam elements.
@@ -259,10 +264,10 @@ def report_of(
         evaluations=outcome.evaluations,
         residual=outcome.residual,
         seconds=perf_counter() - times[0],
-        unknowns=words.unknowns,
+        unknowns=description.unknowns,
         elements=elements,
         engine="compiled" if jit.is_compiled(system.engine.__name__) else "interpreted",
-        formulation=words.formulation,
+        formulation=description.formulation,
         round_off_bound=system.round_off(),
         setup_seconds=times[1] - times[0],
         notes=notes,

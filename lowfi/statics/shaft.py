@@ -11,7 +11,7 @@ the rest is equilibrium. Fixed at its low end it has the complementary energy
 beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.between`, Saint-Venant's
 contraction under tension and bending and the warping under shear among them. The beam has the wrench F = S q from the
 motions q of its nodes. As F is the derivative of the energy by the jump d = D f + H F that the stretch adds at its cut, the
-beam with these jumps answers loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
+beam with these jumps responds to loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
 p = L^T f
 
     F = (I + B H)^-1 (A - B D) f,   A = S K^-1 L^T,   B = k - S K^-1 S^T,                                              (2)
@@ -347,7 +347,7 @@ class Squeeze:
         return replace(self, moved=moved, given=self.bent @ wrench)
 
     def node_loads(self, pushes: Array) -> Array:
-        """Return the nodal loads ``(6 n,)`` that stand for the jumps, by the flanks' forces ``(2 c,)`` [N]."""
+        """Return the nodal loads ``(6 n,)`` equivalent to the jumps, by the flanks' forces ``(2 c,)`` [N]."""
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
     def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:

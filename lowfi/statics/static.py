@@ -30,16 +30,16 @@ from rollbench.lowfi.statics.selection import (
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
     TOLERANCE,
+    Description,
     Prepared,
     Scale,
     SetFlanks,
-    Words,
     least_residual,
     lost,
     options_of,
     report_of,
     settled,
-    verdict,
+    status_of,
 )
 from rollbench.lowfi.statics.shape import lifted
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
@@ -164,9 +164,9 @@ class Beam(OneSet):
         held = np.where(problem.fixed, gradient, 0.0)
         return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), self.scale)
 
-    def words(self) -> Words:
-        """As `Prepared.words`."""
-        return Words("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
+    def description(self) -> Description:
+        """As `Prepared.description`."""
+        return Description("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: Build | None = None) -> Beam:
@@ -258,9 +258,10 @@ class Solution(NamedTuple):
     #: When the system was ready (`time.perf_counter`) [s].
     prepared_at: float
 
-    def verdict(self) -> Status:
+    @property
+    def status(self) -> Status:
         """Return the status of the solution."""
-        return verdict(self.outcome, self.system.round_off(), partial(unheld, self.system.problem))
+        return status_of(self.outcome, self.system.round_off(), partial(unheld, self.system.problem))
 
 
 class Unheld(NamedTuple):
@@ -374,13 +375,13 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     if isinstance(solved, Unheld):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
-    problem, status = system.problem, solved.verdict()
+    problem, status = system.problem, solved.status
     if outcome.status in NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
-    words = system.words()
-    report = report_of(outcome, system, words, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
-    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *words.left_out)
-    result = assemble_result(system.solved(), name, status, report, left_out, words.assumed)
+    description = system.description()
+    report = report_of(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
+    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *description.left_out)
+    result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
 
     def otherwise() -> Array | None:
         again = pin(solved.build.problem(), mechanism, True)
@@ -438,10 +439,10 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 def unheld(problem: Problem) -> Status:
     """Return the status of a screw that moved without limit: "not held" only where a linear program proves it."""
-    from rollbench.lowfi.statics.held import opening_motion, ran_away, words_of
+    from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
-    return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(words_of(motion)))
+    return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion)))
 
 
 def with_discretisation(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:

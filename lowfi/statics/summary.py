@@ -33,7 +33,7 @@ MODEL_ASSUMPTIONS = (
 
 #: Distance of the stations that the centreline is given at, besides the nodes [m].
 STATION = 10e-3
-#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
+#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what is there for a rigid one.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
 #: Balance of screw and balls, over the largest force or moment, beyond which nothing counts as converged.
 BALANCE = 1e-6

@@ -100,7 +100,7 @@ def tangent_stiffness(
     use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
     parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
     solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
-    status = solved.status if isinstance(solved, Unheld) else solved.verdict()
+    status = solved.status
     if isinstance(solved, Unheld) or status != "converged":
         return Tangent(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))

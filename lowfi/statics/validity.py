@@ -110,7 +110,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
 def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
     """Return a warning of balls whose contacts with both flanks of a groove lie within one ellipse.
 
-    The angles ``(N, 4)`` [rad] are apart by their sum. The flanks' arcs are one circle there, and two springs stand for one
+    The angles ``(N, 4)`` [rad] are apart by their sum. The flanks' arcs are one circle there, and two springs represent one
     contact.
     """
     half = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.radius

@@ -28,12 +28,12 @@ class DissipationTerms(NamedTuple):
 
 
 class CellArrays(NamedTuple):
-    """N balls pressed between the grooves of two rigid bodies: the inner one moves by u (m,), the outer one stands.
+    """N balls pressed between the grooves of two rigid bodies: the inner one moves by u (m,), the outer one is fixed.
 
     In the plane of each ball's section, axes x and z; contacts 0 and 1 are on the inner body, 2 and 3 on the outer one.
     """
 
-    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m], where the contacts' interference is told.
+    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m], at which the contacts' interference is given.
     start: Array
     #: Interference (N, 4) [m] along ``start``.
     interference: Array

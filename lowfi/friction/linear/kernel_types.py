@@ -59,7 +59,7 @@ class Smoothing(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room for Newton's method."""
+    """Work arrays for Newton's method."""
 
     #: Banded matrix (4 N, 11), and the same with room for exchanged rows (4 N, 16).
     K: Array

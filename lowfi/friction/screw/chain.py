@@ -227,10 +227,10 @@ class Search:
         )
         self.parts = parts_of(self.count)
 
-    def alone(self) -> Array:
+    def without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
         x = np.tile(self.groove.nominal, (self.count, 1))
-        self.kernels.alone(self.balls, x)
+        self.kernels.move_without_neighbours(self.balls, x)
         return x
 
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
@@ -305,7 +305,7 @@ def solve_chain(
         x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
             return _result(s, x, f, total, True)
-    alone = s.alone()
+    alone = s.without_neighbours()
     x, f, good, steps = s.direct(alone, np.zeros(s.count))
     total += steps
     if not good:

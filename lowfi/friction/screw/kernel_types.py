@@ -10,10 +10,10 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 
 
 class GrooveArrays(NamedTuple):
-    """Grooves of screw and nut as a ball in motion sees them.
+    """Grooves of screw and nut in the kinematics of a ball.
 
-    A ball's motion x (4,) is in surface speeds per ``speed``; a contact sees map @ (x - ride e_0), with the map affine in
-    its normal: affine[0] + n_x affine[1] + n_z affine[2].
+    A ball's motion x (4,) is in surface speeds per ``speed``; the motion at a contact is map @ (x - ride e_0), with the map
+    affine in its normal: affine[0] + n_x affine[1] + n_z affine[2].
     """
 
     #: Maps (3, 3, 4) of (vx, vz, spin) by x: constant, by n_x, by n_z.
@@ -53,7 +53,7 @@ class BallArrays(NamedTuple):
     strength: float
     #: Semi-axes [m] and mu F in the unit of force, (N, 4, 3).
     shape: Array
-    #: maps @ x + drives: what a contact sees (vx, vz, spin) as fractions of ``speed``; (N, 4, 3, 4) and (N, 4, 3).
+    #: maps @ x + drives: motion (vx, vz, spin) at a contact as fractions of ``speed``; (N, 4, 3, 4) and (N, 4, 3).
     maps: Array
     drives: Array
 

@@ -205,7 +205,7 @@ class Setting:
         gap = np.maximum(self.balls.gaps(self.balls.azimuth), 0.0)
         return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - the arcs stand in the nut
+    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - the arcs are fixed in the nut
         """Return the time until a ball passes an end of its loaded arc [s]; inf for a bearing, which has none."""
         if self.scene.track.lead == 0.0:
             return np.inf

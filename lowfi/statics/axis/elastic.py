@@ -48,7 +48,7 @@ from rollbench.lowfi.statics.response import (
     typical_axes,
 )
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.settle import SetFlanks, Words, least_residual, options_of
+from rollbench.lowfi.statics.settle import Description, SetFlanks, least_residual, options_of
 from rollbench.lowfi.statics.shaft import (
     Shaft,
     Squeeze,
@@ -148,9 +148,9 @@ class ElasticSets(Sets):
         motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
         return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
 
-    def words(self) -> Words:
-        """Return the description of the model, as `Prepared.words`."""
-        return Words(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
+    def description(self) -> Description:
+        """Return the description of the model, as `Prepared.description`."""
+        return Description(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
         """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N]."""

@@ -40,7 +40,7 @@ class Loose:
 def loose_motions(system: System) -> Loose:
     """Return the motions of shaft and housings as rigid bodies without resistance from supports, springs or elements.
 
-    As in `lowfi.statics.held.free_motions`, the motion at a ball's centre stands for its flanks.
+    As in `lowfi.statics.held.free_motions`, the motion at a ball's centre represents its flanks.
     """
     s = system.structure
     motions = rigid_motions(s, system.arm)
@@ -66,7 +66,7 @@ def loose_motions(system: System) -> Loose:
     if not null.shape[0]:
         return Loose(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
-    text = words_for(system, free)
+    text = describe_motions(system, free)
     if drives(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
         return Loose(True, f"{text}: no support, spring or rolling element resists it, and the loads drive it")
     rows_of = [0, *range(n, s.stations.size)]
@@ -76,7 +76,7 @@ def loose_motions(system: System) -> Loose:
     return Loose(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
 
-def words_for(system: System, free: Array) -> str:
+def describe_motions(system: System, free: Array) -> str:
     """Return a description of motions ``(r, 6)`` or ``(r, 6, k)`` of all rows as rigid bodies."""
     free = free.reshape(len(free), 6, -1)
     s, n = system.structure, system.structure.nodes.size
@@ -102,7 +102,7 @@ def pinned(system: System, loose: Loose) -> System:
     return replace(system, structure=structure, axis=system.axis._replace(fixed=fixed))
 
 
-#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
+#: Contact angle [rad] below which a contact of a one-way row lies beyond the bottom of its groove, or on it.
 APEX = 1e-6
 
 
@@ -161,11 +161,13 @@ def unheld(system: System) -> Status:
     """Return status of a shaft or housing that moved without limit: "not held" only where a linear program proves it."""
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(
-        partial(opening_motion, system), "the shaft or a ring", lambda motion: opens.format(words_for(system, motion))
+        partial(opening_motion, system),
+        "the shaft or a ring",
+        lambda motion: opens.format(describe_motions(system, motion)),
     )
 
 
-def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
+def reversed_status(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
     """Return the status of a one-way row whose balls carry load beyond the bottom of the groove.
 
     Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on beyond the

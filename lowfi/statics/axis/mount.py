@@ -25,7 +25,7 @@ DIFFERENCE = 1e-3
 #: differences of their logarithms over ``DIFFERENCE`` are known to this. Nuts that press one another carry one force: the
 #: slope then has no other direction.
 NOISE = ACCEPTED / DIFFERENCE
-#: Relative errors of a preload that are told, and that are a failure.
+#: Relative errors of a preload that are reported, and that are a failure.
 TOLD, FAILED = 1e-8, 1e-4
 #: Springs [N/m, N m] that tie an outer part to a housing that moves, in all but the axis.
 TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))

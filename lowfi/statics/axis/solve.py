@@ -45,14 +45,14 @@ from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
+    Description,
     Prepared,
     SetFlanks,
-    Words,
     least_residual,
     options_of,
     report_of,
     settled,
-    verdict,
+    status_of,
 )
 from rollbench.lowfi.statics.shape import lifted, rigid_transport
 from rollbench.lowfi.statics.static import Engine, pick_engine
@@ -256,9 +256,9 @@ class RigidSets(Sets):
         springs = spring_terms(self.system.structure, state.q, self.system.arm)
         return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
-    def words(self) -> Words:
+    def description(self) -> Description:
         """Return the description of the model; its assumptions are part of the model."""
-        return Words("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
+        return Description("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
     def slopes(self) -> Slopes:
         """Return the derivatives of the energy at the state."""
@@ -365,19 +365,19 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
     state, held = prepared.rows()
     proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
-    status = verdict(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
+    status = status_of(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
     if outcome.status in NO_LOADS:
         return failed(status)
-    words, (sets, whole) = prepared.words(), prepared.stiffness()
+    description, (sets, whole) = prepared.description(), prepared.stiffness()
     ending = Ending(
         status=status,
-        report=report_of(outcome, prepared, words, prepared.system.structure.nodes.size - 1, (start, ready), notes),
+        report=report_of(outcome, prepared, description, prepared.system.structure.nodes.size - 1, (start, ready), notes),
         loose=loose.text,
         held=held,
         sets=sets,
         whole=whole,
         model=model.name,
-        assumed=(*model.assumed, *words.assumed),
+        assumed=(*model.assumed, *description.assumed),
         left_out=model.left_out,
         shifts=[x.shift for x in prepared.flanks()],
         scale=outcome.scale,

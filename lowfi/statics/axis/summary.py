@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.rollers import slice_contacts, tapered
-from rollbench.lowfi.statics.axis.held import APEX, crossed
+from rollbench.lowfi.statics.axis.held import APEX, reversed_status
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
@@ -91,7 +91,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     warnings = tuple(w.of(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s)))
     status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
     if status == "converged":
-        status = crossed_row(system, sets, end.scale) or status
+        status = reversed_row(system, sets, end.scale) or status
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     at = asked(assembly)
     station = None if isinstance(at, str) else float(structure.nodes[asked_row(system)])
@@ -128,7 +128,7 @@ def judged_axis(status: Status, system: System, balance: Equilibrium, housings: 
     return status
 
 
-def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
+def reversed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
     """Return the status of a one-way row that is loaded against its direction; None where there is none.
 
     scale: largest force met [N].
@@ -139,7 +139,7 @@ def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> Stat
             if past.any():
                 worst = int(np.where(past, s.balls.load, 0.0).argmax())
                 load, angle = s.balls.load.flat[worst], s.balls.contact_angle.flat[worst]
-                return crossed(system, s.of.name, s.of.thrust, float(angle), float(load))
+                return reversed_status(system, s.of.name, s.of.thrust, float(angle), float(load))
     return None
 
 

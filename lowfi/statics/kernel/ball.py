@@ -41,13 +41,14 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
         b = 3 - a
         if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
             continue
+        # D = o_a - o_b, from the nominal w of both flanks, and its change v_a - v_b
         dx, dz = geometry[b, WX] - geometry[a, WX], geometry[b, WZ] - geometry[a, WZ]
         vx, vz = shift[a, 0] - shift[b, 0], shift[a, 1] - shift[b, 1]
         dist0 = sqrt(dx * dx + dz * dz)
         dist = sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
         if dist <= 1e-30 or dist0 <= 1e-30:
             continue
-        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)  # |D + v| - |D| without cancellation
         total, alone = closure[a] + change, geometry[1 - a, USE] == 0.0 and geometry[2 + a, USE] == 0.0
         if total > 0.0 or alone:
             # from b's groove centre along D + v by the size of w_b that gives b its share of the interference; the
@@ -89,7 +90,7 @@ def touch(
     """
     if profile.shape[1] > 0 or local.shape[0] > 0:
         return touch_any(x, z, y, shift, geometry, local, r_ball, profile, contact)
-    energy = 0.0  # arcs by themselves, no rows taken out: the compiler puts it where it is called
+    energy = 0.0  # a separate loop for arcs, without views of rows, so that the compiler inlines it
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] != 0.0:
@@ -107,7 +108,7 @@ def touch_any(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
     """Write and return the same as `touch` for flanks that are no arcs, and for elastic bodies."""
-    energy = 0.5 * y * y
+    energy = 0.5 * y * y  # of the body's amplitude, scaled to a stiffness of one
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
@@ -162,16 +163,18 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
             mx, mz, kn, kt = contact[s, MX], contact[s, MZ], contact[s, KN], contact[s, KT]
             gx += f * mx
             gz += f * mz
+            # block centre-centre: F' m m^T + F kt t t^T, as in `block`
             hxx += kn * mx * mx + kt * mz * mz
             hzz += kn * mz * mz + kt * mx * mx
             hxz += (kn - kt) * mx * mz
             if local.shape[0] > 0:
                 g = local[s, BODY]
                 gy -= f * g
+                # blocks centre-amplitude and amplitude-amplitude: the approach is m . w - g y
                 hxy -= kn * mx * g
                 hzy -= kn * mz * g
                 hyy += kn * g * g
-    bump = 1e-14 * (hxx + hzz)
+    bump = 1e-14 * (hxx + hzz)  # a ball on one contact is free across it
     hxx += bump
     hzz += bump
     if local.shape[0] > 0:
@@ -194,6 +197,7 @@ def body_step(
 
     Zeros where the Hessian is singular.
     """
+    # L L^T of the Hessian in the order (x, z, y)
     if hxx <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     lxx = sqrt(hxx)
@@ -207,6 +211,7 @@ def body_step(
     if left <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     lyy = sqrt(left)
+    # forward and backward substitution of -gradient
     sx = -gx / lxx
     sz = (-gz - lxz * sx) / lzz
     sy = (-gy - lxy * sx - lzy * sz) / lyy / lyy
@@ -301,7 +306,7 @@ def settle_ball(
     if profile.shape[1] == 0 and not elastic:
         first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
         energy = -1.0
-        if first > 0.0 and second <= 0.0:  # the pair by its number: the compiler then knows the places of its data
+        if first > 0.0 and second <= 0.0:  # the pair as a literal: the compiler then knows the offsets of its data
             energy = press_pair(0, first, p, shift, geometry, contact)
         elif second > 0.0 and first <= 0.0:
             energy = press_pair(1, second, p, shift, geometry, contact)
@@ -372,18 +377,19 @@ def flank_hessian(contact: Array, out: Array) -> None:
     h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed, not subtracted: no cancellation).
     """
     out[:, :] = 0.0
-    txx, txz, tzz = 0.0, 0.0, 0.0
+    txx, txz, tzz = 0.0, 0.0, 0.0  # H, the sum of all blocks h_s
     for s in range(4):
         x, y, z = block(contact, s)
         txx, txz, tzz = txx + x, txz + y, tzz + z
     det = txx * tzz - txz * txz
     if det <= 0.0:
         return
-    ixx, ixz, izz, flanks = tzz / det, -txz / det, txx / det, out.shape[0] // 2
+    ixx, ixz, izz, flanks = tzz / det, -txz / det, txx / det, out.shape[0] // 2  # H^-1
     for s in range(flanks):
         if contact[s, FORCE] <= 0.0:
             continue
         hxx, hxz, hzz = block(contact, s)
+        # a = h_s H^-1
         a00, a01 = hxx * ixx + hxz * ixz, hxx * ixz + hxz * izz
         a10, a11 = hxz * ixx + hzz * ixz, hxz * ixz + hzz * izz
         o = 2 * s
@@ -391,6 +397,7 @@ def flank_hessian(contact: Array, out: Array) -> None:
             if t == s or contact[t, FORCE] <= 0.0:
                 continue
             hxx, hxz, hzz = block(contact, t)
+            # h_s H^-1 h_t = ((x, y), (z, w)): added to block (s, s), negative in block (s, t)
             x, y = a00 * hxx + a01 * hxz, a00 * hxz + a01 * hzz
             z, w = a10 * hxx + a11 * hxz, a10 * hxz + a11 * hzz
             out[o, o] += x

@@ -51,6 +51,7 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 @kernel
 def force_of(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
     """Write the force and moment (6,) at node 2 that the deformation d (6,) of an element needs, from its constants."""
+    # plane x-z: u_x with r_y; plane y-z: u_y with r_x, of the other sign; then axial force and torque
     kuu, kur, krr, ka, kt = constants
     out[0] = kuu * d[0] - kur * d[4]
     out[4] = krr * d[4] - kur * d[0]
@@ -64,12 +65,13 @@ def force_of(d: Array, constants: tuple[float, float, float, float, float], out:
 def add_element(band: Array, node: int, length: float, section: Array) -> None:
     """Add an element's stiffness between ``node`` and the next one to the lower band (see ``matrices``)."""
     kuu, kur, krr, ka, kt = element_constants(length, section)
-    off = length * kur - krr
+    off = length * kur - krr  # between the rotations of both nodes
     i, j = 6 * node, 6 * node + 6
     # plane x-z (ux, ry): sign +; plane y-z (uy, rx): sign -
     for plane in range(2):
         sign = 1.0 if plane == 0 else -1.0
         u, r = (0, 4) if plane == 0 else (1, 3)
+        # node 1 with itself, then node 1 with node 2 (columns j), then node 2 with itself
         band[i + u, 0] += kuu
         band[i + r, 0] += krr
         band[i + u, r - u] += sign * kur
@@ -140,6 +142,7 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
         scale = max(scale, abs(p[0]), abs(p[1]), abs(p[2]))
         g[0], g[1], g[2], g[3], g[4], g[5] = fx - p[0], fy - p[1], fz - p[2], mx - p[3], my - p[4], mz - p[5]
         if i < last:
+            # strain d of the element, its end force k d, and the motion of the next node, T q + d
             e, k, length = d[i], beam.constants[i], beam.lengths[i]
             dx, dy, dz, da, db, dc = e[0], e[1], e[2], e[3], e[4], e[5]
             fx, fy, fz = k[0] * dx - k[1] * db, k[0] * dy + k[1] * da, k[3] * dz
@@ -226,7 +229,7 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
     room = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
-            o, t = 2 * s, 2 - 2 * s
+            o, t = 2 * s, 2 - 2 * s  # rows of this flank and of the other one in the ball's Hessian
             stiffness = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
             if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue

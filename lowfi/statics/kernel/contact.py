@@ -12,7 +12,7 @@ SETTLED = 1e-9
 @kernel
 def hertz(delta: float, c: float) -> tuple[float, float, float]:
     """Return force [N], its slope by the approach [N/m] and energy [J] of delta = c F^(2/3) > 0 [m] (Lin 2.14)."""
-    x = delta / c
+    x = delta / c  # F^(2/3)
     root = sqrt(x)
     return x * root, 1.5 * root / c, 0.4 * c * x * x * root
 
@@ -26,17 +26,18 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
     """
     if e == 0.0 and h == 0.0:
         return hertz(delta, c)
-    x = sqrt(delta / c)
+    x = sqrt(delta / c)  # F^(1/3) of Hertz's law, where the search begins
     low, high = 0.0, 1e300
     limit = turning(c, e, h)
     if limit > 0.0:
+        # beyond the edge: delta = edge + C (x^2 - limit^2)/2
         edge = limit * limit * (c + limit * (e + limit * h))
         if delta > edge:
             x = sqrt(limit * limit + 2.0 * (delta - edge) / c)
             return x * x * x, 3.0 * x / c, stored(limit, c, e, h) + 0.2 * c * (x**5 - limit**5)
         high = limit
         x = min(x, limit)
-    for _ in range(60):
+    for _ in range(60):  # Newton on C x^2 + e x^3 + h x^4 = delta, bracketed
         f = x * x * (c + x * (e + x * h)) - delta
         if f > 0.0:
             high = x
@@ -102,7 +103,7 @@ def flank(
     rho, rho1, rho2 = radius, 0.0, 0.0
     for _ in range(30):
         rho, rho1, rho2 = radius, 0.0, 0.0
-        power, slope, bend = 1.0, 0.0, 0.0
+        power, slope, bend = 1.0, 0.0, 0.0  # gamma^k and its two derivatives
         for k in range(profile.shape[0]):
             rho -= profile[k] * power
             rho1 -= profile[k] * slope
@@ -112,6 +113,7 @@ def flank(
             power = power * gamma
         c, s = cos(gamma), sin(gamma)
         along, across = ux * c + uz * s, -ux * s + uz * c
+        # (u - A(gamma)) . A'(gamma) = 0: the line from the centre u meets the profile at a right angle (Lin 2.27)
         f = (along - rho) * rho1 + across * rho
         slope_f = (across - rho1) * rho1 + (along - rho) * rho2 - along * rho + across * rho1
         if slope_f >= 0.0:
@@ -124,6 +126,7 @@ def flank(
     speed = sqrt(rho * rho + rho1 * rho1)
     nx, nz = (rho * c + rho1 * s) / speed, (rho * s - rho1 * c) / speed
     d = (rho * c - ux) * nx + (rho * s - uz) * nz  # negative for a centre beyond the arc: the approach keeps growing
+    # of a curve in polar coordinates
     curvature = (rho * rho + 2.0 * rho1 * rho1 - rho * rho2) / (speed * speed * speed)
     reach = 1.0 / curvature - d
     return r_ball - d, sx * nx, sz * nz, (1.0 / reach if reach > 0.0 else 0.0)

@@ -80,7 +80,7 @@ def minimise(given: Any, state: Any, options: Options, room: Any) -> Outcome:
     progress = Progress(residual, energy, 0, 0)
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         return Outcome(CONVERGED, iteration, evaluations, residual, energy, scale)
-    for iteration in range(1, options.most + 1):  # noqa: B007 - told at the end
+    for iteration in range(1, options.most + 1):  # noqa: B007 - reported at the end
         solved = False
         for _ in range(SHIFTS):
             shift = amount * options.stiffness * min(1.0, residual)

@@ -127,6 +127,7 @@ def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: fl
         apply_rows(rows, R[:, :, c], plain[c])
         Z[c] = plain[c]
         triangular(L, Z[c])
+    # Schur complement of the bordered system: (S R)^T M^-1 (S R)
     schur = np.dot(plain, Z.T) + hold * np.eye(k)
     if not cholesky_lower(schur):
         return False
@@ -153,16 +154,17 @@ def flank_rows(contact: Array, local: Array, rows: Array) -> int:
         for tangential in range(2):
             k = sqrt(contact[s, KN] if tangential == 0 else contact[s, KT])
             dx, dz = (mx, mz) if tangential == 0 else (-mz, mx)
+            # columns of A: centre x, z and amplitude; of B: motions of the flanks
             A[n, 0], A[n, 1] = k * dx, k * dz
             A[n, 2] = -k * local[s, BODY] if tangential == 0 else 0.0
             B[n, 2 * s], B[n, 2 * s + 1] = k * dx, k * dz
             n += 1
     if n == 0:
         return 0
-    A[n, 2] = 1.0
+    A[n, 2] = 1.0  # the amplitude's stiffness
     n += 1
     used = min(3, n)
-    for c in range(used):
+    for c in range(used):  # what is left of B below A's triangle is orthogonal to centre and amplitude
         norm = 0.0
         for i in range(c, n):
             norm += A[i, c] * A[i, c]
@@ -270,6 +272,7 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
             counts[i] = flank_rows(contact[i], contacts.local[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]
+            # rows along the normal and the tangent
             kn, kt = sqrt(contact[i, 0, KN]), sqrt(contact[i, 0, KT])
             S[i, 0, 0], S[i, 0, 1] = kn * mx, kn * mz
             S[i, 1, 0], S[i, 1, 1] = -kt * mz, kt * mx
@@ -453,7 +456,7 @@ def start_on_springs(given: BodySystem, state: BodyState, options: Options, room
 
     Where it can be found. No flank goes further from its opposite than ``options.furthest``, as in ``beam``, unless the
     loads
-    alone carry it there: a shaft that only contacts support is far away without their forces.
+    carry it there: a shaft that only contacts support is far away without their forces.
     """
     bodies, springs, v = given.bodies, given.springs, room.v
     balls, width = springs.shape[0], springs.shape[1]

@@ -14,7 +14,7 @@ from .contact import SETTLED
 
 #: Flanks of a ball whose places a roller's cone and cup take.
 CONE, CUP = 0, 2
-#: Approach of a slice over the sum of the sizes of its terms up to which round-off alone closes it: it counts as open.
+#: Approach of a slice over the sum of the sizes of its terms up to which only round-off closes it: it counts as open.
 ROUND_OFF = 2.0**-52
 
 

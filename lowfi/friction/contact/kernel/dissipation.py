@@ -121,6 +121,7 @@ def coordinate(x: float, y: float, h: float, b2: float) -> float:
 @kernel
 def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the potential by Carlson's integrals for the confocal coordinate ``low`` <= 1."""
+    # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
     p, t = rd_and_slope(low, cy, cx)
     q = p + 1.5 * (1.0 - b2) * t
@@ -131,6 +132,7 @@ def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     i_h = i_x + i_xh
     i_hh = 2.0 / (edge * cy * cx) - i_xh - i_yh if h > 0.0 else 0.0
     x2, y2, h2 = x * x, y * y, h * h
+    # psi_i = x_i f_i, then second derivatives
     f_x = 0.75 * (i_x - x2 * i_xx - y2 * i_xy - h2 * i_xh)
     f_y = 0.75 * (i_y - x2 * i_xy - y2 * i_yy - h2 * i_yh)
     f_h = 0.75 * (i_h - x2 * i_xh - y2 * i_yh - h2 * i_hh)
@@ -216,6 +218,7 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
     size = abs(turn)
     if size == 0.0:
         return DissipationTerms(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    # centre of rotation in units of a, and the regularising speed as the height above the ellipse
     x, y, h, b2 = vz / turn, -vx / turn, speed / size, (b / a) * (b / a)
     low = coordinate(x, y, h, b2)
     value, g_x, g_y, g_h, moment, xx, xy, yy, r_x, r_y, r_r = (

@@ -1,7 +1,7 @@
 """Motion of least dissipation with contacts at rest: a falling regularising speed, then rest imposed exactly.
 
 Dissipation of a body at elliptical contacts, and Newton's method for its minimum: unknown is the motion q (n,). Contact i
-sees (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength mu F. The convex function is sum_i strength_i
+has (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength mu F. The convex function is sum_i strength_i
 D_i(v_i; speed) - push . q.
 """
 

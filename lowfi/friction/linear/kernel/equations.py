@@ -48,9 +48,10 @@ def slide_and_spin(s: float, w: float, shape: Array) -> tuple[float, float, floa
     s f + w m, a norm, and its Hessian (3: ss, sw, ww); not at rest.
     """
     ratio, q0, k1, k3 = shape
-    if abs(s) >= abs(w):
+    if abs(s) >= abs(w):  # the centre of rotation lies outside the ellipse
         d = dissipation(1.0, ratio, 0.0, s, w, 0.0)
         return d.by_vz, d.by_spin, d.zz, d.z_spin, d.spin_spin
+    # t = c/a: closed form of `contact_shape`, and its derivatives
     t, sign = s / w, 1.0 if w > 0.0 else -1.0
     h = (k1 - 3.0 * k3 * t * t) / abs(w)
     return sign * t * (k1 - k3 * t * t), sign * (q0 - t * t * (0.5 * k1 - 0.75 * k3 * t * t)), h, -h * t, h * t * t
@@ -94,6 +95,7 @@ def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g:
                 continue
             f, m, ss, sw, ww = regularised(slip[j, i, 0], slip[j, i, 1], chain.shape, eps)
             nx, ny, arm = contacts[j, i, 0], contacts[j, i, 1], contacts[j, i, 4]
+            # slip and spin by v, R omega_x, R omega_y (Lin 3.22-3.24)
             rows = ((1.0, 0.0), (ny, arm * nx), (-nx, arm * ny))
             for k in range(3):
                 a, b = rows[k]
@@ -115,6 +117,7 @@ def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K:
             g[row] += bound * across[a]
             K[row, HALF + i + 3 - row] += slope * across[a]
             for b in range(2):
+                # (I - t t^T)/|sliding|: turn of the sliding direction
                 h = bound * ((1.0 if a == b else 0.0) - across[a] * across[b]) / eta
                 for column in (i + 1 + b, i + 5 + b):
                     K[row, HALF + column - row] += h
@@ -141,6 +144,7 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
             g[i] = -z[k]
             continue
         force, rate, slope = push_and_rate(z[k], smooth)
+        # axial balance of balls k and k + 1 (Lin 3.25)
         g[i - 3] += force
         g[i + 1] -= force
         K[i - 3, HALF + 3] += slope
@@ -148,6 +152,7 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
         stiff, scale = 1.0, 1.0
         if smooth == 0.0:
             stiff, scale = 1.0 / eps, 1.0 / (1.0 + rate)
+        # v_(k+1) - v_k = rate of the gap (Lin 3.30, 3.31)
         g[i] = scale * (stiff * pair[k, 0] + rate)
         K[i, HALF - 3] = scale * stiff
         K[i, HALF + 1] = -scale * stiff

@@ -111,7 +111,7 @@ def meeting(
 
 
 @kernel
-def alone(balls: BallArrays, x: Array) -> None:
+def move_without_neighbours(balls: BallArrays, x: Array) -> None:
     """Overwrite the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
@@ -128,7 +128,7 @@ REACH = 0.3
 
 
 @kernel
-def room(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
+def slack_left(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
     """Return the rest of the slack between ball k and the next, scaled."""
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
@@ -152,6 +152,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
             hessian[k, j, j] += hold[k]
             for q in range(j):
                 hessian[k, q, j] = hessian[k, j, q]
+    # what neighbours add: sliding friction and the force along the path (Lin 3.73-3.75)
     for k in range(n):
         ahead = (k + 1) % n
         u, v, size = rubbing(groove, x[k], x[ahead], eps)
@@ -163,7 +164,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
         balance[ahead, 0] -= closing * f[k]
         comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
         if balls.allowed[k] > 0.0:
-            left = room(groove, balls, x, k)
+            left = slack_left(groove, balls, x, k)
             size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
             comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
     return float(sqrt(np.sum(balance * balance) + np.sum(comp * comp)))
@@ -190,14 +191,16 @@ def couple(
         one, two = u * first[0, j] + v * first[1, j], u * second[0, j] + v * second[1, j]
         for q in range(4):
             r_one, r_two = u * first[0, q] + v * first[1, q], u * second[0, q] + v * second[1, q]
+            # I - t t^T between the sliding directions, t the direction of sliding: by the motion of first and second
             ff = first[0, j] * first[0, q] + first[1, j] * first[1, q] - one * r_one
             fs = first[0, j] * second[0, q] + first[1, j] * second[1, q] - one * r_two
             sf = second[0, j] * first[0, q] + second[1, j] * first[1, q] - two * r_one
             ss = second[0, j] * second[0, q] + second[1, j] * second[1, q] - two * r_two
             out[0, j, q], out[1, j, q], out[2, j, q], out[3, j, q] = bite * ff, -bite * fs, -bite * sf, bite * ss
-        out[0, j, 4], out[2, j, 4] = sliding * one, -sliding * two
+        out[0, j, 4], out[2, j, 4] = sliding * one, -sliding * two  # column 4: by the force between the balls
     out[0, 0, 4] += closing
     out[2, 0, 4] -= closing
+    # row 4: Fischer-Burmeister function by gap and force
     out[0, 4, 0], out[1, 4, 0] = -closing * slopes[k, 1], closing * slopes[k, 1]
     out[0, 4, 4] = slopes[k, 0]
 
@@ -231,7 +234,7 @@ def opening(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
     """Return the ball after the contact that is most clearly open: there a closed track may be cut."""
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
-        left = room(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
+        left = slack_left(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
         if left > most:
             start, most = (k + 1) % f.shape[0], left
     return start

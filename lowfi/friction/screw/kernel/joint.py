@@ -14,7 +14,18 @@ from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays, JointMatrix, JointSystem, Place
 from rollbench.lowfi.jit import kernel
 
-from .balance import REACH, contact_map, couple, dissipation, hertz_contact, opening, room, rubbing, seen, solve_with_pivots
+from .balance import (
+    REACH,
+    contact_map,
+    couple,
+    dissipation,
+    hertz_contact,
+    opening,
+    rubbing,
+    seen,
+    slack_left,
+    solve_with_pivots,
+)
 
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
 ON_SCREW = 2
@@ -33,8 +44,10 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
     vx, vz, spin = seen(groove, i, rows, x)
     d = dissipation(groove.C_a[i] * cube, groove.C_b[i] * cube, vx, vz, spin, eps * groove.speed)
     g[0], g[1], g[2] = d.by_vx, d.by_vz, d.by_spin
+    # rows 0 to 2: Hessian by (vx, vz, spin)
     h[0, 0], h[0, 1], h[0, 2], h[1, 1], h[1, 2], h[2, 2] = d.xx, d.xz, d.x_spin, d.zz, d.z_spin, d.spin_spin
     h[1, 0], h[2, 0], h[2, 1] = d.xz, d.x_spin, d.z_spin
+    # row 3: d(F g)/dF = g + F dg/dF; with semi-axes ~ F^(1/3) dg/dF = d(g)/d(spin) spin/(3 F), and g_spin ~ a more
     for r in range(3):
         h[3, r] = g[r] + spin * h[r, 2] / 3.0
     h[3, 2] += g[2] / 3.0
@@ -50,6 +63,7 @@ def _acts(
     """
     load[:] = 0.0
     pull[:] = 0.0
+    # rows 0, 1: force on the ball in x3, z3; rows 2 to 5: gradient by its motion; rows 6 to 8: force on the screw
     pull[2:6] = rows.T / speed
     load[0], load[1], pull[0, 0], pull[1, 0] = n_x, n_z, share * n_z, -share * n_x
     if on:
@@ -85,14 +99,16 @@ def ball_rows(
             _law(groove, i, f, rows, x, eps, g, h)
         _acts(n_x, n_z, rows, speed, share, share, on, load, pull)
         out += f * load + mu * f * (pull @ g)
-        by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))
-        for c in range(2):  # by n_x and n_z, taken apart
+        by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))  # columns 2 to 5: by the ball's motion
+        for c in range(2):  # derivatives by n_x and by n_z, taken as independent
             _acts(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
             seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
             turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
+        # by the position: dF/d(approach) along the normal, and the turn of the normal across it
         by_force = (1.5 * sqrt(d) / C[i]) * (load + mu * (pull @ h[3]))
-        across = (turned[1] * n_x - turned[0] * n_z) / size  # by a turn of the normal
+        across = (turned[1] * n_x - turned[0] * n_z) / size
         b_x, b_z = by_force * n_x - across * n_z, by_force * n_z + across * n_x
+        # columns 0, 1: ball's position; columns 6, 7: screw's, of the opposite sign
         by[:, 0] += b_x
         by[:, 1] += b_z
         if on:
@@ -121,19 +137,22 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     u, v = u / size, v / size
     mu = balls.mu[k]
     bite = mu * max(f[k], 0.0)
+    # sliding friction between the balls and their force along the path (Lin 3.73-3.75)
     for j in range(4):
         side[row + 2 + j] += bite * (u * first[0, j] + v * first[1, j])
         side[other + 2 + j] -= bite * (u * second[0, j] + v * second[1, j])
     side[row + 2] += closing * f[k]
     side[other + 2] -= closing * f[k]
     slopes, blocks = np.zeros((n, 2)), np.empty((4, 5, 5))
+    # row 6: complementarity of force and gap, Fischer-Burmeister
     side[row + 6], slopes[k, 0] = f[k], 1.0
     if balls.allowed[k] > 0.0:
-        left = room(groove, balls, x, k)
+        left = slack_left(groove, balls, x, k)
         root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - root
         slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
     couple(groove, balls, x, f, slopes, eps, k, blocks)
+    # blocks: ball k with itself, the next ball with itself, k with next, next with k
     for i in range(5):
         for j in range(5):
             K[row + 2 + i, HALF + j - i] += blocks[0, i, j]
@@ -170,6 +189,7 @@ def _pushed(
         if which == 0 or joined:
             K[at, HALF + row + 6 - at] -= share * (push[which, c] + sliding * along)
         for j in range(4):
+            # derivative of the sliding direction by the motions of the first and the second ball
             one = s_u * first[0, j] + s_v * first[1, j] - along * (u * first[0, j] + v * first[1, j])
             two = s_u * second[0, j] + s_v * second[1, j] - along * (u * second[0, j] + v * second[1, j])
             if which == 0 or joined:
@@ -200,6 +220,7 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
             for q in range(m):
                 shift[c] += section[k, c, q] * u[q]
         ball_rows(system, k, p[k], shift, x[k], share, eps, out, by)
+        # ball's rows: residual, its position and motion, columns of the screw
         for i in range(6):
             side[row + i] += out[i] / unit
             for j in range(6):
@@ -210,6 +231,7 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
         for j in range(4):
             side[row + 2 + j] += hold[k] * (x[k, j] - nominal[j])
             K[row + 2 + j, HALF] += hold[k]
+        # screw's rows: forces of the ball on it, projected on its free motions
         for q in range(m):
             for r in range(3):
                 side_u[q] -= rows[k, r, q] * out[6 + r] / unit
@@ -228,7 +250,7 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
     """Overwrite the matrix by its factors and write Newton's step to d; positions that nothing resists stay."""
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
-    top = 0.0
+    top = 0.0  # stiffest position: a tiny part of it keeps free positions where they are
     for k in range(n):
         top = max(top, K[SIZE * k, HALF], K[SIZE * k + 1, HALF])
     for k in range(n):
@@ -238,7 +260,7 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
     both[:, :m] = columns
     both[:, m] = -side
     solve_with_pivots(K, both, HALF)
-    if m > 0:
+    if m > 0:  # Schur complement of the balls for the screw's motions
         small, right = np.zeros((m, 3 * m + 1)), np.empty((m, 1))
         for q in range(m):
             right[q, 0] = -side_u[q] - np.sum(lines[q] * both[:, m])
