@@ -67,17 +67,41 @@ def contact_force(approach: Array | float, C: Array | float) -> Array:
 
 
 def contact_approach(force: Array | float, C: Array | float) -> Array:
-    """Return the approach C F^(2/3) [m] under a normal force [N] that is not negative: the inverse of `contact_force`."""
+    """Return the approach C F^(2/3) [m] under a normal force: the inverse of `contact_force`.
+
+    Parameters
+    ----------
+    force
+        Normal force F [N], not negative.
+    C
+        Constant of the contact [m/N^(2/3)]; shapes broadcast.
+    """
     return np.asarray(C * force ** (2.0 / 3.0))
 
 
 def contact_slope(approach: Array | float, C: Array | float) -> Array:
-    """Return the contact stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m] at an approach [m]; zero for a gap."""
+    """Return the contact stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m]; zero for a gap.
+
+    Parameters
+    ----------
+    approach
+        Approach of the bodies' distant points [m], negative for a gap.
+    C
+        Constant of the contact [m/N^(2/3)]; shapes broadcast.
+    """
     return np.asarray(1.5 * np.sqrt(np.maximum(approach, 0.0) / C) / C)
 
 
 def contact_stiffness(force: Array | float, C: Array | float) -> Array:
-    """Return the contact stiffness dF/d(approach) = 3 F^(1/3)/(2 C) [N/m] under a normal force [N]."""
+    """Return the contact stiffness dF/d(approach) = 3 F^(1/3)/(2 C) [N/m].
+
+    Parameters
+    ----------
+    force
+        Normal force F [N].
+    C
+        Constant of the contact [m/N^(2/3)]; shapes broadcast.
+    """
     return np.asarray(1.5 * np.cbrt(force) / C)
 
 

@@ -358,7 +358,15 @@ class SliceState:
 
 
 def middles(length: float, slices: int) -> Array:
-    """Return the middles of equal slices of a roller ``(n,)`` [m], between -L/2 and L/2."""
+    """Return the middles of equal slices of a roller ``(n,)`` [m], between -L/2 and L/2.
+
+    Parameters
+    ----------
+    length
+        L [m].
+    slices
+        Number n of slices.
+    """
     return length * ((np.arange(slices) + 0.5) / slices - 0.5)
 
 

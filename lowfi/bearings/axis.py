@@ -227,7 +227,19 @@ def unloading_warming(axis: Axis, stretch: float, expansion: float) -> float:
 
 
 def angular_speed(speed: float, lead: float) -> float:
-    """Return the angular speed of the screw [rad/s] at a carriage speed [m/s] and a lead [m] (Smith 4.12)."""
+    """Return the angular speed of the screw, 2 pi v/lead [rad/s].
+
+    Parameters
+    ----------
+    speed
+        Of the carriage v [m/s].
+    lead
+        [m].
+
+    References
+    ----------
+    Smith (1994), 4.12.
+    """
     return 2.0 * np.pi * speed / lead
 
 
@@ -324,7 +336,21 @@ class TorqueBudget:
 
 
 def acceleration_torque(inertias: Sequence[float], speed: float, time: float) -> float:
-    """Return torque that brings inertias [kg m^2] evenly to an angular speed [rad/s] in a time [s] (Smith 4.11) [N m]."""
+    """Return the torque of an even acceleration from rest, sum(J) omega/t [N m].
+
+    Parameters
+    ----------
+    inertias
+        Moments of inertia J [kg m^2].
+    speed
+        Angular speed omega that is reached [rad/s].
+    time
+        t [s].
+
+    References
+    ----------
+    Smith (1994), 4.11.
+    """
     return sum(inertias) * speed / time
 
 
@@ -472,9 +498,18 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
 
 
 def arrangement(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
-    """Return a set of equal rows, each ground with the same gap [m].
+    """Return a set of equal rows, each ground with the same gap.
 
     Closing the gap deflects two opposed rows by twice the gap together.
+
+    Parameters
+    ----------
+    row
+        The row.
+    directions
+        Of each row, +1 if it takes thrust along +, else -1.
+    gap
+        [m].
     """
     return BearingSet((row,) * len(directions), tuple(directions), (gap,) * len(directions))
 

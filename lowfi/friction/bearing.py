@@ -166,7 +166,23 @@ def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
 
 
 def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False) -> Solution:
-    """Return loads and the motion of least dissipation with Coulomb friction; arguments as for `bearing_load`."""
+    """Return loads and the motion of least dissipation of one ball, with Coulomb friction.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    force_x
+        Axial force on the inner ring [N].
+    u_y
+        Radial displacement of the inner ring towards the ball [m].
+    fast
+        Whether to use compiled kernels.
+
+    References
+    ----------
+    Lin (2019), 3.2, with exact Coulomb friction in place of the sigmoid 3.20.
+    """
     load = bearing_load(bearing, force_x, u_y)
     at = ball_contacts(bearing, load)
     problem = motion_problem(bearing, load, at)
@@ -310,7 +326,21 @@ def free_motion(case: BearingCase, angle: float) -> str:
 
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
-    """Return loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
+    """Return loads, motions and friction torque of a bearing.
+
+    Parameters
+    ----------
+    case
+        The bearing.
+    angle
+        Of the force from the axis [rad].
+    near
+        A similar state to begin from.
+
+    References
+    ----------
+    Lin (2019), 4.3.1.
+    """
     load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.inner))
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):

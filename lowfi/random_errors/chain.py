@@ -210,7 +210,16 @@ def end_ratio(chain: Chain, load: float) -> float:
 
 
 def calibrated(chain: Chain, ratio: float, load: float) -> Chain:
-    """Return the chain with the compliance for which `end_ratio` at a load [N] has a given value.
+    """Return the chain with the compliance for which `end_ratio` has a given value.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    ratio
+        Contact load of the last ball over that of the first, in (0, 1).
+    load
+        Axial load [N].
 
     Raises
     ------
@@ -305,10 +314,21 @@ class Ensemble:
 
 
 def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
-    """Return errors ``(count, balls)`` [m] of the chains ``first`` and on, uniform and independent within the half range.
+    """Return errors ``(count, balls)`` [m] of some chains, uniform and independent within the half range.
 
     Chain i has the numbers i M to (i + 1) M - 1 of the stream of ``seed``, so a chain does not depend on how many are
     drawn.
+
+    Parameters
+    ----------
+    seed
+        Of the random numbers.
+    first, count
+        Number of the first chain, and of chains.
+    balls
+        Number of balls M of a chain.
+    half_range
+        Largest size of an error [m].
 
     References
     ----------
@@ -415,5 +435,15 @@ class Percentile:
 
 
 def percentile(sample: Array, value: float, width: float = 0.0) -> Percentile:
-    """Return the rank of ``value`` in a sample ``(n,)``; width: half of what rounding hides, counted as equal."""
+    """Return the rank of a number in a sample.
+
+    Parameters
+    ----------
+    sample
+        ``(n,)``.
+    value
+        The number, in the sample's unit.
+    width
+        Half of what rounding hides of it, counted as equal.
+    """
     return Percentile(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)

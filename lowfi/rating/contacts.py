@@ -196,6 +196,13 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
     of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near the elastic
     limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
 
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    worst
+        The contact, see `worst_contact`.
+
     References
     ----------
     Palmgren (1959); Harris and Kotzalas (2007), ball against raceway.

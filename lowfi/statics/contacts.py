@@ -163,13 +163,28 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
 
 
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
-    """Return the constants of `drawn_hertz` ``(N, 4)``, computed once where all balls are alike; not to be written to."""
+    """Return the Hertz constants ``(N, 4)`` of every contact with its actual radii, at the nominal contact angle.
+
+    As `drawn_hertz`, computed once where all balls are alike; not to be written to.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    """
     h, shape = distinct_hertz(scene, drawn, drawn.ball_radius), (drawn.ball_radius.size, 4)
     return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
 
 
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
-    """Return Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
+    """Return the Hertz constants ``(N, 4)`` from the exact surfaces with all errors.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    gamma
+        Contact angles ``(N, 4)`` [rad].
 
     Raises
     ------
@@ -235,9 +250,16 @@ def error_free(scene: Scene) -> Scene:
 
 
 def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
-    """Return Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] before any update to the solved geometry.
+    """Return the Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] by the scene's ``hertz``.
 
-    ball_radius: as for `drawn_hertz`.
+    Before any update to the solved contact angles.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    ball_radius
+        Radii ``(..., N)`` [m] in place of the drawn ones.
     """
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz

@@ -53,7 +53,9 @@ class Elastic(OneSet):
     """Scene with elastic bodies, ready for the kernels."""
 
     SOLVER = "solve_forces"
+    #: Bodies and balls as the kernels take them.
     given: BodySystem
+    #: Forces, free motions and contacts.
     state: BodyState
     #: The screw's beam with its supports.
     shaft: Shaft

@@ -89,8 +89,12 @@ def nominal(scene: Scene) -> Scene:
 def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
     """Return the number of contacts that the nominal screw loads; 0 where it loads none or has no equilibrium.
 
-    solved: a converged result of the scene, whose contacts are counted where it is of `lin` and the scene has no other
-    errors.
+    Parameters
+    ----------
+    scene
+        The scene.
+    solved
+        A converged result of the scene, whose contacts are counted where it is of `lin` and the scene has no other errors.
     """
     bare = nominal(scene)
     if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):

@@ -134,6 +134,13 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 
     Built from differences, so that a nominal contact has an approach of zero to round-off of its errors.
 
+    Parameters
+    ----------
+    scene
+        The scene.
+    drawn
+        Its parts with their errors, of one specimen or many.
+
     Returns
     -------
         Vectors from groove to ball centre, their length and the nominal approach ``(..., N, 4, 4)`` [m], and pair closures

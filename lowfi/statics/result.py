@@ -184,6 +184,7 @@ class Solved(Answering):
     member: int = 0
     #: Force and moment of every support on the shaft, at its station ``(s, 6)`` [N, N m].
     reactions: Array = field(default_factory=lambda: np.zeros((0, 6)))
+    #: Names of the fields that are results.
     ANSWERS: ClassVar[tuple[str, ...]] = ("centreline", "equilibrium", "reactions")
 
     @property
@@ -222,6 +223,7 @@ class StaticResult(Solved):
     hertz_C: Array
     #: Largest pressures ``(n, 4)`` [Pa] of a model that computes them; None: by Hertz from the loads.
     pressure: Array | None = None
+    #: Names of the fields that are results.
     ANSWERS: ClassVar[tuple[str, ...]] = (
         *Solved.ANSWERS,
         "load",
@@ -270,6 +272,7 @@ class SetResult(Answering):
     roller_load: Array | None = None
     #: Loads per length of the rollers' slices ``(count, slices)`` [N/m]; None for balls.
     line_loads: Array | None = None
+    #: Names of the fields that are results.
     ANSWERS: ClassVar[tuple[str, ...]] = (
         "force",
         "moment",
@@ -318,6 +321,7 @@ class HousingResult(Answering):
     )
     #: Unbalanced force and moment over the largest force.
     residual: float = quantity("residual", "what is left of its balance, over the largest force")
+    #: Names of the fields that are results.
     ANSWERS: ClassVar[tuple[str, ...]] = ("motion", "wrench", "residual")
 
 
@@ -335,6 +339,7 @@ class AxisResult(Solved):
     station: float | None = None
     #: Tangent stiffness of the whole assembly there ``(6, 6)`` [N/m, N, N m]; None where that is fixed.
     stiffness: Array | None = None
+    #: Names of the fields that are results.
     ANSWERS: ClassVar[tuple[str, ...]] = (*Solved.ANSWERS, "sets", "housings")
 
     def of_balls(self) -> tuple[StaticResult, ...]:

@@ -32,7 +32,12 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
     every ball is tested against all four flanks, and the pair is built if one touches. The energy is convex, so a pair that
     carries nothing at the solution of the smaller problem changes nothing.
 
-    known: `distances` of the parts, where they have been computed.
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    known
+        `distances` of the parts, where they have been computed.
     """
     use = all_sides(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -125,11 +130,21 @@ def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
 def all_clear(
     centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
-    """Return in which of k solutions no ball comes nearer than ``margin`` [m] to a flank that was left out, ``(k,)``.
+    """Return in which of k solutions no ball comes near a flank that was left out, ``(k,)``.
 
-    A loaded ball must clear the flanks that are not in ``use`` ``(4,)`` where it is; an unloaded ball must find one
-    position,
-    of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)`` [N]; for the rest see `gaps`.
+    A loaded ball must clear the flanks that are not in ``use`` where it is; an unloaded ball must find one position, of two
+    tried, where it clears all four. Both are sufficient.
+
+    Parameters
+    ----------
+    centres, shift, geometry
+        As for `gaps`.
+    loads
+        Contact forces ``(k, N, 4)`` [N].
+    use
+        Flanks that are built ``(4,)``.
+    margin
+        Clearance that is asked for [m].
     """
     left_out = np.flatnonzero(~use)
     loaded = _extreme(np.maximum, loads) > 0.0

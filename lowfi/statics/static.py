@@ -129,7 +129,9 @@ class Beam(OneSet):
     """Screw as a beam, or rigid, in a rigid nut."""
 
     SOLVER = "solve_beam"
+    #: Beam and balls as the kernels take them.
     given: BeamSystem
+    #: Motions, deformations and contacts.
     state: RowState
 
     @property

@@ -14,16 +14,27 @@ class DissipationTerms(NamedTuple):
     By the sliding velocity (vx, vz) [m/s], the spin [rad/s] and the regularising speed [m/s].
     """
 
+    #: D [m/s].
     value: float
+    #: dD/dvx.
     by_vx: float
+    #: dD/dvz.
     by_vz: float
+    #: dD/dspin [m].
     by_spin: float
+    #: dD/dspeed.
     by_speed: float
+    #: Second derivative by vx and vx [s/m].
     xx: float
+    #: By vx and vz [s/m].
     xz: float
+    #: By vz and vz [s/m].
     zz: float
+    #: By vx and spin [s].
     x_spin: float
+    #: By vz and spin [s].
     z_spin: float
+    #: By spin and spin [m s].
     spin_spin: float
 
 

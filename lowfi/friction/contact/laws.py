@@ -64,14 +64,23 @@ class Dissipation:
 
 
 def contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
-    """Return contacts from semi-axes [m], normal force [N] and friction coefficient, broadcast to one shape ``(n,)``.
+    """Return contacts of one shape ``(n,)``, to which the arguments are broadcast.
 
     Friction is exact to 1e-10 of its size for b/a >= 0.01 (measured against quadrature), to 1e-8 at 1e-3, to 1e-7 at 1e-4.
+
+    Parameters
+    ----------
+    a, b
+        Semi-axes a >= b > 0 [m].
+    load
+        Normal force F >= 0 [N].
+    mu
+        Coefficient of friction >= 0.
 
     Raises
     ------
     ValueError
-        Unless a >= b > 0, all finite, F >= 0 and mu >= 0.
+        A number out of range or not finite.
     """
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (a, b, load, mu)))
     full = Contacts(*(np.array(v) for v in arrays))
@@ -175,10 +184,22 @@ def cubic_factor(ratio: ArrayLike) -> Array:
 
 
 def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Array:
-    """Return the largest error of factor c/a against the exact force over 0 < |c/a| <= reach, relative to the exact one.
+    """Return the largest error of a linear friction law factor c/a against the exact one, over 0 < |c/a| <= reach.
 
-    reach <= 1; Lin uses factor = 1.38 and reach = 0.5 (3.35, appendix G). The ratio of exact to linear is k_f - g t^2,
-    monotonous in t, so that the ends decide.
+    The ratio of exact to linear is k_f - g t^2, t = c/a, monotonous in t, so that the ends decide.
+
+    Parameters
+    ----------
+    ratio
+        b/a in (0, 1].
+    factor
+        Slope of the linear law; Lin uses 1.38.
+    reach
+        At most 1; Lin uses 0.5.
+
+    References
+    ----------
+    Lin (2019), 3.35 and appendix G.
     """
     if not 0.0 < reach <= 1.0:
         raise ValueError("reach must lie in (0, 1]: the force is a cubic inside the ellipse only")

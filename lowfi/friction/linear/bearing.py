@@ -92,7 +92,15 @@ def directions(angles: Array) -> Array:
 
 
 def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
-    """Return the semi-axes a >= b [m] of the contacts under normal forces ``loads`` [N]."""
+    """Return the semi-axes a >= b of the contacts [m].
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    loads
+        Normal forces [N], any shape.
+    """
     constants, root = bearing.hertz(), np.cbrt(loads)
     return np.asarray(constants.C_a * root), np.asarray(constants.C_b * root)
 
@@ -100,7 +108,12 @@ def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
 def deviations(theta: Array, *, mated: bool = False) -> Array:
     """Return deviations of the contact angles ``(..., 4)`` [rad] in Lin's case study: -theta, theta on the bottom groove.
 
-    mated: design (b) of Lin 3.3.4.2, the top groove made to match (see `mated_top`).
+    Parameters
+    ----------
+    theta
+        [rad], any shape.
+    mated
+        Whether the top groove is made to match (see `mated_top`): design (b) of Lin 3.3.4.2.
     """
     t = np.asarray(theta, dtype=float)
     bottom = np.stack([-t, t], axis=-1)
@@ -156,11 +169,20 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
 
 
 def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
-    """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles ``(N, 4)`` [rad].
+    """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
 
     Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball; negative loads
     are
     set to zero.
+
+    Parameters
+    ----------
+    angles
+        Contact angles ``(N, 4)`` [rad].
+    vertical
+        N_y [N].
+    side_ratio
+        rho = N_x/N_y ``(N,)``.
     """
     n, rho = directions(angles), np.asarray(side_ratio, dtype=float)
     carriage = vertical * np.stack([rho, -np.ones_like(rho)], axis=-1)

@@ -357,7 +357,25 @@ class PairResult:
 def pair_state(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, *, mated: bool = False, loads: Loads = "balanced"
 ) -> tuple[Array, Array]:
-    """Return contact angles [rad] and loads [N] of two balls under N_y and N_x = rho N_y, -rho N_y, ``(2, 4)`` each."""
+    """Return contact angles [rad] and loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
+
+    The balls are under N_y and N_x = rho N_y, -rho N_y.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    theta
+        Deviation of the contact angles on the bottom groove [rad].
+    rho
+        Side force ratio N_x/N_y.
+    vertical
+        N_y on each ball [N].
+    mated
+        Whether the top groove is made to match, design (b).
+    loads
+        How the loads are computed, see `solve_pair`.
+    """
     angles = bearing.contact_angle + deviations(np.array([theta, theta]), mated=mated)
     side = np.array([rho, -rho])
     if loads == "diagonal":
@@ -437,7 +455,21 @@ class PairMaps:
 
 
 def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
-    """Return both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
+    """Return both models over theta and rho (Lin Figures 3.14, 3.15).
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    theta
+        Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
+    rho
+        Side force ratios ``(R,)``.
+    vertical
+        N_y on each ball [N].
+    k_f
+        Slope of the friction force in the formulas.
+    """
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
         result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
@@ -451,7 +483,10 @@ def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f:
 def pair_formulas(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
-    """Return epsilon_1 - epsilon_2, force [N] and ratio of losses by Lin 3.43, 3.51, 3.53 at the loads before 3.54."""
+    """Return epsilon_1 - epsilon_2, force [N] and ratio of losses by Lin 3.43, 3.51, 3.53 at the loads before 3.54.
+
+    Arguments as for `maps`, for one theta and rho; mated: design (b).
+    """
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
     turn = deviations(np.array([theta, theta]), mated=mated)
     epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])

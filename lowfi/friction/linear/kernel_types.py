@@ -61,10 +61,13 @@ class Smoothing(NamedTuple):
 class Work(NamedTuple):
     """Work arrays for Newton's method."""
 
-    #: Banded matrix (4 N, 11), and the same with room for exchanged rows (4 N, 16).
+    #: Banded matrix (4 N, 11).
     K: Array
+    #: The same with columns for exchanged rows (4 N, 16).
     factors: Array
-    #: Residual, step and second step (4 N,).
+    #: Residual (4 N,).
     g: Array
+    #: Newton step (4 N,).
     step: Array
+    #: Second right-hand side (4 N,).
     other: Array

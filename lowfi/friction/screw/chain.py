@@ -116,6 +116,7 @@ class AnyChain(ABC):
 class Chain(AnyChain):
     """Balls of one size in the same grooves."""
 
+    #: The grooves.
     groove: ScrewGroove
 
     @property

@@ -208,9 +208,20 @@ def ball_motion(
 
 
 def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
-    """Return Lin's sigmoid: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70), omega_I sin(beta) of a bearing.
+    """Return Lin's sigmoid with the relative spin of a diagonal pair as its reference, omega_I sin(beta) for a bearing.
 
-    map_spacing: step in c/a of his interpolated maps; None: exact integrals.
+    Parameters
+    ----------
+    groove
+        The grooves.
+    sharpness
+        k_S.
+    map_spacing
+        Step in c/a of his interpolated maps; None: exact integrals.
+
+    References
+    ----------
+    Lin (2019), 3.20 and 3.70.
     """
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
     return Sigmoid(sharpness, spin, map_spacing)

@@ -109,8 +109,12 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
 
     Force and rate are complementary, so that balls that part stay apart.
 
-    guess: forces and motion of two balls from which both states are sought, in place of none and of the balls without
-    contact.
+    Parameters
+    ----------
+    pair
+        The two balls.
+    guess
+        Forces and motion from which both states are sought, in place of none and of the balls without contact.
     """
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
@@ -295,9 +299,16 @@ class Run:
 
 
 def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
-    """Return the deviation theta of the contact angles ``(N,)`` [rad] at azimuths ``(N,)`` on the screw (Lin Figure 3.23).
+    """Return the deviation theta of the contact angles ``(N,)`` [rad] (Lin Figure 3.23).
 
-    turned: angle of the nut [rad].
+    Parameters
+    ----------
+    run
+        The run.
+    azimuth
+        Of the balls on the screw ``(N,)`` [rad].
+    turned
+        Angle of the nut [rad].
     """
     own = azimuth - (turned if run.follows == "nut" else 0.0)
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))

@@ -135,10 +135,26 @@ def friction_state(
     both,
     neighbours push at the loads that each ball's own friction leaves, as in a run in time. Friction of a ring runs along
     its
-    groove and moves no ball. Arguments and errors as for `contacts_of` and `ball_friction`.
+    groove and moves no ball.
 
-    fast: whether to use compiled kernels; by default where they pay. A few balls do not wait for kernels to be compiled:
-    `lowfi.jit.compile_afterwards` does that.
+    Parameters
+    ----------
+    scene, result
+        The scene and its static result.
+    friction, drive
+        Coefficients, and the motion of screw or nut.
+    member
+        Number of the specimen that ``result`` was solved for.
+    fast
+        Whether to use compiled kernels; by default where they pay. A few balls do not wait for kernels to be compiled:
+        `lowfi.jit.compile_afterwards` does that.
+
+    Raises
+    ------
+    CircuitError
+        Impossible circuits of a scene with neighbours.
+    ValueError
+        A result that did not converge, no motion, or balls that overlap.
     """
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)

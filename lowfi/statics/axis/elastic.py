@@ -112,7 +112,9 @@ class ElasticSets(Sets):
     """Assembly of elastic bodies with N balls and m housings, ready for the kernels."""
 
     SOLVER = "solve_forces"
+    #: Bodies and rolling elements as the kernels take them.
     given: BodySystem
+    #: Forces, free motions and contacts.
     state: BodyState
     #: Model of the bodies' compliance.
     backend: Backend

@@ -235,7 +235,9 @@ class RigidSets(Sets):
     """Assembly with the shaft as a beam and rigid outer parts."""
 
     SOLVER = "solve_axis"
+    #: Shaft and rolling elements as the kernels take them.
     given: AxisSystem
+    #: Motions, deformations and contacts.
     state: RowState
 
     def flanks(self) -> Sequence[SetFlanks]:
